@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from .candidate import Candidate
     from .comparison import Comparison, compare
     from .engines import ENGINES, engine
-    from .files.documents import comparison_json, trajectory_json
     from .outcomes.outcome import OUTCOMES, Outcome
     from .reduction.minimise import minimise
     from .reduction.smallest import Smallest
+    from .report.documents import comparison_json, trajectory_json
     from .report.html import html_report
 
 __all__ = [
@@ -51,11 +51,11 @@ _HOMES = {
     "Outcome": "outcomes.outcome",
     "Smallest": "reduction.smallest",
     "compare": "comparison",
-    "comparison_json": "files.documents",
+    "comparison_json": "report.documents",
     "engine": "engines",
     "html_report": "report.html",
     "minimise": "reduction.minimise",
-    "trajectory_json": "files.documents",
+    "trajectory_json": "report.documents",
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""
 

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import pytest
 
 import truebreak as tb
-from truebreak.compare.files.tables import table
+from truebreak.compare.report.tables import table
 from truebreak.scenarios import SceneError
 
 

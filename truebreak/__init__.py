@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
-    from .compare.files.saved import load_comparison, load_run, resume, save_comparison, save_run
-    from .compare.files.tables import table
+    from .compare.files.saved import load_run, resume, save_run
     from .compare.logdiff.desync import diff
+    from .compare.report.tables import table
     from .compare.run import run
+    from .compare.saved_comparisons import load_comparison, save_comparison
     from .compare.scene_argument import scene_from as scene
     from .compare.testing.check import check
     from .compare.testing.golden import same
@@ -67,15 +68,15 @@ _HOMES = {
     "comparison": ("compare.comparison", "compare"),
     "diff": ("compare.logdiff.desync", "diff"),
     "load": ("scenarios.files", "load_scene"),
-    "load_comparison": ("compare.files.saved", "load_comparison"),
+    "load_comparison": ("compare.saved_comparisons", "load_comparison"),
     "load_run": ("compare.files.saved", "load_run"),
     "resume": ("compare.files.saved", "resume"),
     "run": ("compare.run", "run"),
     "same": ("compare.testing.golden", "same"),
-    "save_comparison": ("compare.files.saved", "save_comparison"),
+    "save_comparison": ("compare.saved_comparisons", "save_comparison"),
     "save_run": ("compare.files.saved", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
-    "table": ("compare.files.tables", "table"),
+    "table": ("compare.report.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

@@ -42,6 +42,7 @@ class Laboratory:
         decision: what was decided; None where no contact could be named.
         truth, own: the reference and the candidate at it.
         margin, got: the number that decides, in each.
+        first_time, last_time: when the first and the last of the meetings in question come, in either run.
         account: what the displacement is made of, once it is known.
         displacement: it, with what the decision itself is rounded by.
         chosen_before: whether the exact law resolves a tie as the candidate does, from its own state before.
@@ -57,6 +58,9 @@ class Laboratory:
         self.bits = judged.bits or DOUBLE_BITS
         self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
         turned = self.reference.reversal
+        self._rounds_to = self.bits if judged.rounds_input else None
+        times = [t for t in (divergence.time, divergence.expected_time, divergence.got_time) if t is not None]
+        self.first_time, self.last_time = min(times), max(times)
         self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
         self.truth = RunReader(self.reference, turned_after=self.turned)
         self.own = RunReader(
@@ -68,10 +72,6 @@ class Laboratory:
         self.account: Account | None = None
         self.displacement: float | None = None
         self.chosen_before = False
-
-    @property
-    def _rounds_to(self) -> int | None:
-        return self.bits if self.engine.rounds_input else None
 
     def _decision(self) -> DecidingNumber | None:
         """The decision that the candidate has otherwise; where its own flights have none, the closest.
@@ -96,18 +96,6 @@ class Laboratory:
     def pairings(self) -> list[Pairing]:
         """What the decision is between."""
         return [] if self.decision is None else self.decision.pairings
-
-    @property
-    def first_time(self) -> float:
-        """When the first of the meetings in question comes, in either run."""
-        parted = self.divergence
-        return min(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
-
-    @property
-    def last_time(self) -> float:
-        """When the last of the meetings in question comes, in either run."""
-        parted = self.divergence
-        return max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
 
     def run(self, judged: Engine, scene: Scene, until: float) -> Trajectory:
         """A run that no want of time has cut short.

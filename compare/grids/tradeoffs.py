@@ -14,7 +14,6 @@ from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
-from ..bench.computer import UNEVEN, computer
 from ..chaos.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
@@ -24,6 +23,7 @@ from ..files.amounts import double
 from ..outcomes.outcome import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study
+from .computer import LEAST_PROCESSES, MOST_PROCESSES, UNEVEN, computer
 from .grid import OnDone, carry_out
 from .row import Row, versions
 from .setting_ladder import RunSize, cost
@@ -32,7 +32,7 @@ from .store import Store
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
-    from ..bench.measured import Process
+    from .measured import Process
 
 SETTINGS = (
     "single",
@@ -134,7 +134,6 @@ ALL_DIGITS = 1_000.0
 MOST_WORK = 8_000_000
 """Counted work of the longest run that the table gives to one row: some ten seconds of pymunk."""
 
-LEAST_PROCESSES, MOST_PROCESSES = 2, 4
 
 STEADY = 1.05
 """Processes are started until the two fastest differ by no more than this."""
@@ -215,7 +214,7 @@ class TradeoffJob:
         ]
 
     def _measured(self, until: str) -> list[Process]:
-        from ..bench.measured import measure
+        from .measured import measure
 
         spec, (least, most) = self.subject.spec, self.processes
         found = [measure(spec, self.engine, until) for _ in range(least)]

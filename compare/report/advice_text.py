@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..files.documents import Encoder
 from ..grids.goals import Digits, OutcomeGoal
 from ..grids.setting_search import End
+from .documents import Encoder
 
 if TYPE_CHECKING:
     from ..grids.setting_search import Advice, Tried

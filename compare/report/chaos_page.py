@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..files.amounts import counted
-from ..files.documents import chaos_json
 from .curves import Band, Curve, plot
+from .documents import chaos_json
 from .listing import laid_out
 from .output import console, grid, say
 from .page import Download, download, file_name, limits_of, provenance_of, rendered, scene_file, stem_of

@@ -14,9 +14,9 @@ from markupsafe import Markup
 
 from ...scenarios.pictures import scene_picture
 from ..files.amounts import counted
-from ..files.documents import orders_json
 from ..outcomes.outcome import pattern
 from ..outcomes.permitted import PermittedPatterns, Relation
+from .documents import orders_json
 from .listing import laid_out
 from .orders_text import choices_phrase, orders_sentence, velocities_phrase
 from .page import Download, download, file_name, provenance_of, rendered, scene_file, stem_of

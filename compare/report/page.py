@@ -26,8 +26,8 @@ from ...scenarios.files import dump_json, dump_toml
 from ...scenarios.pictures import STYLE
 from ...scenarios.trajectory import StopReason
 from ..engines import ENGINES
-from ..files.documents import comparison_json
 from ..picture import engine_css
+from .documents import comparison_json
 from .listing import laid_out
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.trajectory import Trajectory
-from ..files.documents import trajectory_json
 from ..logdiff.desync import Desync, diff
 from ..logdiff.log_format import FORMAT
+from ..report.documents import trajectory_json
 from ..writing import write_whole
 
 GOLDEN_SCHEMA = "truebreak/golden-1"

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from truebreak.compare.adapters.adapter import NotInstalled
 from truebreak.compare.adapters.billiards import table_of
 from truebreak.compare.adapters.perfect_physics import world_of
-from truebreak.compare.bench.computer import timed
 from truebreak.compare.deadline import uninterrupted
 from truebreak.compare.engines import engine, suggestion
+from truebreak.compare.grids.computer import timed
 from truebreak.scenarios.catalogue import build
 from truebreak.scenarios.trajectory import Contact
 

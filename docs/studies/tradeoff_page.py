@@ -12,10 +12,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from truebreak.compare.bench.speed_report import idleness_of, load, rows_of
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.tradeoffs import SUBJECTS, digits_shown
 from truebreak.compare.report.pictures.tradeoff_plot import tradeoff_plot
+from truebreak.compare.report.speed_report import idleness_of, load, rows_of
 from truebreak.scenarios.errors import SceneError
 
 HEAD = """# Run time against error, measured

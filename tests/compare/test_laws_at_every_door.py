@@ -18,8 +18,6 @@ from truebreak.compare import minimise as smallest
 from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.engines import engine as engine_named
-from truebreak.compare.files.documents import sweep_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.family_sweep import SweepJob, plan
 from truebreak.compare.grids.goals import Digits, HistoryGoal, OutcomeGoal
 from truebreak.compare.grids.stress_families import MapPlace
@@ -27,6 +25,8 @@ from truebreak.compare.grids.stress_map import StressJob
 from truebreak.compare.grids.suite_file import Suite, Task, run_suite, since, suite_json
 from truebreak.compare.grids.survival import summaries
 from truebreak.compare.reduction.smallest import End
+from truebreak.compare.report.documents import sweep_json
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError, catalogue
 

@@ -59,8 +59,8 @@ def chaos(
     from ...chaos.chaos import DEFAULT_ENGINES
     from ...chaos.chaos import chaos as measured
     from ...engines import split_engines
-    from ...files.documents import chaos_json
     from ...report.chaos_page import print_chaos
+    from ...report.documents import chaos_json
     from ...report.listing import print_json
     from ...scene_argument import changed
     from ...writing import check_writable, write_whole

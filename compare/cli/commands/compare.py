@@ -30,7 +30,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
     from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
     from ...engines import split_engines
-    from ...files.documents import comparison_json
+    from ...report.documents import comparison_json
     from ...report.listing import print_json
     from ...report.terminal import print_comparison
     from ...writing import check_writable, write_whole
@@ -61,7 +61,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
-        from ...files.saved import save_comparison
+        from ...saved_comparisons import save_comparison
 
         save_comparison(comparison, save)
     if held.as_json:

@@ -64,7 +64,7 @@ def diff(
     known = None if scene is None else scene_from(scene)
     found = [compared(logs[0], other, ignore=ignored, scene=known) for other in logs[1:]]
     if html is not None:
-        from ...logdiff.desync_page import desync_html
+        from ...report.desync_page import desync_html
         from ..options import command_of
 
         write_whole(html, desync_html(found, command=command_of(click.get_current_context())))

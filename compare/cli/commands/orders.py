@@ -41,8 +41,8 @@ def orders(
     """
     from ....scenarios.errors import SceneError
     from ...engines import engine
-    from ...files.documents import orders_json
     from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
+    from ...report.documents import orders_json
     from ...report.listing import print_json
     from ...report.orders_text import print_orders
     from ...scene_argument import scene_from, with_settings

@@ -111,7 +111,7 @@ def run(
 
         write_certificate(trajectory, certificate)
     if as_json:
-        from ...files.documents import trajectory_json
+        from ...report.documents import trajectory_json
         from ...report.listing import print_json
 
         print_json(trajectory_json(trajectory, exact=exact, watch=watch))

@@ -39,7 +39,7 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     claimed, and what stands in the way is named.
     """
     from ....scenarios.files import dump_toml
-    from ...files.documents import shadow_json
+    from ...report.documents import shadow_json
     from ...report.listing import print_json
     from ...report.shadow_text import print_shadow
     from ...scene_argument import scene_from

@@ -116,11 +116,11 @@ def sweep(
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
     """
     from ...engines import split_engines
-    from ...files.documents import sweep_json
     from ...grids.family_sweep import csv_parts, plan
     from ...grids.grid import carry_out
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
+    from ...report.documents import sweep_json
     from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
     from ...report.sweep_text import print_sweep

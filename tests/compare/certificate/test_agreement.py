@@ -16,7 +16,7 @@ from certificate.checkers import by_node, by_python, needs_node
 from certificate.samples import built
 from certificate.test_tampering import Told, altered, parts, shown_true
 from truebreak.compare.certificate import certificate_json, certificate_of
-from truebreak.compare.files.schema import schema
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Scene
 

@@ -14,8 +14,8 @@ import pytest
 from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.stress_families import stress_family
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall

@@ -18,9 +18,9 @@ from truebreak.compare.chaos.horizon import LEVELS, EventTime, Forecaster, Horiz
 from truebreak.compare.chaos.spectrum import rate, spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
-from truebreak.compare.files.documents import chaos_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.report.chaos_page import horizon_rows, sentences
+from truebreak.compare.report.documents import chaos_json
+from truebreak.compare.report.schema import schema
 from truebreak.compare.tangent.hazard import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine

@@ -19,8 +19,8 @@ from ended import ended_at
 
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit
-from truebreak.compare.files.schema import schema
 from truebreak.compare.orders.all_orders import all_orders, search_orders
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.simulation.decider import History, Noted
 from truebreak.exact.simulation.loop import Loop

@@ -13,10 +13,10 @@ from command_line import said
 
 import truebreak as tb
 from truebreak.compare import Comparison, compare, comparison_json
-from truebreak.compare.files.saved import comparison_of, saved_comparison
-from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
+from truebreak.compare.report.schema import schema
+from truebreak.compare.saved_comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import SceneError, catalogue
 from truebreak.scenarios.disk import digest
 

@@ -14,9 +14,10 @@ from mutated import mutated
 
 import truebreak as tb
 from truebreak.compare import compare
-from truebreak.compare.files.saved import GoingOn, comparison_of, run_of, saved_comparison, saved_run
+from truebreak.compare.files.saved import GoingOn, run_of, saved_run
 from truebreak.compare.grids.suite_file import parsed_suite, read_report, run_suite, since, suite_json
 from truebreak.compare.report.grid_tables import print_suite
+from truebreak.compare.saved_comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import SceneError, catalogue
 from truebreak.scenarios.disk import digest
 

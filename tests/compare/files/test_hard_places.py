@@ -18,10 +18,11 @@ import pytest
 
 import truebreak as tb
 from truebreak.compare.files import cache
-from truebreak.compare.files.saved import save_comparison, save_run
+from truebreak.compare.files.saved import save_run
 from truebreak.compare.grids.family_sweep import csv_parts
 from truebreak.compare.grids.family_sweep import plan as sweep_plan
 from truebreak.compare.grids.store import Store, merged
+from truebreak.compare.saved_comparisons import save_comparison
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.disk import UNFINISHED, Lines
 

@@ -17,7 +17,7 @@ from test_run_file import MANY_ROOTS, RUNS, assumed, pocketed
 import truebreak as tb
 from truebreak.compare import trajectory_json
 from truebreak.compare.files.saved import run_of, saved_run
-from truebreak.compare.files.schema import schema
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.numbers import ball

@@ -12,8 +12,8 @@ import pytest
 
 from truebreak.compare import compare, comparison_json, engine, trajectory_json
 from truebreak.compare.deadline import Clock
-from truebreak.compare.files.documents import COMPUTED, FORMS, keys_of
-from truebreak.compare.files.schema import DOCUMENTS, NAMES, schema, text
+from truebreak.compare.report.documents import COMPUTED, FORMS, keys_of
+from truebreak.compare.report.schema import DOCUMENTS, NAMES, schema, text
 from truebreak.scenarios import Scene, catalogue
 
 
@@ -124,8 +124,8 @@ def test_a_comparison_is_printed(text: str) -> None:
 
 @pytest.mark.parametrize("scene", ["lee", "rack:rows=3"])
 def test_orders_are_what_their_schema_says(scene: str) -> None:
-    from truebreak.compare.files.documents import orders_json
     from truebreak.compare.orders.all_orders import all_orders
+    from truebreak.compare.report.documents import orders_json
     from truebreak.exact import ExactEngine
 
     tree = all_orders(ExactEngine(), catalogue.build(scene), events=1, cap=3, samples=2)
@@ -149,8 +149,8 @@ def test_what_rests_on_less_than_proof_says_so() -> None:
 
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_a_schema_is_what_its_classes_say(name: str, root: Path) -> None:
-    written = (root / "compare" / "files" / "schemas" / f"{name}.json").read_text("utf-8")
-    assert written == text(name), "run: python -m truebreak.compare.files.schema"
+    written = (root / "compare" / "report" / "schemas" / f"{name}.json").read_text("utf-8")
+    assert written == text(name), "run: python -m truebreak.compare.report.schema"
 
 
 @pytest.mark.parametrize("place", FORMS)

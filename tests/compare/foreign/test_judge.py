@@ -13,9 +13,9 @@ from logs import lines_of, triples, without_limits, written
 
 from truebreak.compare import compare
 from truebreak.compare.cli.commands.foreign import floats_csv, floats_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine
 from truebreak.compare.foreign import log_engine as log_module
+from truebreak.compare.report.schema import schema
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import loads_json

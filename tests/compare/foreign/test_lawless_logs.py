@@ -14,9 +14,9 @@ from logs import lines_of, written
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
-from truebreak.compare.files.saved import comparison_of, saved_comparison
-from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine
+from truebreak.compare.report.schema import schema
+from truebreak.compare.saved_comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import catalogue
 
 SCENES = ("gas:seed=3", "gas:n=3", "sizes", "tennis")

@@ -16,12 +16,12 @@ import pytest
 from truebreak.compare import compare, engine
 from truebreak.compare.chaos.accuracy import end_error
 from truebreak.compare.cli.entry import main
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal, difference
 from truebreak.compare.grids.scene_family import nudged
 from truebreak.compare.grids.setting_ladder import RunSize, ladder
 from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, End, advise
 from truebreak.compare.report.advice_text import advice_json, sentences
+from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue

@@ -13,7 +13,6 @@ import pytest
 
 from truebreak.compare import compare, study
 from truebreak.compare.cli import main
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.suite_file import (
     COLUMNS,
@@ -27,6 +26,7 @@ from truebreak.compare.grids.suite_file import (
     since,
     suite_json,
 )
+from truebreak.compare.report.schema import schema
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import SceneError, catalogue
 

@@ -11,7 +11,6 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.engines import ENGINES, engine
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.engine_survey import (
     SCENES,
     SURVEYED,
@@ -23,6 +22,7 @@ from truebreak.compare.grids.engine_survey import (
     survey,
     survey_json,
 )
+from truebreak.compare.report.schema import schema
 from truebreak.compare.report.survey_page import page_text
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build

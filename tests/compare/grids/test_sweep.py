@@ -16,11 +16,11 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.cli import main
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, sweep
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.scene_family import Perturbed, displaced, family, shard_of, varied
 from truebreak.compare.grids.survival import fitted, proportion, summaries, survival
+from truebreak.compare.report.schema import schema
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
 GAS = ["gas:n=3", "--vary", "seed=1..6", "--engines", "single,double", "--events", "60"]

@@ -16,7 +16,6 @@ import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.files.schema import schema
 from truebreak.compare.grids import executors
 from truebreak.compare.grids.executors import do, executor_named
 from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning, sweep
@@ -32,6 +31,7 @@ from truebreak.compare.report.pictures.sweep_figures import (
     write_parquet,
 )
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
+from truebreak.compare.report.schema import schema
 from truebreak.scenarios import SceneError
 
 

@@ -25,11 +25,11 @@ from desync_trials import (
 )
 from desync_worlds import NONE, Fault, PymunkWorld, run
 
-from truebreak.compare.files.schema import schema
 from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
-from truebreak.compare.logdiff.desync_page import desync_html
 from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.report.desync_page import desync_html
+from truebreak.compare.report.schema import schema
 from truebreak.compare.validation import EngineError
 
 Lines = list[dict[str, Any]]

@@ -13,18 +13,18 @@ import pytest
 from command_line import said
 
 from truebreak.compare import compare
-from truebreak.compare.cli.commands.foreign import changes_of
 from truebreak.compare.comparison import Comparison, studied
 from truebreak.compare.deadline import Clock
-from truebreak.compare.files.documents import comparison_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.grids.family_sweep import SweepJob
 from truebreak.compare.grids.goals import OutcomeGoal
 from truebreak.compare.grids.row import compared
 from truebreak.compare.grids.scene_family import Perturbed
+from truebreak.compare.report.changes import changes_of
+from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.grid_tables import outcome_words
 from truebreak.compare.report.html import changed, html_report, kept
+from truebreak.compare.report.schema import schema
 from truebreak.compare.report.sentences import consequence_phrase
 from truebreak.compare.report.terminal import changed_text
 from truebreak.compare.testing.check import CheckFailed, check

@@ -11,11 +11,11 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.certificate.attached import with_certificates
-from truebreak.compare.files.documents import comparison_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.outcomes.outcome import pattern
 from truebreak.compare.outcomes.permitted import NEARBY, Relation, nearby, permitted_patterns
+from truebreak.compare.report.documents import comparison_json
+from truebreak.compare.report.schema import schema
 from truebreak.compare.report.sentences import pattern_phrase
 from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine

@@ -19,13 +19,13 @@ from tags import saved, tags
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
-from truebreak.compare.files.documents import comparison_json
-from truebreak.compare.files.schema import schema
 from truebreak.compare.report import page as page_provenance
 from truebreak.compare.report.chaos_page import chaos_html
+from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.html import SAME, UNTOLD, changed, kept, settled, value_text
 from truebreak.compare.report.page import events_csv, provenance, whole_name
 from truebreak.compare.report.player import JUMP, MOST_EVENTS, recording
+from truebreak.compare.report.schema import schema
 from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
 

@@ -9,13 +9,13 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..report.curves import Curve as Line
-from ..report.curves import plot
-from ..report.listing import laid_out
-from ..report.page import day, download, rendered, versions
-from .desync import Desync, gravest, report_json
-from .log_format import Record
-from .sides import Side
+from ..logdiff.desync import Desync, gravest, report_json
+from ..logdiff.log_format import Record
+from ..logdiff.sides import Side
+from .curves import Curve as Line
+from .curves import plot
+from .listing import laid_out
+from .page import day, download, rendered, versions
 
 MOST_STATES = 30_000
 """States that a page carries of each run: some 60 bytes each."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import groupby
@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
+from ..grids.computer import LEAST_PROCESSES, MOST_PROCESSES, Idleness, Took, calibration, computer, idleness
 from ..grids.row import Row, row_of
-from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown
-from .computer import Idleness, computer
+from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown, steady, subjects, tradeoffs
 
 if TYPE_CHECKING:
-    from ..report.output import TextTable
+    from ..grids.grid import Done
+    from .output import TextTable
 
 SCHEMA = "truebreak/bench-4"
 
@@ -205,7 +206,7 @@ def tables(report: Report) -> Iterator[TextTable]:
 
 def _scene(name: str, rows: list[Row]) -> TextTable:
     spec = next((f" ({subject.spec})" for subject in SUBJECTS if subject.name == name), "")
-    from ..report.output import grid
+    from .output import grid
 
     title = f"{name}{spec}, {rows[0].events:,} events; * is Pareto's front"
     table = grid("", "engine", "/ exact", "seconds", "agreed", "largest error", "digits", "outcomes", "memory",
@@ -233,3 +234,30 @@ def _outcomes(row: Row) -> str:
     if row.changed is None:
         return str(row.verdict)
     return f"wrong: {', '.join(row.changed)}" if row.changed else "right"
+
+
+def measure(
+    *,
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    processes: tuple[int, int] = (LEAST_PROCESSES, MOST_PROCESSES),
+    store: str = ":memory:",
+    progress: Callable[[Done], None] | None = None,
+) -> Report:
+    """Measures the table of run time against error.
+
+    Args:
+        scenes, engines: some of the table's; none means all.
+        processes: the fewest and the most for each row.
+        store: the file that keeps the rows; what is in it already is not measured again.
+        progress: called after each row.
+
+    Raises:
+        SceneError: for an unknown name, and a store of another machine or table.
+    """
+    loops = calibration()
+    rows = tradeoffs(subjects(scenes), engines, processes=processes, store=store, progress=progress)
+    samples = [row.samples for row in rows if row.samples is not None]
+    loops += [*(Took(*took) for sample in samples for took in sample["loops"]), *calibration()]
+    runs = [Took(*took) for sample in samples for took in sample["runs"]]
+    return Report(tuple(rows), idleness(runs, loops, [row.name for row in rows if row.samples and not steady(row)]))

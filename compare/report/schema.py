@@ -1,4 +1,4 @@
-"""JSON Schemas of what the command line prints: `python -m truebreak.compare.files.schema` writes them into `schemas/`.
+"""JSON Schemas of what the command line prints: `python -m truebreak.compare.report.schema` writes `schemas/`.
 
 Those of `DOCUMENTS` are made of the classes that `documents.py` encodes; the others are written by hand.
 """
@@ -32,7 +32,10 @@ DOCUMENTS = {
     ),
     "chaos-2": ("compare.chaos.chaos:Chaos", "Growth of errors along a run, as `truebreak chaos --json` prints it"),
     "shadow-2": ("compare.shadowing.shadow:Shadow", "A shadow of a run, as `truebreak shadow --json` prints it"),
-    "sweep-2": ("compare.files.documents:Sweep", "What the rows of a sweep say, as `truebreak sweep --json` prints it"),
+    "sweep-2": (
+        "compare.report.documents:Sweep",
+        "What the rows of a sweep say, as `truebreak sweep --json` prints it",
+    ),
 }
 """Of each schema, the class whose form it is, and the title."""
 

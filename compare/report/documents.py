@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...scenarios.numbers.quantity import real
 from ..deadline import Clock
-from .amounts import bounds, double, plain
-from .exact_text import ExactTexts
+from ..files.amounts import bounds, double, plain
+from ..files.exact_text import ExactTexts
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from ..chaos.chaos import Chaos, Grown
     from ..chaos.horizon import Horizon
     from ..chaos.spectrum import Rate, Spectrum
-    from ..cli.commands.foreign import Change
     from ..comparison import Comparison
     from ..grids.survival import Summary, Uncertainty
     from ..orders.all_orders import Leaf, OrderTree
     from ..outcomes.permitted import PermittedPatterns, Relation
     from ..shadowing.shadow import Proof, Shadow
     from ..tangent.growth import CertifiedGrowth
+    from .changes import Change
 
 REPORTED_SAMPLES = 50
 """Times at which the JSON of a comparison gives the separation."""
@@ -72,10 +72,10 @@ FORMS = {
     "seconds? rests_on",
     "compare.outcomes.permitted:PermittedPatterns": "by_policy all_orders=orders complete orders_followed=followed "
     "realisable nearby_tried=tried",
-    "compare.cli.commands.foreign:Change": "from=before to=after verdict_changed=verdict laws_changed=laws "
+    "compare.report.changes:Change": "from=before to=after verdict_changed=verdict laws_changed=laws "
     "divergence_changed=divergence outcomes_changed=outcomes sentence",
-    "compare.files.documents:PatternRow": "relation policy witness witness_certificate?",
-    "compare.files.documents:Reference": "engine parameters events stop certified assumptions outcomes return_error "
+    "compare.report.documents:PatternRow": "relation policy witness witness_certificate?",
+    "compare.report.documents:Reference": "engine parameters events stop certified assumptions outcomes return_error "
     "notes seconds? independently_checked? checker? certificate?",
     "compare.comparison:Comparison": "verdict sentence scene span reference candidates patterns=permitted left_out=cut "
     "changes?",
@@ -98,7 +98,7 @@ FORMS = {
     "compare.grids.survival:ChangedShare": "size count total low high",
     "compare.grids.survival:Uncertainty": "shares exponent low high",
     "compare.grids.survival:Summary": "engine verdicts median survival band law changed laws",
-    "compare.files.documents:Sweep": "settings scenes engines uncertainty failures",
+    "compare.report.documents:Sweep": "settings scenes engines uncertainty failures",
     "compare.shadowing.obstacle:Blocked": "kind=obstacle event message",
     "compare.shadowing.obstacle:StartDistance": "position velocity",
     "compare.shadowing.obstacle:Distance": "position velocity time circle",
@@ -414,7 +414,7 @@ def _comparison_reference(told: Comparison, _: Any) -> Reference:
 @computed("Comparison.sentence")
 def _comparison_sentence(comparison: Comparison, _: Any) -> str:
     """The sentence that the report leads with."""
-    from ..report.sentences import verdict_sentence
+    from .sentences import verdict_sentence
 
     return verdict_sentence(comparison)
 

@@ -1,4 +1,4 @@
-"""One row's run in a process of its own: `python -m truebreak.compare.bench.measured`.
+"""One row's run in a process of its own: `python -m truebreak.compare.grids.measured`.
 
 Reads one JSON object (`scene`, `engine`, `until`, `seconds`) and prints one: what each run took, the loop in turns with
 the runs, and memory.
@@ -13,8 +13,8 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..grids.executors import THREADS
 from .computer import Took, calibration, loop, memory, reset_peak, timed
+from .executors import THREADS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -14,23 +14,11 @@ import pytest
 from tradeoff_page import main as page_main
 
 from truebreak.compare import compare
-from truebreak.compare.bench.command import _words
-from truebreak.compare.bench.command import measure as measure_all
-from truebreak.compare.bench.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
-from truebreak.compare.bench.measured import measure
-from truebreak.compare.bench.speed_report import (
-    WITHIN,
-    Against,
-    RatioChange,
-    Report,
-    against,
-    check_scenes,
-    load,
-    rows_of,
-)
+from truebreak.compare.cli.commands.bench import _words
 from truebreak.compare.cli.entry import main
 from truebreak.compare.engines import ENGINES
-from truebreak.compare.files.schema import schema
+from truebreak.compare.grids.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
+from truebreak.compare.grids.measured import measure
 from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.tradeoffs import (
@@ -50,6 +38,18 @@ from truebreak.compare.grids.tradeoffs import (
     with_front,
 )
 from truebreak.compare.report.pictures.tradeoff_plot import CIRCLE, tradeoff_plot
+from truebreak.compare.report.schema import schema
+from truebreak.compare.report.speed_report import (
+    WITHIN,
+    Against,
+    RatioChange,
+    Report,
+    against,
+    check_scenes,
+    load,
+    rows_of,
+)
+from truebreak.compare.report.speed_report import measure as measure_all
 from truebreak.scenarios import SceneError, catalogue
 
 ONCE = (1, 1)
@@ -264,7 +264,7 @@ def test_the_exit_code_says_what_came_out(
 ) -> None:  # fmt: skip
     then = report(row("near-tie", "exact", 2.0), row("near-tie", "double", 1.0))
     now = report(row("near-tie", "exact", 2.0), row("near-tie", "double", change), idle=idle)
-    monkeypatch.setattr("truebreak.compare.bench.command.measure", lambda *_, **__: now)
+    monkeypatch.setattr("truebreak.compare.report.speed_report.measure", lambda *_, **__: now)
     path, plot = written(tmp_path / "a.json", then), tmp_path / "a.svg"
     with pytest.raises(SystemExit) as stop:
         main(["bench", "tradeoffs", "--scenes", "near-tie", "--against", path, "--svg", str(plot)])
@@ -282,7 +282,7 @@ def test_nothing_in_common_is_no_agreement(
     now = replace(
         then, tradeoffs=tuple(replace(one, verdict="refused", note="its process ended") for one in then.tradeoffs)
     )
-    monkeypatch.setattr("truebreak.compare.bench.command.measure", lambda *_, **__: now)
+    monkeypatch.setattr("truebreak.compare.report.speed_report.measure", lambda *_, **__: now)
     with pytest.raises(SystemExit) as stop:
         main(["bench", "tradeoffs", "--scenes", "near-tie", "--against", written(tmp_path / "a.json", then)])
     assert stop.value.code == 4

@@ -147,3 +147,6 @@ def memory() -> tuple[int, int] | None:
         return 1024 * int(lines["VmRSS"].split()[0]), 1024 * int(lines["VmHWM"].split()[0])
     except (OSError, KeyError, ValueError):
         return None
+
+
+LEAST_PROCESSES, MOST_PROCESSES = 2, 4

@@ -12,7 +12,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
 from ..alignment.align import Separation
 from ..comparison import Comparison
-from .amounts import no_formula
+from ..files.amounts import no_formula
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,1 +1,0 @@
-"""Figures of speed, each beside something timed in the same run."""
