@@ -18,12 +18,25 @@ REFERENCE_HUE, APART = 211.0, 24.0
 REFERENCE = "#2b6cb0"
 """The reference on a light page."""
 
-FIRST, TURN = 0.471, 0.367
-"""The first engine is orange, as a share of the hues that are left; each further one is turned by another such share.
-This turn keeps apart what has the same dash: by 49 units of CIELAB among 12 engines, by 31 among 24."""
+FIRST, TURN, ASIDE = 0.6, 0.632, 5
+"""The hue of the first engine that has no colour of its own, as a share of the hues that are left; by what share each
+next one is turned; and how many dashes they are ahead. These keep apart what has the same dash: by 49 units of CIELAB
+among 12 engines, by 31 among 24."""
 
 DASHES = ("7 4", "2 3", "11 3 2 3", "18 5", "11 3 2 3 2 3", "5 2 5 7")
 """Dashes of the engines compared. A solid line is the reference's alone."""
+
+OWN = {
+    "double": ("#8e250b", "#d50b0b"),
+    "interval": ("#c28800", "#fae7a8"),
+    "pymunk": ("#900ce9", "#8134f4"),
+    "single": ("#f25f8b", "#e7748b"),
+    "quad": ("#390b50", "#924f8d"),
+    "rounded": ("#15322b", "#d0f7fb"),
+}
+"""Engines that have the same colour on every page, a light and a dark one. They and the reference's blue lie 30 units
+of CIELAB apart at least, also for eyes that lack one kind of cones (by the matrices of Machado, Oliveira and Fernandes,
+IEEE Transactions on Visualization and Computer Graphics 15, 2009)."""
 
 
 class EngineStyle(NamedTuple):
@@ -40,36 +53,60 @@ class EngineStyle(NamedTuple):
 
 
 def engine_style(number: int) -> EngineStyle:
-    """The style of the engine compared at a place, from 0.
+    """The style at a place, from 0: those of `OWN`, then one hue after the other.
 
     >>> engine_style(0)
-    EngineStyle(light='hsl(21.95 72% 36%)', dark='hsl(21.95 80% 68%)', dash='7 4')
+    EngineStyle(light='#8e250b', dark='#d50b0b', dash='7 4')
     >>> len({engine_style(k)[:2] for k in range(100)})
     100
     """
-    share = (FIRST + TURN * number) % 1
+    if number < len(OWN):
+        light, dark = list(OWN.values())[number]
+        return EngineStyle(light, dark, DASHES[number])
+    dash = DASHES[(number + ASIDE) % len(DASHES)]
+    share = (FIRST + TURN * (number - len(OWN))) % 1
     hue = f"{(REFERENCE_HUE + APART + (360 - 2 * APART) * share) % 360:.4g}"
-    return EngineStyle(f"hsl({hue} 72% 36%)", f"hsl({hue} 80% 68%)", DASHES[number % len(DASHES)])
+    return EngineStyle(f"hsl({hue} 72% 36%)", f"hsl({hue} 80% 68%)", dash)
 
 
-def engine_css(count: int) -> str:
-    """Style sheet for engines: the class `eK` sets `--engine` and `--dash`."""
-    styles = [engine_style(number) for number in range(count)]
+def engine_styles(names: Sequence[str]) -> list[EngineStyle]:
+    """The styles of engines by their texts: an engine of `OWN` has its own, others the next that is free.
+
+    >>> engine_styles(["pymunk:dt=1/64", "double"])[1] == engine_style(0)
+    True
+    >>> len(set(engine_styles(["double", "pymunk:dt=1/64", "pymunk:dt=1/256", "mine"])))
+    4
+    """
+    own, taken, found = list(OWN), set[int](), list[EngineStyle]()
+    free = len(OWN)
+    for name in names:
+        family = name.partition(":")[0]
+        number = own.index(family) if family in OWN else free
+        if number in taken:
+            number = free
+        free += number == free
+        taken.add(number)
+        found.append(engine_style(number))
+    return found
+
+
+def engine_css(names: Sequence[str]) -> str:
+    """Style sheet for engines: the class `eK` sets `--engine` and `--dash` for the engine at place K."""
+    styles = engine_styles(names)
     light = "".join(f".e{k} {{ --engine: {s.light}; --dash: {s.dash}; }}\n" for k, s in enumerate(styles))
     dark = "".join(f"  .e{k} {{ --engine: {s.dark}; }}\n" for k, s in enumerate(styles))
     return f"{light}@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n"
 
 
-def plain_css(count: int) -> str:
+def plain_css(names: Sequence[str]) -> str:
     """The same for a picture that is a file of its own, on white: without variables, which few other programs read.
 
-    >>> print(plain_css(1), end="")
-    .e0 { stroke: hsl(21.95 72% 36%); stroke-dasharray: 7 4; } .dot.e0 { fill: hsl(21.95 72% 36%); stroke: none; }
+    >>> print(plain_css(["double"]), end="")
+    .e0 { stroke: #8e250b; stroke-dasharray: 7 4; } .dot.e0 { fill: #8e250b; stroke: none; }
     """
-    styles = [engine_style(number) for number in range(count)]
     return "".join(
         f".e{k} {{ stroke: {s.light}; stroke-dasharray: {s.dash}; }} .dot.e{k} {{ fill: {s.light}; stroke: none; }}\n"
-        for k, s in enumerate(styles)
+        for k, s in enumerate(engine_styles(names))
     )
 
 
@@ -98,7 +135,7 @@ def notebook_picture(reference: Trajectory, candidates: Sequence[Candidate]) -> 
         return scene_picture(reference.scene, standalone=True)
     _, number = min(parted)
     discs, marked, title = _parting(reference, candidates[number], number)
-    style = engine_css(number + 1)
+    style = engine_css([c.engine for c in candidates[: number + 1]])
     return draw(reference.scene, discs, title, marked=marked, standalone=True, style=style)
 
 

@@ -151,7 +151,7 @@ def chaos_html(chaos: Chaos, *, command: str = "") -> str:
     return rendered(
         "chaos.html.jinja",
         recording=played(chaos.scene, chaos.reference, [], name=name, title=name),
-        engines=max(1, len(chaos.horizons)),
+        engines=[horizon.engine for horizon in chaos.horizons] or [name],
         title=f"{chaos.scene.name}, chaos: truebreak",
         lead=sentences(chaos)[0],
         sentences=sentences(chaos)[1:],

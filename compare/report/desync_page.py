@@ -62,7 +62,7 @@ def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
     page = rendered(
         "desync.html.jinja",
         recording=played_logs(worst),
-        engines=max(1, len(worst.found.growing.by_body)),
+        engines=["log"] * max(1, len(worst.found.growing.by_body)),
         title=f"{worst.verdict.line}: truebreak diff",
         lead=worst.line,
         same=worst.verdict.same,

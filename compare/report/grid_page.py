@@ -58,7 +58,7 @@ def grid_page(
     return rendered(
         "grid.html.jinja",
         recording=None,
-        engines=0,
+        engines=(),
         title=title,
         summaries=[_figures(summary) for summary in summaries(store)],
         pictures=[Markup(picture) for picture in pictures],

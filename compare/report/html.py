@@ -356,7 +356,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
     return rendered(
         "report.html.jinja",
         recording=recording(comparison),
-        engines=len(comparison.candidates),
+        engines=[candidate.engine for candidate in comparison.candidates],
         title=f"{comparison.scene.name}: truebreak",
         sentence=verdict_sentence(comparison),
         comparison=comparison,

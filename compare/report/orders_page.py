@@ -232,7 +232,7 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
     return rendered(
         "orders.html.jinja",
         recording=_recording(scene, found),
-        engines=max(1, min(len(found), max(MOST_PLAYED, MOST_DRAWN) + 1) - 1),
+        engines=["outcome"] * max(1, min(len(found), max(MOST_PLAYED, MOST_DRAWN) + 1) - 1),
         title=f"{scene.name}, all orders: truebreak",
         sentence=orders_sentence(scene, tree, stop),
         complete=tree.complete,

@@ -11,7 +11,7 @@ import os
 import platform
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
@@ -52,13 +52,13 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def rendered(template: str, *, recording: Mapping[str, Any] | None, engines: int, **values: Any) -> str:
+def rendered(template: str, *, recording: Mapping[str, Any] | None, engines: Sequence[str], **values: Any) -> str:
     """One offline page.
 
     Args:
         template: the name of its template, which extends `page.html.jinja`.
         recording: what the player shows; None for a page without one.
-        engines: how many styles of engines the page needs.
+        engines: those whose styles the page needs, by their texts.
         values: what the template tells.
     """
     environment = _environment()

@@ -286,7 +286,7 @@ def player_page(comparison: Comparison) -> str:
     return rendered(
         "widget.html.jinja",
         recording={**data, "embedded": True},
-        engines=len(comparison.candidates),
+        engines=[candidate.engine for candidate in comparison.candidates],
         title=f"{comparison.scene.name}: player",
         provenance=provenance(comparison),
         player=COMPARED,

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
-from ..picture import engine_style
-
 if TYPE_CHECKING:
     from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
@@ -171,10 +169,8 @@ def ticks(end: float, count: int = 6) -> list[float]:
 
 def _drawn(line: Graph, scale: Scale) -> list[str]:
     points = " ".join(f"{scale.x(t):.1f},{scale.y(v):.1f}" for t, v in zip(line.times, line.values, strict=True))
-    kind, dash = f"series e{line.number}", engine_style(line.number).dash
     parts = [
-        f'<polyline class="{kind}" stroke-dasharray="{dash}" points="{points}">'
-        f"<title>{escape(line.label)}</title></polyline>"
+        f'<polyline class="series e{line.number}" points="{points}"><title>{escape(line.label)}</title></polyline>'
     ]
     if line.diverged is not None and line.diverged <= scale.end:
         x, y = scale.x(line.diverged), scale.y(_at(line, line.diverged))

@@ -51,8 +51,8 @@ def law_points(rows: Iterable[Row]) -> dict[str, list[tuple[float, float]]]:
     return found
 
 
-def standalone(svg: str, engines: int = 0) -> str:
-    """An SVG element of a page as a file of its own, with the styles of so many engines."""
+def standalone(svg: str, engines: Sequence[str] = ()) -> str:
+    """An SVG element of a page as a file of its own, with the styles of these engines."""
     head, rest = svg.split("\n", 1)
     told = f"<style>\n{plain_css(engines)}</style>\n" if engines else ""
     return f"{head}\n{STYLE}\n{told}{rest}\n"
@@ -61,7 +61,10 @@ def standalone(svg: str, engines: int = 0) -> str:
 def survival_svg(told: Sequence[Summary]) -> str:
     """The share of scenes whose history still agrees, over events, an engine a curve."""
     curves = [Curve(summary.engine, staircase(summary.survival), f"e{k}") for k, summary in enumerate(told)]
-    return standalone(plot("Share of scenes whose history still agrees", "event", "share", curves), len(told))
+    return standalone(
+        plot("Share of scenes whose history still agrees", "event", "share", curves),
+        [summary.engine for summary in told],
+    )
 
 
 def law_svg(rows: Iterable[Row], told: Sequence[Summary]) -> str:
@@ -78,4 +81,4 @@ def law_svg(rows: Iterable[Row], told: Sequence[Summary]) -> str:
             lines.append(Curve(f"line {summary.engine}", line, styles[summary.engine]))
     dots = [Curve(engine, points, styles[engine]) for engine, points in clouds.items()]
     svg = plot("Time of divergence over ln(1/eps)/lambda", "ln(1/eps)/lambda", "time", lines, dots=dots)
-    return standalone(svg, len(styles))
+    return standalone(svg, [*styles])

@@ -9,7 +9,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from ...picture import REFERENCE, engine_style
+from ...picture import REFERENCE, engine_styles
 
 if TYPE_CHECKING:
     from ...grids.row import Row
@@ -116,8 +116,9 @@ def _look(family: str, families: Sequence[str]) -> tuple[str, str]:
     """The colour of an engine, and its mark."""
     if family == EXACT:
         return REFERENCE, CIRCLE
-    number = [name for name in families if name != EXACT].index(family)
-    return engine_style(number).light, MARKS[number % len(MARKS)]
+    others = [name for name in families if name != EXACT]
+    number = others.index(family)
+    return engine_styles(others)[number].light, MARKS[number % len(MARKS)]
 
 
 def _mark(place: tuple[float, float], look: tuple[str, str], filled: bool, told: str) -> str:
