@@ -8,7 +8,7 @@ units, relatively. docs/audit.md derives the constants.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb, arb_mat
@@ -397,7 +397,8 @@ class Laws:
     ) -> Iterator[Residual]:
         """Several contacts of one instant: whatever the order, pushes along the lines of centres that keep the energy.
 
-        The strengths s >= 0 that come nearest to the change are found in doubles; what they leave is enclosed.
+        The strengths s >= 0 that come nearest to the change are found in doubles, and sharpened to the engine's bits;
+        what they leave is enclosed.
         """
         links = [*dict.fromkeys(pairs)]
         met = {link: self.meeting(link, instant, events) for link in links}
@@ -420,16 +421,12 @@ class Laws:
         for k, (x, y) in change.items():
             root = math.sqrt(self.things[k].share)
             wanted[k] = float(x.mid()) / root, float(y.mid()) / root
-        strengths = strengths_of(columns, wanted)
+        strengths = self._sharpened(strengths_of(columns, wanted), columns, links, met, change)
         bent = max(met[link].bent for link in links)
         rounds = max(len(pairs), len(links))
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
         for k in circles:
-            x, y = change[k]
-            for link, strength in zip(links, strengths, strict=True):
-                if k in link:
-                    push = arb(strength) * self.things[k].weight * (1 if k == link[1] else -1)
-                    x, y = x - push * met[link].nx, y - push * met[link].ny
+            x, y = self._unexplained(k, change[k], links, strengths, met)
             granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * bent + LEAST
             found = Residual("impulse", (k,), length_of(x, y), granted)
             if found.size - found.room > worst.size - worst.room:
@@ -440,6 +437,41 @@ class Laws:
             room += float(mass) * max(before.speed, left.speed) * granted
         yield worst
         yield Residual("energy", links[0], size_of(energy), room)
+
+    def _unexplained(
+        self, k: int, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
+        met: Mapping[tuple[int, int], Meeting],
+    ) -> tuple[arb, arb]:  # fmt: skip
+        """What pushes of these strengths leave of a circle's change of velocity."""
+        x, y = change
+        for link, strength in zip(links, strengths, strict=True):
+            if k in link:
+                push = strength * self.things[k].weight * (1 if k == link[1] else -1)
+                x, y = x - push * met[link].nx, y - push * met[link].ny
+        return x, y
+
+    def _sharpened(
+        self, rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]],
+        links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], Meeting], change: Mapping[int, tuple[arb, arb]],
+    ) -> list[arb]:  # fmt: skip
+        """Strengths to an engine's bits: what those in doubles leave is explained by the same contacts again."""
+        strengths = [arb(strength) for strength in rough]
+        pushing = [c for c, strength in enumerate(rough) if strength > 0.0]
+        for _ in range(math.ceil(max(0.0, -math.log2(self.unit) - DOUBLE_BITS) / BITS_GAINED) if pushing else 0):
+            left: dict[int, tuple[float, float]] = {}
+            for k in change:
+                root = math.sqrt(self.things[k].share)
+                x, y = self._unexplained(k, change[k], links, strengths, met)
+                left[k] = float(x.mid()) / root, float(y.mid()) / root
+            for c, more in zip(pushing, _solved([columns[c] for c in pushing], left), strict=True):
+                strengths[c] += arb(more)
+        return strengths
+
+
+BITS_GAINED = 40
+"""Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
+
+DOUBLE_BITS = 53
 
 
 def _groups(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int) -> list[list[tuple[int, int]]]:

@@ -29,7 +29,7 @@ from truebreak.compare.scene_argument import scene_from
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
 
 SCENES = [
     "gas", "gas:n=10,mixed=yes", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin:n=3", "lee", "near-tie",
@@ -364,3 +364,17 @@ def test_audit_alignment_tangent_map_and_the_two_engines_need_no_large_package()
     """A browser runs them: neither numpy nor SymPy, mpmath or jinja2 is imported."""
     told = subprocess.run([sys.executable, "-P", "-c", BLOCKED], capture_output=True, text=True, check=False)
     assert (told.stdout.strip(), told.returncode) == ("True agree\nTrue", 0), told.stderr
+
+
+@pytest.mark.parametrize("name", ["interval:bits=106", "interval:bits=512"])
+def test_contacts_that_push_together_are_judged_to_the_bits_of_an_engine(name: str) -> None:
+    """Pushes are found in doubles: an engine of more bits keeps the law, and is seen to break it by less than these."""
+    judged, scene = engine(name), catalogue.build("tennis")
+    run = judged.run(scene, events=3)
+    assert len(run.events[0].contacts) == 2
+    assert audit_run(run, judged).kept is True
+    heavier = [
+        replace(c, m=c.m * (Quantity.of(1) + Quantity.of("10**-25"))) if c.id == "basketball" else c
+        for c in scene.circles
+    ]
+    assert audit_run(replace(run, scene=scene.with_changes(circles=heavier)), judged).kept is False
