@@ -234,7 +234,8 @@ class _Sum:
         there = self._in_turn(present, begin, end, rows, first, last)
         if there is not None and all(_size(value) <= FAINT * _size(self.whole) for value in there.values()):
             sizes = sorted(map(_size, there.values()))
-            return there, sizes[-1] * sizes[-2] / _size(self.whole)
+            whole = _size(self.whole)
+            return there, sizes[-1] * sizes[-2] / whole if whole else 0.0
         back = None if there is None else self._in_turn(present[::-1], begin, end, rows, first, last)
         if there is None or back is None:
             return None

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from ...exact.compiled import predictions
-
 STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 LOOPS = 20_000
@@ -112,6 +110,8 @@ def idleness(took: Iterable[Took], loops: Sequence[Took], unsteady: Sequence[str
 
 def computer() -> dict[str, str | int]:
     """What tells one machine from another, as far as its speed goes."""
+    from ...exact.compiled import predictions
+
     return {
         "processor": _processor(),
         "cores": os.cpu_count() or 1,

@@ -15,7 +15,8 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
-from ..chaos.horizon import LEVELS, Forecaster, follow
+from ..chaos.horizon import Forecaster, follow
+from ..chaos.levels import LEVELS
 from ..engines import engine as engine_named
 from ..study import Study
 from ..tangent.hazard import ErrorModel, model_of

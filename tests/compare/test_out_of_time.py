@@ -11,7 +11,7 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 
 from truebreak.compare import comparison, comparison_json, engine
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import margin
+from truebreak.compare.causes import laboratory
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.causes.laboratory import Laboratory
 from truebreak.compare.comparison import Comparison, compare
@@ -117,7 +117,7 @@ def test_what_of_a_step_was_not_tried_says_so(where: str, cause: CauseName, monk
 
 @pytest.mark.parametrize("where", ["_second_gap", "_error"])
 def test_a_margin_is_measured_as_far_as_there_is_time(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(margin, where, over)
+    monkeypatch.setattr(laboratory, where, over)
     _, candidate = told()
     assert candidate.diagnosis is not None
     assert candidate.diagnosis.name is CauseName.INPUT

@@ -145,11 +145,11 @@ def bench(
     store: str | None,
     as_json: bool,
 ) -> int:
-    """Measure run time against error: ten scenes, every engine, several settings.
+    """Measure run time against error.
 
-    Each answer is compared with the certified run. Each row runs in processes of its own, in turns with a loop of
-    Python that shows whether the machine was idle; memory is the peak of that process while it ran, above what it held
-    before.
+    Of ten scenes in every engine, at several settings. Each answer is compared with the certified run. Each row runs in
+    processes of its own, in turns with a loop of Python that shows whether the machine was idle; memory is the peak of
+    that process while it ran, above what it held before.
     """
     _, held = run(as_json=as_json, scenes=scenes, engines=engines, processes=processes, compared=compared, store=store,
                   svg=svg)  # fmt: skip

@@ -2,110 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ....scenarios.errors import SceneError
-from ....scenarios.numbers.quantity import Quantity
-from ...files.amounts import no_formula
 from .. import completion
 from ..options import SCENE, SCENE_HELP, HeldAgainst, Whole, a_file, examples, held_against
 from ..progress import DONE, of_comparison
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
-    from ....scenarios.things import Circle, Pocket, Wall
     from ...foreign.log_engine import LogEngine
-
-FLOATS_SCHEMA = "truebreak/floats-1"
-
-CIRCLE, WALL, POCKET = ("x", "y", "r", "vx", "vy", "m"), ("x0", "y0", "x1", "y1"), ("x", "y", "r")
-
-
-def floats_json(scene: Scene) -> dict[str, Any]:
-    """The scene in the nearest doubles; each thing has an `error` for each number: the exact one less the double.
-
-    A fixed circle has mass null. Times are doubles too.
-
-    Raises:
-        SceneError: for a number beyond the doubles.
-
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
-    1.850371707708594e-17
-    """
-    data: dict[str, Any] = {
-        "schema": FLOATS_SCHEMA,
-        "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
-        "circles": [_thing(c, CIRCLE) for c in scene.circles],
-        "walls": [_thing(w, WALL) for w in scene.walls],
-        "pockets": [_thing(p, POCKET) for p in scene.pockets],
-    }
-    for key in ("until", "reverse_at"):
-        if getattr(scene, key) is not None:
-            data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
-    for key in ("events", "reverse_after"):
-        if getattr(scene, key) is not None:
-            data[key] = getattr(scene, key)
-    return data
-
-
-def floats_csv(scene: Scene) -> str:
-    """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
-
-    The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
-
-    Raises:
-        SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
-    """
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
-                               ("pocket", scene.pockets, POCKET)):  # fmt: skip
-        for thing in things:
-            if no_formula(thing.id) != thing.id:
-                told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
-                raise SceneError(f"{told}; leave out --csv, or write another id")
-            pairs = [_pair(thing, key) for key in keys]
-            writer.writerow([kind, thing.id, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
-    return out.getvalue()
-
-
-def _thing(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
-    pairs = {key: _pair(thing, key) for key in keys}
-    row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
-    return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
-
-
-def _pair(thing: Circle | Wall | Pocket, key: str) -> tuple[float, float]:
-    value = getattr(thing, key)
-    return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
-
-
-def _finite(double: float) -> float | None:
-    return double if math.isfinite(double) else None
-
-
-def double_and_error(value: Quantity, label: str) -> tuple[float, float]:
-    """The nearest double, and the exact value less it, as a double.
-
-    Raises:
-        SceneError: beyond the doubles.
-    """
-    try:
-        double = float(value)
-        return double, float(value - Quantity.of(double))
-    except OverflowError:
-        raise SceneError(f"{label} is beyond the doubles; scale the scene down") from None
-
-
-# ----------------------------------------
-# The commands for engines that are not truebreak's own: `judge` and `export`.
 
 LOG_HELP = f"""{SCENE_HELP}
 
@@ -222,7 +131,6 @@ def judge(
 def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
     """The engine of one log, with what the command line declares of it."""
     from ....scenarios.engine import SCENE_KEYS
-    from ....scenarios.errors import SceneError
     from ....scenarios.settings import positive_time
     from ...engines import suggestion
     from ...foreign.log_engine import LogEngine
@@ -237,7 +145,6 @@ def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool
 
 def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
     """Limits that no log goes beyond: the earliest end of those that are not over, and the scene's own."""
-    from ....scenarios.errors import SceneError
 
     ends = {log.name: float(log.last.final_time) for log in engines if not log.over}
     if not ends:
@@ -264,7 +171,6 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     --csv a row is `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1` or `pocket,ID,x,y,r`, and the errors follow in the
     same order; the mass of a fixed circle is `inf` there, and null in JSON.
     """
-    from ....scenarios.errors import SceneError
     from ....scenarios.files import dump_json
     from ...report.listing import laid_out
     from ...scene_argument import scene_from
@@ -273,6 +179,8 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     if as_csv and not floats:
         raise SceneError("--csv: rows hold doubles; add --floats")
     loaded = scene_from(scene)
+    from ...report.floats import floats_csv, floats_json
+
     text = floats_csv(loaded) if as_csv else laid_out(floats_json(loaded)) if floats else dump_json(loaded)
     if out is not None:
         write_whole(out, text if text.endswith("\n") else f"{text}\n")

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
-from truebreak.compare.chaos.horizon import LEVELS, EventTime, Forecaster, Horizon
+from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
+from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.chaos.spectrum import rate, spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine

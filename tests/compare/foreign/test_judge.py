@@ -12,9 +12,9 @@ from command_line import said
 from logs import lines_of, triples, without_limits, written
 
 from truebreak.compare import compare
-from truebreak.compare.cli.commands.foreign import floats_csv, floats_json
 from truebreak.compare.foreign import LogEngine
 from truebreak.compare.foreign import log_engine as log_module
+from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.report.schema import schema
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, Wall, catalogue

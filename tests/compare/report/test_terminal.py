@@ -122,7 +122,7 @@ def test_help_of_bench_is_asked_for_like_any_other(capsys: pytest.CaptureFixture
         with pytest.raises(SystemExit) as stop:
             main(["bench", word])
         assert stop.value.code == 0
-        assert "gas-long" in capsys.readouterr().out
+        assert "run time against error" in capsys.readouterr().out
 
 
 def test_each_kind_of_file_is_told_its_own_remedy() -> None:

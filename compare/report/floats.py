@@ -1,0 +1,97 @@
+"""A scene in plain doubles, each with its error: what a program in any language starts from."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from typing import TYPE_CHECKING, Any
+
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ..files.amounts import no_formula
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.things import Circle, Pocket, Wall
+
+FLOATS_SCHEMA = "truebreak/floats-1"
+
+CIRCLE, WALL, POCKET = ("x", "y", "r", "vx", "vy", "m"), ("x0", "y0", "x1", "y1"), ("x", "y", "r")
+
+
+def floats_json(scene: Scene) -> dict[str, Any]:
+    """The scene in the nearest doubles; each thing has an `error` for each number: the exact one less the double.
+
+    A fixed circle has mass null. Times are doubles too.
+
+    Raises:
+        SceneError: for a number beyond the doubles.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
+    1.850371707708594e-17
+    """
+    data: dict[str, Any] = {
+        "schema": FLOATS_SCHEMA,
+        "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
+        "circles": [_thing(c, CIRCLE) for c in scene.circles],
+        "walls": [_thing(w, WALL) for w in scene.walls],
+        "pockets": [_thing(p, POCKET) for p in scene.pockets],
+    }
+    for key in ("until", "reverse_at"):
+        if getattr(scene, key) is not None:
+            data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
+    for key in ("events", "reverse_after"):
+        if getattr(scene, key) is not None:
+            data[key] = getattr(scene, key)
+    return data
+
+
+def floats_csv(scene: Scene) -> str:
+    """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
+
+    The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
+
+    Raises:
+        SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
+    """
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
+                               ("pocket", scene.pockets, POCKET)):  # fmt: skip
+        for thing in things:
+            if no_formula(thing.id) != thing.id:
+                told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
+                raise SceneError(f"{told}; leave out --csv, or write another id")
+            pairs = [_pair(thing, key) for key in keys]
+            writer.writerow([kind, thing.id, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
+    return out.getvalue()
+
+
+def _thing(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
+    pairs = {key: _pair(thing, key) for key in keys}
+    row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
+    return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
+
+
+def _pair(thing: Circle | Wall | Pocket, key: str) -> tuple[float, float]:
+    value = getattr(thing, key)
+    return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
+
+
+def _finite(double: float) -> float | None:
+    return double if math.isfinite(double) else None
+
+
+def double_and_error(value: Quantity, label: str) -> tuple[float, float]:
+    """The nearest double, and the exact value less it, as a double.
+
+    Raises:
+        SceneError: beyond the doubles.
+    """
+    try:
+        double = float(value)
+        return double, float(value - Quantity.of(double))
+    except OverflowError:
+        raise SceneError(f"{label} is beyond the doubles; scale the scene down") from None
