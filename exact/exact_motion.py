@@ -33,7 +33,7 @@ from .numbers.double_pairs import advanced_pairs, pair_of
 from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
 from .replay.contact import Link
-from .replay.state import ReplayState, Step, causal_past, replay, step_units
+from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
 from .simulation.decider import Knot, Mark
 from .simulation.loop import Tape
 
@@ -91,16 +91,23 @@ class RunLog:
         A state that came less far with these bits goes on from there, so that numbers asked for in the order of the
         run cost one replay together.
         """
+        ball.use_bits(bits)
         done, state = self._reached.pop(bits, (0, None))  # what is ended half-way is not kept
         if state is None or done > upto:
             done, state = 0, CentredState(self.scene, self.centred)
-        if done < upto or not done:
-            ball.use_bits(bits)
+        if done < upto:
             replay(state, self.steps, range(done, upto))
         while len(self._reached) >= STATES_KEPT:
             del self._reached[next(iter(self._reached))]
         self._reached[bits] = upto, state
         return state
+
+    def begins(self, other: RunLog, upto: int) -> bool:
+        """Whether another log has the same first `upto` steps, of the same scene: then its numbers are the same."""
+        if other is self:
+            return True
+        same = len(other.steps) >= upto and other.scene == self.scene
+        return same and all(one == two for one, two in zip(self.steps[:upto], other.steps[:upto], strict=True))
 
     def units(self, bits: int, upto: int) -> int:
         """The work of that."""
@@ -427,28 +434,6 @@ class Place:
         return advance(place, speed, when - flight.t)
 
 
-@frozen
-class Velocity:
-    """Computes a component of a circle's velocity."""
-
-    body: int
-    axis: int
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        flight = state.bodies[self.body].flight
-        return flight.vx if self.axis == 0 else flight.vy
-
-
-@frozen
-class Constant:
-    """A number that the scene gives."""
-
-    value: Quantity
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        return state.constant(self.value)
-
-
 class ExactMotion:
     """Positions and velocities at any time, as `ExactValue`s.
 
@@ -584,10 +569,13 @@ class ExactMotion:
     def _of_circle(self, i: int, time: RunTime) -> ExactRow:
         k = self._knot(i, time)
         t, x, y, vx, vy, upto, _ = self.knots[i][k]
+        where: Callable[[int], Formula] = lambda axis: Place(i, axis, time)  # noqa: E731
         if isinstance(time, ExactValue):
-            bodies = (i, *time.bodies)
-            upto = max(upto, time.upto)
             near_time = time.near
+            if time.log.begins(self.log, time.upto):
+                bodies, upto = (i, *time.bodies), max(upto, time.upto)
+            else:
+                bodies, where = (i,), lambda axis: OtherRun()
         else:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
@@ -595,8 +583,8 @@ class ExactMotion:
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
         return (
-            make(self.log, upto, bodies, Place(i, 0, time), near_x),
-            make(self.log, upto, bodies, Place(i, 1, time), near_y),
+            make(self.log, upto, bodies, where(0), near_x),
+            make(self.log, upto, bodies, where(1), near_y),
             make(self.log, upto, bodies, Velocity(i, 0), vx),
             make(self.log, upto, bodies, Velocity(i, 1), vy),
         )
@@ -614,7 +602,7 @@ class ExactMotion:
             used, which = np.unique(self._knots_at(i, at), return_inverse=True)
             pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
             sizes = np.abs(pairs[:, :, 0])
-            if np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
+            if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
                 result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
                 result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]

@@ -86,11 +86,20 @@ def budget(stopped: Stopped) -> list[Experiment]:
 
 
 def tied(stopped: Stopped) -> list[Experiment]:
-    """Whether several contacts fall on the exact instant at which it stopped: no width is tried at a proved tie."""
+    """Whether several contacts fall on the exact instant at which it stopped, and twice the bits stop there too.
+
+    Wider numbers are tried once: it may have stopped for something else, and numbers that are exact tell ties apart.
+    """
     events, event = stopped.reference.events, stopped.event
     if not stopped.widens or event >= len(events) or len(events[event].contacts) < 2:
         return []
-    told = f"several contacts fall on exactly one instant, event {event}: no enclosure of any width tells them apart"
+    past = _doubled(stopped, stopped.study.until_event(event), lambda run: len(run.events) > event, 0)
+    if past.enough is not None:
+        return []
+    told = (
+        f"several contacts fall on exactly one instant, event {event}, where enclosures overlap however wide: "
+        f"with {past.short} bits it stops there too"
+    )
     return [Experiment(CauseName["TIE"], told, None, True)]
 
 

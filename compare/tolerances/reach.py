@@ -140,6 +140,9 @@ TIGHT = 2.0**-36
 """A margin in doubles is off by some 2**-50 of the scene's measures; one of less than this share of them is taken from
 the exact run instead."""
 
+FLOWN = 2.0**-48
+"""Share of the way flown so far by which a place in doubles may be off besides."""
+
 LINEAR = 16.0
 """Errors this many times smaller than what they decide bend no flight by much: beyond that the first order tells
 whether a decision may be another, but no longer how far off a circle is."""
@@ -411,7 +414,8 @@ class ErrorWalk:
         first: Pairing | None = None,
     ) -> OutOfReach | None:
         """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
-        if abs(margin) < TIGHT * self.near.scale:
+        flown = float(np.hypot(*self.grown.velocity.T).max()) * time
+        if abs(margin) < TIGHT * self.near.scale + FLOWN * flown:
             own = self._pairing(i, j)
             value = self.reader.value(
                 DecidingNumber("hit", own) if first is None else DecidingNumber("order", first, own)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from math import isfinite
 from typing import Generic, Literal, NamedTuple, TypeAlias
 
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.work import product_units
@@ -564,3 +565,36 @@ def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) 
             step = Go(step.source, tuple(i for i in step.bodies if i in held))
         state.steps_done = k
         state.do(step)
+
+
+# -- Numbers of a state that are asked for again and again.
+
+
+@frozen
+class OtherRun:
+    """A place at a time of another run, which this run's log does not compute: what is at hand of it is told alone."""
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        raise ValueError("the time is one of another run; ask for the place at its digits, such as at(time.digits(40))")
+
+
+@frozen
+class Velocity:
+    """Computes a component of a circle's velocity."""
+
+    body: int
+    axis: int
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        flight = state.bodies[self.body].flight
+        return flight.vx if self.axis == 0 else flight.vy
+
+
+@frozen
+class Constant:
+    """A number that the scene gives."""
+
+    value: Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        return state.constant(self.value)

@@ -19,7 +19,7 @@ from truebreak.compare.cli.progress import of_comparison
 from truebreak.compare.foreign.guard import wider_of
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
-from truebreak.scenarios import Circle, Scene, StopReason, catalogue
+from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 
 DATA = Path(__file__).parents[1] / "data" / "verdict"
@@ -248,13 +248,28 @@ def test_how_many_bits_lead_to_the_end_is_read_off_a_wide_run_and_confirmed_by_a
     assert "--bits finds how many lead to the end" in plain.diagnosis.finding
 
 
-def test_no_width_is_tried_at_a_proved_tie(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_at_a_proved_tie_wider_numbers_are_tried_once(monkeypatch: pytest.MonkeyPatch) -> None:
     tried: list[object] = []
-    monkeypatch.setattr(stops, "wider_of", lambda engine: tried.append(engine) or wider_of(engine))
+    monkeypatch.setattr(stops, "wider_of", lambda engine: tried.append(engine.bits) or wider_of(engine))
     found = compare(catalogue.build("rack:rows=3"), ["interval"]).candidates[0]
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.TIE
-    assert len(tried) == 1  # whether there is a wider one at all
+    assert "with 106 bits it stops there too" in found.diagnosis.finding
+    assert set(tried) == {53}  # wider ones than 106 are not asked for
+
+
+def test_a_stop_beside_a_tie_is_not_called_one() -> None:
+    """Two others meet at one instant while a near graze stops enclosures of 53 bits; and a tie of exact numbers."""
+    apart = [Circle(0, y, vx=1) for y in (100, 200)] + [Circle(10, y) for y in (100, 200)]
+    graze = Scene([Circle(0, 0, vx=1), Circle(4, "2 + 1/2**58"), *apart], until=20)
+    place = "3 + 1/2**60"
+    exact = Scene([Circle(place, 0, vx=-1), Circle(place, 10, vx=-1)], [Wall(0, -5, 0, 5)], until=20)
+    for scene in (graze, exact):
+        found = compare(scene, ["interval"]).candidates[0]
+        assert found.verdict == "undecided"
+        assert found.diagnosis is not None
+        assert found.diagnosis.name is CauseName.WIDTH
+        assert compare(scene, ["interval:bits=128"], causes=False).verdict == "agree"
 
 
 def test_input_and_arithmetic_are_told_by_their_displacements() -> None:

@@ -105,3 +105,28 @@ def test_the_caller_keeps_its_precision():
     float(run.events[-1].time)
     run.final["c1"].x.digits(50)
     assert ctx.prec == 77
+
+
+def test_a_time_of_another_run_gives_no_wrong_digits() -> None:
+    """What is at hand of it is right; what this run's log would have to compute of it is refused."""
+    runs = [ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(x, y)])) for x, y in ((4, 1), (7, "1/2"))]
+    time = runs[0].events[0].time
+    circle = runs[1].at(time).circles[0]
+    assert float(circle.x) == pytest.approx(float(time), abs=1e-15)
+    with pytest.raises(ValueError, match="another run"):
+        circle.x.digits(60)
+
+
+def test_numbers_asked_for_in_any_order_and_precision_are_the_same() -> None:
+    run = ExactEngine().run(catalogue.build("gas"), events=30)
+    told = [event.time.digits(80) for event in run.events]
+    again = ExactEngine().run(catalogue.build("gas"), events=30)
+    for bits in (2000, 300, 900):
+        for event in (again.events[20], again.events[5], again.events[29]):
+            assert event.time.digits(80) == told[event.index]
+            assert event.time.ball(bits).rel_accuracy_bits() >= bits
+
+
+def test_samples_at_times_beyond_pairs_of_doubles() -> None:
+    run = ExactEngine().run(Scene([Circle(0, 0, vx=1)]), until="10**308")
+    assert run.sample([0.0, 1e305])[:, 0, 0].tolist() == [0.0, 1e305]
