@@ -167,6 +167,13 @@ def test_one_event_is_followed_through_few_modules() -> None:
     assert len(modules) <= 28, modules
 
 
+def test_one_verdict_is_followed_through_few_modules() -> None:
+    """And these to follow one comparison with its causes."""
+    modules = followed("verdict")
+    assert {"compare.comparison", "compare.alignment.align", "exact.simulation.loop"} <= set(modules) <= set(FILES)
+    assert len(modules) <= 70, modules
+
+
 def test_resolver_sees_relative_lazy_and_named_imports() -> None:
     source = (
         "import sympy\n"
