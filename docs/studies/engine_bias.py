@@ -417,7 +417,7 @@ def picture(scene: Scene, engines: Sequence[str] = DRAWN) -> tuple[str, dict[str
         curves.append(Curve(name, h_curve(run, POINTS), f"e{number - 1}" if number else "reference"))
         told[name] = h_returned(run)
     drawn = plot(f"Boltzmann's H of {scene.name}, turned back once", "time", "H", curves)
-    return standalone(drawn, len(curves) - 1), told
+    return standalone(drawn, list(engines[1:])), told
 
 
 LADDER = (

@@ -896,8 +896,8 @@ TOLD = (
     ),
     Mutant(
         "at_steps_of_the_knot", MOTION,
-        "            upto = max(upto, time.upto)\n",
-        "",
+        "bodies, upto = (i, *time.bodies), max(upto, time.upto)",
+        "bodies = (i, *time.bodies)",
         "the state at a time of the run is reckoned before the steps that tell the time",
     ),
     Mutant(

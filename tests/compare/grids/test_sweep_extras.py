@@ -22,7 +22,7 @@ from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.survival import ChangedShare, proportion, slope, summaries, uncertainty
-from truebreak.compare.picture import engine_style
+from truebreak.compare.picture import engine_styles
 from truebreak.compare.report.pictures.sweep_figures import (
     plot_changed,
     plot_law,
@@ -115,8 +115,7 @@ def test_any_number_of_engines_is_told_apart_and_no_label_is_cut(rows: Store) ->
         for name, label in labels.items():
             assert float(label.get("x", "")) + 6 * len(name) < wide
             assert float(label.get("y", "")) < tall
-        for k in range(len(names)):
-            style = engine_style(k)
+        for k, style in enumerate(engine_styles(names)):
             assert f".e{k} {{ stroke: {style.light}; stroke-dasharray: {style.dash}; }}" in text
             assert f'class="series e{k}"' in text
     clouds = [e for e in root.iter() if str(e.get("class")).startswith("dot e")]

@@ -10,6 +10,7 @@ from tags import tags
 
 from truebreak.compare import compare
 from truebreak.compare.comparison import Comparison
+from truebreak.compare.picture import engine_styles
 from truebreak.compare.report.html import html_report
 from truebreak.compare.report.plot import separation_plot, ticks
 from truebreak.compare.report.sentences import verdict_sentence
@@ -57,8 +58,8 @@ def test_the_plot_has_a_line_for_each_engine(gas: Comparison) -> None:
     plot = ElementTree.fromstring(separation_plot(gas))
     lines = [e for e in plot.iter() if e.tag.endswith("polyline")]
     assert len(lines) == 3
-    dashes = {line.get("stroke-dasharray") for line in lines}
-    assert len(dashes) == 3
+    assert [line.get("class") for line in lines] == [f"series e{k}" for k in range(3)]
+    assert len({style.dash for style in engine_styles([c.engine for c in gas.candidates])}) == 3
 
 
 def test_ticks_are_round() -> None:
