@@ -328,9 +328,8 @@ def _measured_at(reference: Trajectory, alignment: Alignment) -> list[float]:
     times = [] if parted is None else [parted.time, parted.expected_time, parted.got_time]
     events = reference.events if len(reference.events) <= MEASURED_EVENTS else ()
     known = [*(float(event.time) for event in events), *(time for time in times if time is not None)]
-    return [
-        math.nextafter(time, math.inf) for time in known
-    ]  # at a double an exact run may not know what side it is on
+    # at the double of an event an exact run may not know on what side of it that lies
+    return [math.nextafter(time, math.inf) for time in known]
 
 
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:

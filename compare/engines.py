@@ -1,4 +1,4 @@
-"""Finds engines that are not truebreak's own: `package.module:Class`, or by the name of an entry point."""
+"""Engines by name, truebreak's own and others, built from text such as `pymunk:dt=1/1000,iterations=30`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How engines are told apart: one colour and one dash for each, the same in every figure, for any number of them."""
+"""Pictures of runs as SVG, and the colour and dash by which engines are known in every figure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The packages of other engines, imported when they are needed."""
+"""What the adapters of other people's engines share: packages, settings, time steps, walls."""
 
 from __future__ import annotations
 

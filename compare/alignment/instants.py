@@ -1,4 +1,4 @@
-"""The first event at which two histories differ, and how they do."""
+"""Where two histories differ first, and whether an instant of several contacts is resolved alike in both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whom each body meets, in order: the form in which two histories are compared."""
+"""Whom each body meets, in order, in two runs side by side: the form in which histories are compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An interval for a rate from the blocks of one series: how far it would scatter if it were measured again."""
+"""The Lyapunov spectrum along one run, with intervals from blocks of the series."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command line's exit code says."""
+"""What a command says besides its result: the exit code, and progress on stderr."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines of text files that other programs wrote: what a log, and a line of JSON or CSV in it, is read by."""
+"""The log of an engine, read line by line, and in the place of an engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recording has taken down: events, and the flights between them."""
+"""The run of any engine, built from what it reports: who hits whom and when, or where everything is."""
 
 from __future__ import annotations
 

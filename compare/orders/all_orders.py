@@ -1,4 +1,4 @@
-"""One approaching contact at a time, chosen by a script: the branches of all sequential orders."""
+"""Every outcome that some sequential order of simultaneous impulses leads to, as a tree."""
 
 from __future__ import annotations
 

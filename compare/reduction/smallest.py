@@ -1,4 +1,4 @@
-"""Delta debugging: which items of a list are needed for something to remain."""
+"""The smallest scene that still shows something: what can be left out, and what a search for it comes to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chaos along one run in sentences and rows, and on the terminal."""
+"""Chaos along one run, on the terminal and as one HTML file that needs no network."""
 
 from __future__ import annotations
 

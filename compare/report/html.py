@@ -1,4 +1,4 @@
-"""What was foreseen of an engine, in words."""
+"""A comparison as one HTML file that needs no network."""
 
 from __future__ import annotations
 

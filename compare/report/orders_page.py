@@ -1,4 +1,4 @@
-"""The permitted patterns drawn small, side by side: whom each circle met, over the scene at the start."""
+"""All orders of simultaneous impulses as one HTML file that needs no network, patterns drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A number with its noun."""
+"""Standard output, lines and tables: plain ones are laid out here, what has colours or wraps by rich."""
 
 from __future__ import annotations
 

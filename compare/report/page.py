@@ -1,4 +1,4 @@
-"""Templates made into one page each, with the style, the scripts and the data inside."""
+"""What every HTML page has: templates, style, scripts and data inside, and where the report comes from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the player needs: motion is straight between events, so that the knots at events are all of it."""
+"""The player of a report: what it is given, and the same as a widget for notebooks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Instants of which a double tells no difference, told apart."""
+"""A comparison on the terminal: one sentence, a table, the first divergence side by side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far an engine's run is from a certified one of the same contacts: proved bounds, over all of the time."""
+"""Whether a shadow is found: proved distances from a run, or what stands in the way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An engine's run as it tells it: the contacts in order, and where each circle is between them."""
+"""An engine's run as nodes of a fixed order of contacts, and the true orbit nearest to them."""
 
 from __future__ import annotations
 

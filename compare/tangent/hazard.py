@@ -1,4 +1,4 @@
-"""By how much each meeting of a run was decided: how far a circle may be displaced before another comes of it."""
+"""How near errors of an engine come to turning the decisions of a run over."""
 
 from __future__ import annotations
 

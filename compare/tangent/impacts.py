@@ -1,4 +1,4 @@
-"""Where two circles of an exact run graze: nearby runs part there, into those that hit and those that miss."""
+"""The impacts of a run, with the numbers that its tangent map needs, and where circles graze."""
 
 from __future__ import annotations
 

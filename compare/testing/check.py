@@ -1,4 +1,4 @@
-"""What a check is asked for: which engine or log, and whose errors are granted."""
+"""Checks one engine, or log, against one scene; a failure says the divergence first, and how to see it again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Golden runs: a run as JSON beside the test that made it, written once and compared ever after."""
+"""Golden runs and logs: written once beside a test, and compared ever after."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of scenes in families: `gas:n=3..8` is six of them."""
+"""Scenes for tests: names in families, such as `gas:n=3..8`, and strategies of hypothesis."""
 
 from __future__ import annotations
 

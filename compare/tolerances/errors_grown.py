@@ -1,4 +1,4 @@
-"""What one contact may cost an honest engine: the rounding of its numbers, and what its time step adds."""
+"""What one contact may cost an honest engine, and what that has grown to at each event of the true run."""
 
 from __future__ import annotations
 

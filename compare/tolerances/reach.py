@@ -1,4 +1,4 @@
-"""Two circles, or a circle and a wall, near an event of the true run: when they meet, and how errors move that."""
+"""How far an honest engine must reproduce the true history, and how near its numbers have to be."""
 
 from __future__ import annotations
 
