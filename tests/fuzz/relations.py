@@ -97,7 +97,9 @@ def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     if len(run.events) < 2 or (turns and case.until is None and case.events is None):
         return False
     k = draw.randrange(1, len(run.events))
-    limits: dict[str, Any] = {"events": k} if draw.random() < 0.5 else {"until": _between(run, k)}
+    limits: dict[str, Any] = {"events": k}
+    if draw.random() >= 0.5:  # a double may lie past thousands of events that are closer to each other than doubles
+        limits = {"until": _between(run, k), "events": len(run.events)}
     first = engine.run(case.scene, **limits)
     if first.stop.reason.name in GAVE_UP or not first.events or len(first.events) >= len(run.events):
         return False
