@@ -309,7 +309,7 @@ class Prover(Checker):
     # -- witnesses
 
     def sign(self, question: str, c: Contact) -> int:
-        """As the checker's; that a slack is zero is shown even where nothing was rounded here, as elsewhere it may be."""
+        """As the checker's; a slack of zero is shown even where nothing was rounded: in another checker it may be."""
         found: int = super().sign(question, c)
         if question == "slack" and not found:
             self.zero(question, c, self.age)

@@ -224,6 +224,8 @@ def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
     back = engine.run(scene.with_changes(reverse_at=half), until=2 * half, events=MOST_BACK)
     if back.stop.reason.name in (*GAVE_UP, "EVENTS") or any(len(event.contacts) > 1 for event in back.events):
         return False
+    if back.pocketings:  # after the last event that was asked for
+        return False
     with _precision(BITS):
         if back.events and not back.events[-1].time.ball(BITS) < _ball(2 * half):
             return False  # what touches at time 0, and parts, comes back to touch at that very time
