@@ -217,7 +217,8 @@ def diagnosed(
     'input rounding + arithmetic in impacts'
     """
     closed = displacement is not None and any(e.share is not None for e in experiments)
-    made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), NOTHING_TRIED, displacement, closed, runs)
+    why = next((row.result for row in experiments if row.cause is CauseName["UNKNOWN"]), NOTHING_TRIED)
+    made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), why, displacement, closed, runs)
     enough = made.sufficient
     if enough and enough[0].entry.rank < SHARE_RANK:
         return _named(made, enough[:1])

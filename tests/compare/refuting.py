@@ -253,7 +253,7 @@ def _step(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         at = f"with a step of {runs.step_passes!r} on the same input it passes the event"
         yield Refutation(min(main), "finer step passes", at)
     for claim in sorted(claims & OF_STEP):
-        states = [s for _, s in runs.finer]
+        states = [s for _, s in (runs.finest if claim in (STEP, TUNNELLING) else runs.finer)]
         if not states and runs.engine.finer() is None:
             yield Refutation(claim, "no finer step", "there is no finer step")
         elif claim in (STEP, TUNNELLING) and PASSES not in states and len(states) >= 3:
