@@ -20,9 +20,8 @@ from ..alignment.align import Span, align
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
-from ..deadline import NO_TIME
 from ..validation import falls
-from .decision import short_quantity
+from .decision import RunReader, answer, short_quantity
 from .diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
@@ -155,10 +154,11 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
             return [_resolved_otherwise(lab, together)]
         told = "no order is in question: in the exact motion the two touch, so that any error decides"
         return [Experiment(CauseName["TIE"], told, None, False)]
-    return lab.tried(lambda: _by_runs(lab, together), [Experiment(CauseName["TIE"], NO_TIME)])
+    return _by_runs(lab, together)
 
 
 def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
+    """What chose, for an engine of events."""
     name, cause = lab.name, CauseName["TIE"]
     if _given_does(lab):
         told = f"the exact law on the scene in {lab.numbers} has the contacts that {name} has; arithmetic adds nothing"
@@ -344,11 +344,6 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return [Experiment(CauseName["ARITHMETIC"], "its numbers are exact", 0.0, False)]
     if lab.decision is None or lab.margin is None:
         return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
-    late = [Experiment(CauseName["ARITHMETIC"], NO_TIME)]
-    return lab.tried(lambda: _shares(lab, rows), late)
-
-
-def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     account = lab.accounted
     if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
@@ -436,7 +431,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         cause = CauseName["DECISION"]
         if lab.engine.step is not None:  # of two meetings within one step it has both at the end of it
             cause = CauseName["LATENESS" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
-            told += ", as it looks at the ends of steps only"
+            meet = lab.decision is not None and answer(lab.decision, lab.got) == -1
+            told += ", as it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
         size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
         found = [row for row in found if row.cause is not cause or row.share is None]
         found.append(Experiment(cause, told, size, None, size / total if total else None))
@@ -512,8 +508,8 @@ def _left_before(lab: Laboratory) -> int | None:
     """The event at which the exact run of the scene as the engine is given it lacks what leads to the decision."""
     if lab.given is None or lab.given.digest == lab.study.scene.digest or not lab.pairings:
         return None
-    reader = lab.reader(lab.given_run, None)
-    if all(reader.follows(pairing) for pairing in lab.pairings):
+    found = align(lab.reference, lab.given_run, span=lab.span, instants=False)
+    reader = RunReader(lab.given_run, found.walks)
+    if found.divergence is None or all(reader.follows(pairing) for pairing in lab.pairings):
         return None
-    found = align(lab.reference, lab.given_run, span=lab.span, instants=False).divergence
-    return None if found is None else found.event
+    return found.divergence.event

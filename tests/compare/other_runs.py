@@ -15,6 +15,7 @@ from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.study import Study, run_or_unable
 from truebreak.exact import ExactEngine
+from truebreak.exact.numbers.system import Undecided
 from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, State, Trajectory, Wall
 
 DIGITS = 120
@@ -314,9 +315,11 @@ SMALL = Fraction(1, 2**150)
 
 
 def decimal(value: Any) -> Decimal:
-    """A number of a run: certified digits of an exact one, else the double that it is."""
+    """A number of a run: certified digits of an exact one, else its double; 0 where it is not told from 0."""
     try:
         return Decimal(value.digits(100))
+    except Undecided:
+        return Decimal(0)
     except (AttributeError, ValueError):
         return Decimal(value.numerator) / value.denominator if isinstance(value, Fraction) else Decimal(float(value))
 
