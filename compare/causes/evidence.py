@@ -180,6 +180,8 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     for policy in ("simultaneous", "sequential", *(f"sequential:seed={seed}" for seed in range(ORDERS))):
         if before.leads_to_the_same(lab, policy):
             return [Experiment(cause, f"{own} does as {name} does under another policy, {policy}", None, True)]
+    if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
+        return [_resolved_otherwise(lab, together)]
     if laws is not None and laws.kept:
         told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
         return [Experiment(CauseName["IMPACTS"], told, None, True)]
