@@ -72,6 +72,10 @@ TINY = 60
 CLOSE = 0.02
 """Share of the displacement by which integrals may miss it; what they miss is spread over them."""
 
+CANCELS = 2.0**20
+"""Times the displacement from which on contributions that cancel are not told apart: where errors grow so fast, differences
+by 2**-60 are no derivatives."""
+
 CLOSED = 2.0**-40
 """Share of a displacement up to which an account is closed: what is left is of the enclosures."""
 
@@ -204,12 +208,14 @@ class _Sum:
             rest = sum((arb(weight) * self._slope(node, every, None) for node, weight in nodes), arb(0))
             if _size(rest - self.whole) > CLOSE * _size(self.whole):
                 continue
-            scale = self.whole / rest
-            for cause, kinds in groups:
-                value = sum((arb(weight) * self._slope(node, every, kinds) for node, weight in nodes), arb(0))
-                self.add(cause, value * scale)
-                rest -= value
-            self.add(last[0], rest * scale)
+            found: list[arb] = []
+            for _, kinds in groups:
+                found.append(sum((arb(weight) * self._slope(node, every, kinds) for node, weight in nodes), arb(0)))
+            found.append(rest - sum(found, arb(0)))
+            if max(map(_size, found)) > CANCELS * _size(rest):
+                break
+            for (cause, _), value in zip((*groups, last), found, strict=True):
+                self.add(cause, value * (self.whole / rest))
             self.groups += 1
             return
         raise NoContinuation("its errors act on each other too much to be told apart")

@@ -353,7 +353,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                 if not any(key == f"gap to {name}" for name in moved) and not (moved and key == "time between")
             }
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
-            if both and not close and not moved:  # else the decision may be about what has moved
+            left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
+            if both and not close and not left_out:  # else the decision may be about what has moved
                 yield Refutation(
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )
