@@ -73,8 +73,8 @@ CLOSE = 0.02
 """Share of the displacement by which integrals may miss it; what they miss is spread over them."""
 
 CANCELS = 2.0**20
-"""Times the displacement from which on contributions that cancel are not told apart: where errors grow so fast, differences
-by 2**-60 are no derivatives."""
+"""Times the displacement from which on contributions that cancel are not told apart: where errors grow so fast,
+differences by 2**-60 are no derivatives."""
 
 CLOSED = 2.0**-40
 """Share of a displacement up to which an account is closed: what is left is of the enclosures."""
