@@ -375,11 +375,9 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0:
         itself = -float(lab.got.mid())
         total += itself
-    if itself is not None and total == 0.0:  # in the exact motion the two touch, and by the engine's flights they miss
-        told = f"by {lab.name}'s own flights the two are {-itself:.3g} from touching, and it has a contact"
-        return [
-            Experiment(CauseName["UNKNOWN"], f"in the exact motion the two touch, so that any error decides; {told}")
-        ]
+    if itself is not None and total == 0.0:
+        told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}, and its answer differs"
+        return [Experiment(CauseName["UNKNOWN"], f"the exact margin is 0, so that any error decides; {told}")]
     lab.displacement = total
     order = [*CauseName]
     parts = sorted(account.contributions, key=lambda part: order.index(part.cause))
