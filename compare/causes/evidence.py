@@ -38,6 +38,9 @@ REORDERED = 2.0**16
 """Units in the last place by which rounding may move a decision in whatever order of operations: the discriminant as
 (d.v)^2 - |v|^2 (|d|^2 - R^2) loses (|d| / R)^2 against its stable form, so much at 256 radii."""
 
+MOST_ROUNDED = 2.0**-10
+"""Share of the largest size up to which that is said of engines of few bits."""
+
 ALIKE = 2.0**-12
 """Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
 
@@ -391,8 +394,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
         earlier, free = None, ""
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
-                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            if flips and not _changes_freely(lab):
+                flips, free = None, "; run freely, it does not"
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if free:
@@ -439,9 +442,14 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     return found
 
 
-def _several_before(lab: Laboratory) -> bool:
-    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
-    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
+def _changes_freely(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it does not pass the decision either.
+
+    The two in question may touch too late to matter; and off an instant, several contacts are not what they are on it.
+    """
+    if any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event]):
+        return _given_does(lab)
+    return lab.given is None or lab.given_alignment.divergence is not None or lab.given_alignment.unsettled
 
 
 def _audited(lab: Laboratory) -> bool:
@@ -456,7 +464,7 @@ def _rounded_away(lab: Laboratory) -> float | None:
     if lab.got is None or laws is None or laws.kept is not True:
         return None
     size = -float(lab.got.mid())
-    return size if abs(size) <= REORDERED * 2.0**-lab.bits * max(lab.scale, lab.last_time) else None
+    return size if abs(size) <= min(REORDERED * 2.0**-lab.bits, MOST_ROUNDED) * max(lab.scale, lab.last_time) else None
 
 
 def _short(lab: Laboratory, size: float) -> bool:
@@ -508,7 +516,7 @@ def _left_before(lab: Laboratory) -> int | None:
     """The event at which the exact run of the scene as the engine is given it lacks what leads to the decision."""
     if lab.given is None or lab.given.digest == lab.study.scene.digest or not lab.pairings:
         return None
-    found = align(lab.reference, lab.given_run, span=lab.span, instants=False)
+    found = lab.given_alignment
     reader = RunReader(lab.given_run, found.walks)
     if found.divergence is None or all(reader.follows(pairing) for pairing in lab.pairings):
         return None

@@ -133,10 +133,12 @@ class Runs:
         if parted is None:
             agreed = alignment.verdict == "agree" or alignment.agreed > max(self.at.event, self.at.expected_event)
             return PASSES if agreed else OPEN
+        mine, theirs = ((d.body, d.kind, d.expected, d.got, d.own_event) for d in (self.at, parted))
+        if mine == theirs:
+            return SAME
         if parted.event != self.at.event:
             return PASSES if parted.event > self.at.event else EARLIER
-        mine, theirs = ((d.body, d.kind, d.expected, d.got) for d in (self.at, parted))
-        if mine == theirs:
+        if mine[:4] == theirs[:4]:
             return SAME
         return PASSES if parted.expected_event > self.at.expected_event else OTHER
 
@@ -333,8 +335,8 @@ def rows_after(run: Trajectory, event: int) -> dict[str, tuple[Decimal, ...]]:
 def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
-    The least gap of the body and each circle in question from the last contact of either on, and the time between its
-    two meetings, where it has two.
+    The least gap of the body and each circle in question from the last contact of either on, its speed away from each
+    wall, and the time between its two meetings, where it has two.
     """
     rows = rows_after(run, event - 1)
     radii = {str(c.id): decimal(c.r) for c in scene.circles}
@@ -369,6 +371,7 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
             length = ((x1 - x0) ** 2 + (y1 - y0) ** 2).sqrt()
             height = ((y0 - y1) * (x - x0) + (x1 - x0) * (y - y0)) / length
             rise = ((y0 - y1) * vx + (x1 - x0) * vy) / length
+            found[f"speed from {other}"] = rise if height > 0 else -rise
             if height * rise < 0:
                 waits.append((abs(height) - radii[at.body]) / abs(rise))
     if len(waits) == 2:
