@@ -489,13 +489,18 @@ class _Case:
             return local, reach, _span(run)
 
         engine = self.engine
-        own = type(engine).__module__.startswith(f"{__name__.partition('.')[0]}.") and not isinstance(engine, LogEngine)
-        if (engine.step is not None and not own) or not isinstance(self.truth, CachedEngine):
-            return found()
-        from pymunk import version
+        whose: list[Any] = [engine.rounds_input]
+        if engine.step is not None:
+            from ...floating.pymunk_engine import PymunkEngine
 
+            if type(engine) is not PymunkEngine:  # another's lateness may change with its library
+                return found()
+            from pymunk import version
+
+            whose = [repr(engine), version]
+        if not isinstance(self.truth, CachedEngine):
+            return found()
         limits = [self.scene.events, str(self.scene.until), self._log_end]
-        whose = [repr(engine), version] if engine.step is not None else [engine.rounds_input]
         key = ["reach", self.scene.digest, str(self.scene.tie_policy), self.truth.work, limits, bits, *whose]
         local, reach, span = kept_value(key, lambda: _plain(found()))
         limit = None if reach["limit"] is None else OutOfReach(**reach["limit"])

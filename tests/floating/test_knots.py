@@ -79,9 +79,10 @@ def test_sample_is_state_at_many_times(history: list[list[DoubleKnot]], times: l
 
 def test_a_run_in_intervals_looks_up_what_stands_once(monkeypatch: pytest.MonkeyPatch) -> None:
     run, flown = engine("interval").run(catalogue.build("siam")), list[object]()
-    times = [float(run.final_time) * k / 9 for k in range(9)]
+    times = [float(run.final_time) * k / 3 for k in range(3)]
     each = [[[float(value) for value in row] for row in run.motion.state(time)] for time in times]
     carry = interval._flown
     monkeypatch.setattr(interval, "_flown", lambda knot, time: flown.append(knot) or carry(knot, time))
     assert run.motion.sample(times).tolist() == each
-    assert 0 < len(flown) <= 2 * len(times)
+    hit = sum(len(row) > 1 for row in run.motion.knots)
+    assert 0 < len(flown) <= hit * len(times) < len(run.motion.knots)

@@ -21,7 +21,7 @@ from truebreak.compare.files.saved import saved_run
 from truebreak.compare.testing.check import check
 from truebreak.compare.tolerances.reach import ErrorWalk
 from truebreak.exact import ExactEngine
-from truebreak.floating import DoubleEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Scene, Trajectory, catalogue
 
 
@@ -257,3 +257,13 @@ def test_a_warm_check_says_the_same_and_walks_no_more(folder: Path, monkeypatch:
     monkeypatch.setattr(ErrorWalk, "walked", lambda walk: pytest.fail("walked again"))
     warm = check("double", scene)
     assert str(warm) == str(cold) and warm.reach == cold.reach
+
+
+def test_the_lateness_of_an_engine_whose_library_no_key_names_is_measured_anew(folder: Path) -> None:
+    class Later(PymunkEngine):
+        pass
+
+    check("pymunk", catalogue.build("gas:n=3"))
+    kept = len(list(folder.glob("value-*")))
+    check(Later(), catalogue.build("gas:n=3"))
+    assert kept and len(list(folder.glob("value-*"))) == kept
