@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
 from flint import arb, fmpq
 
-from ..scenarios.lazy import frozen
 from ..scenarios.scene import Scene
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data, turned
 from .laws.formulas import wall_mirror
@@ -447,7 +447,7 @@ Likely: TypeAlias = tuple[int, bool, int, bool]
 """A circle, whether by its velocity (else by its place), the circle whose velocity or place is its image; mirror?"""
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Symmetry:
     """An isometry that maps the scene to itself.
 
@@ -579,7 +579,7 @@ AXIS_BITS = 256
 """Precision of a mirror line's place: where it is not exact in so many bits, circles are projected."""
 
 
-class Held:
+class FixedProjections:
     """Tells, of a circle, the projection on what the symmetries of its past leave in place.
 
     The mirrors and rotations of the scene at time 0 are the candidates; that one maps a circle's past to itself is
