@@ -513,7 +513,7 @@ def real(value: Any) -> Real:
     """
     if type(value) is float:
         return Double(value)
-    if _is_real(type(value)) or isinstance(value, Real):
+    if _is_real(value.__class__) or isinstance(value, Real):
         return value
     if isinstance(value, float):
         return Double(value)
