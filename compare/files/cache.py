@@ -245,7 +245,7 @@ def _make_room(folder: Path, size: int) -> None:
 VALUE_SECONDS = 0.02
 """Processor time from which on a value is kept: reading one takes 2 to 4 milliseconds."""
 
-CODE = ("exact", "compare/tolerances", "compare/tangent")
+CODE = ("scenarios", "exact", "floating", "compare")
 """Folders whose files decide such a value; where one of them is changed, nothing that was kept before is found."""
 
 
@@ -288,5 +288,5 @@ def _code() -> str:
 
     top = Path(__file__).parents[2]
     files = sorted(path for name in CODE for path in (top / name).rglob("*") if path.suffix in (".py", ".so", ".pyd"))
-    found = [(path.name, (told := path.stat()).st_size, told.st_mtime_ns) for path in files]
+    found = [(str(path.relative_to(top)), (told := path.stat()).st_size, told.st_mtime_ns) for path in files]
     return sha256(repr(found).encode()).hexdigest()
