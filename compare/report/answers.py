@@ -10,10 +10,23 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
-from .sentences import about, account_rows, counted, headline, listed, middle, off, tied, until_phrase
+from .sentences import (
+    about,
+    account_rows,
+    counted,
+    head_phrase,
+    headline,
+    listed,
+    middle,
+    off,
+    tied,
+    until_phrase,
+    verdict_sentence,
+)
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -91,6 +104,32 @@ def subject(comparison: Comparison) -> Candidate:
     first = headline(comparison)
     rest = sorted(comparison.candidates, key=lambda c: (c.verdict == "agree") - c.lawless)
     return first or rest[0]
+
+
+def verdict_line(comparison: Comparison) -> str:
+    """The verdict above the answers: what `verdict_sentence` says, without what they say.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> verdict_line(compare(catalogue.build("near-tie:k=40"), ["double", "quad"]))
+    'Floating point changed what happened: double diverges at event 0 of 4.'
+    """
+    first = headline(comparison)
+    if first is None or first.alignment.divergence is None:
+        return verdict_sentence(comparison)
+    head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
+    law = "does not keep the law, and diverges" if first.lawless else "diverges"
+    total = len(comparison.reference.events)
+    return f"{head}{first.engine} {law} at event {first.alignment.divergence.event:,} of {total:,}."
+
+
+def tone(comparison: Comparison) -> str:
+    """How the verdict is coloured: as what its sentence says."""
+    if any(c.lawless or c.verdict == "diverged" for c in comparison.candidates):
+        return "diverged"
+    verdicts = {c.verdict for c in comparison.candidates}
+    settled = "unsettled" not in verdicts and comparison.reference.stop.reason not in UNKNOWING
+    return "agree" if "agree" in verdicts and settled else "undecided"
 
 
 # -- Where.
