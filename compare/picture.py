@@ -182,7 +182,7 @@ def instant_of(parted: Divergence) -> float:
 
 
 def _before(reference: Trajectory, run: Trajectory, names: Sequence[str], at: float) -> float:
-    """A time before the moment: half-way from the last meeting of those in question, or `RADII` of flight earlier."""
+    """A time before the moment: soon after the last meeting of those in question, or `RADII` of flight earlier."""
     circles = [c for c in reference.scene.circles if str(c.id) in names]
     last = max(
         (
@@ -199,7 +199,7 @@ def _before(reference: Trajectory, run: Trajectory, names: Sequence[str], at: fl
     speed = max((math.hypot(*row[places[str(c.id)]][2:]) for c in circles), default=0.0)
     radius = max((float(c.r) for c in circles), default=0.0)
     flown = RADII * radius / speed if speed > 0 and radius > 0 else math.inf
-    return max(last + (at - last) / 2, at - flown)
+    return max(last + (at - last) / 8, at - flown)
 
 
 def _after(reference: Trajectory, run: Trajectory, at: float, other: float) -> float:

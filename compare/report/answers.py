@@ -100,10 +100,11 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
 
 
 def subject(comparison: Comparison) -> Candidate:
-    """The engine that the verdict is about: the first that diverges, or that does not agree, else the first."""
-    first = headline(comparison)
-    rest = sorted(comparison.candidates, key=lambda c: (c.verdict == "agree") - c.lawless)
-    return first or rest[0]
+    """The engine that the verdict is about: one that diverges, one that breaks a law, one that agrees, or the first."""
+    lawless = [c for c in comparison.candidates if c.lawless]
+    agreeing = [c for c in comparison.candidates if c.verdict == "agree" and tone(comparison) == "agree"]
+    rest = sorted(comparison.candidates, key=lambda c: c.verdict == "agree")
+    return headline(comparison) or [*lawless, *agreeing, *rest][0]
 
 
 def verdict_line(comparison: Comparison) -> str:

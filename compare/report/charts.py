@@ -24,7 +24,7 @@ WIDE, NARROW = 900, 340
 """Widths of the plot in pixels: on a desk or on paper, and on a telephone. Its letters are of one size in both."""
 
 HEIGHT = 310
-LEFT, RIGHT, TOP, BOTTOM = 62, 14, 30, 42
+LEFT, RIGHT, TOP, BOTTOM = 70, 14, 30, 42
 """Room for the labels around the plot, in pixels."""
 
 NAMES_RIGHT, NAME_LINE, LONGEST_NAME = 130, 16, 16
@@ -98,9 +98,9 @@ def errors_shown(comparison: Comparison, candidate: Candidate) -> Separation:
     """The errors up to where the runs are shown: past the last event, where both go on for ever, in straight flight."""
     reference, run, errors = comparison.reference, candidate.trajectory, candidate.separation
     last, final = errors.times[-1], max(float(reference.final_time), float(run.final_time))
-    quiet = all(each.stop.reason is StopReason.QUIET for each in (reference, run))
     end = float(reference.final_time) * (1 + COASTING)
-    if not quiet or math.isnan(errors.final) or not end > last or not math.isfinite(final):
+    known = reference.stop.reason is StopReason.QUIET and math.isfinite(final) and not math.isnan(errors.final)
+    if not known or not end > last or (run.stop.reason is not StopReason.QUIET and float(run.final_time) < end):
         return errors
     times = [last + (end - last) * (k + 1) / COASTING_SAMPLES for k in range(COASTING_SAMPLES)]
     largest = [
@@ -254,7 +254,7 @@ def _axes(scale: Scale, radius: float) -> list[str]:
     if radius > 0 and floor - scale.y(radius) > 12:
         y = scale.y(radius)
         parts.append(f'<line class="radius" x1="{LEFT}" x2="{right}" y1="{y:.1f}" y2="{y:.1f}"/>')
-        parts.append(f'<text x="{LEFT + 6}" y="{y + 10:.1f}" class="tick start">one radius</text>')
+        parts.append(f'<text x="{LEFT + 6}" y="{y + 10:.1f}" class="tick start halo">one radius</text>')
     across = "time" if scale.width == NARROW else "time, in the units of the scene"
     up = (
         "distance off"

@@ -88,9 +88,6 @@ def not_foreseen_phrase(found: Foreseen | None) -> str:
 SHOWN_ROWS = 400
 """Most rows of one outcome's table; the JSON has them all."""
 
-OPEN_ROWS = 6
-"""An outcome with at most so many rows is not folded."""
-
 SHOWN_LETTERS = 300
 """Longest text of a cell; the JSON has it all."""
 
@@ -121,11 +118,6 @@ class ChangedOutcome:
     rows: tuple[OutcomeRow, ...]
     total: int
     summary: str
-
-    @property
-    def open(self) -> bool:
-        """Whether it is short enough to be shown at once."""
-        return len(self.rows) <= OPEN_ROWS
 
 
 def changed(comparison: Comparison) -> list[ChangedOutcome]:
@@ -171,7 +163,11 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
         for candidate, count in zip(comparison.candidates, counts, strict=True)
         if count
     ]
-    summary = "; ".join(told) if len(keys) > 1 else ""
+    summary = "; ".join(told)
+    if len(keys) == 1 and rows:
+        named = zip(comparison.candidates, rows[0].got, strict=True)
+        values = [f"{c.engine} {value}" for c, value in named if value not in (SAME, UNTOLD)]
+        summary = f"{comparison.reference.engine} {rows[0].expected}; {', '.join(values)}"
     return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
 
 
@@ -400,12 +396,14 @@ def _block(
         "summary": f"{place}, {candidate.diagnosis}" if candidate.diagnosis else place,
         "lead": candidate is lead,
         "body": divergence.body if divergence else "",
+        "event": f"{divergence.event:,}" if divergence else "",
         "answers": answers(comparison, candidate, horizons),
         "law": candidate.laws.sentence if candidate.laws and not candidate.laws.kept else "",
         "frames": moment_frames(comparison.reference, candidate, number) if drawn else [],
         "gap": _gap_words(candidate),
         "rows": side_by_side(comparison, candidate) if divergence else [],
-        "account": [(*row[:4], "" if row[1] != "-" else row[4]) for row in told],
+        "account": [row[:4] for row in told if row[1] != "-"],
+        "runs": [(row[0], row[4]) for row in told if row[1] == "-"],
         "silent": [(row[0], row[4]) for row in account if row not in told],
         "pattern": pattern,
         "minimise": minimise_command(comparison, candidate) if divergence else None,

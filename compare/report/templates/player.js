@@ -40,11 +40,12 @@ function aligned() {
   const twin = (k) => candidate().matches ? places.get(candidate().matches[k]) : left?.expected === mine[k][0] ? places.get(left.got) : alike(k) ? k : undefined;
   const taken = new Set();
   const found = mine.map((event, k) => {
-    const own = alone ? undefined : twin(k);
-    if (own !== undefined) taken.add(own);
-    return { truth: k, own, time: event[1], first: Boolean(left) && (event[0] === left.expected || (own !== undefined && theirs[own][0] === left.got)) };
+    const other = alone ? undefined : twin(k);
+    const own = taken.has(other) ? undefined : other;
+    taken.add(own);
+    return { truth: k, own, time: event[1], first: left?.expected === event[0] };
   });
-  theirs.forEach((event, k) => { if (!taken.has(k)) found.push({ own: k, time: event[1], first: left?.got === event[0] }); });
+  theirs.forEach((event, k) => { if (!taken.has(k)) found.push({ own: k, time: event[1], first: Boolean(left) && left.expected === null && left.got === event[0] }); });
   return found.sort((one, other) => one.time - other.time);
 }
 
