@@ -290,11 +290,9 @@ def _lens(candidate: Candidate, discs: Sequence[DrawnDisc], view: View, number: 
     cx, cy = FRAME_WIDTH - LENS - 8, FRAME_HEIGHT - LENS - 22
 
     def edge(kind: str, along: float) -> str:
-        x, y = cx + nx * along, cy + ny * along
-        return (
-            f'<line class="{kind}" clip-path="url(#lens-{number})" x1="{x - ny * LENS:.1f}" y1="{y + nx * LENS:.1f}" '
-            f'x2="{x + ny * LENS:.1f}" y2="{y - nx * LENS:.1f}"/>'
-        )
+        x, y, half = cx + nx * along, cy + ny * along, math.sqrt(LENS**2 - along**2)
+        ends = f'x1="{x - ny * half:.1f}" y1="{y + nx * half:.1f}" x2="{x + ny * half:.1f}" y2="{y - nx * half:.1f}"'
+        return f'<line class="{kind}" {ends}/>'
 
     start, limit = -LENS_GAP / 2, LENS - 6
     lines = [edge("circle", start), edge("circle", max(-limit, min(limit, start + exact * times * view.scale)))]
@@ -303,7 +301,6 @@ def _lens(candidate: Candidate, discs: Sequence[DrawnDisc], view: View, number: 
     told = f"{times:,.0f}" if times < 1e6 else f"{times:.1g}"
     return "".join(
         [
-            f'<clipPath id="lens-{number}"><circle cx="{cx}" cy="{cy}" r="{LENS}"/></clipPath>',
             f'<circle class="lens" cx="{cx}" cy="{cy}" r="{LENS}"/>',
             *lines,
             f'<text class="name" x="{cx}" y="{FRAME_HEIGHT - 10}">gap, {told} times</text>',
