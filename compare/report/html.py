@@ -252,8 +252,8 @@ ABOUT = {
     "nine in ten such engines are right at least so long.",
     "The moment": "Both runs just before the first divergence, at it, and after. Solid is the reference, dashed the "
     "engine; the circles in question are heavy, arrows are velocities.",
-    "Error over time": "How far the circle farthest off is from its place: a straight rise on this logarithmic scale is "
-    "chaos, and below the floor places as doubles tell nothing. A dot is the first divergence; a band, where 90 in 100 "
+    "Error over time": "How far the circle farthest off is from its place: a straight rise on this logarithmic scale "
+    "is chaos, and below the floor places as doubles tell nothing. A dot is the first divergence; a band, where 90 in 100 "
     "such engines diverge, as the exact run alone predicts.",
     "Engines": "Every engine that was compared, and the reference. Swaps are independent events in another order: they "
     "change nothing.",
@@ -309,7 +309,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
         plots=[Markup(error_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
-        picture=Markup(scene_picture(comparison.scene, across=360)) if _drawn(comparison) else "",
+        picture=Markup(scene_picture(comparison.scene, across=340)) if _drawn(comparison) else "",
         blocks=sorted(blocks, key=lambda block: not block["lead"]),
         gallery=gallery(comparison),
         changed=changed(comparison),
