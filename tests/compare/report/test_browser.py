@@ -56,7 +56,7 @@ def test_nothing_is_cut_on_paper(browser: Browser, files: Files, kind: str) -> N
     browser.ask("document.querySelectorAll('details.help').forEach((mark) => { mark.open = true; })")
     assert browser.ask("[...document.querySelectorAll('.help p, .contents')].every((e) => e.offsetHeight === 0)")
     heads = "[...document.querySelectorAll('th button')].map((button) => getComputedStyle(button).display)"
-    assert set(browser.ask(heads)) == {"contents"}, "Chromium leaves buttons out of a repeated head"
+    assert set(browser.ask(heads)) <= {"contents"}, "Chromium leaves buttons out of a repeated head"
     assert browser.paper().startswith(b"%PDF")
 
 
