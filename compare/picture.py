@@ -132,14 +132,14 @@ LENS, LENS_GAP, SMALL_GAP = 44.0, 14.0, 9.0
 """Pixels: radius of the lens, of the gap in it, and below which a gap is shown through it."""
 
 
-class Frame(NamedTuple):
+class MomentFrame(NamedTuple):
     """One picture of a moment, and what it says."""
 
     caption: str
     picture: str
 
 
-def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) -> list[Frame]:
+def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) -> list[MomentFrame]:
     """Both runs before the first divergence, at it, and some events after: the reference solid, the engine dashed.
 
     All frames show the same part of the plane. Where the gap that decides is too small to be seen, a lens enlarges it.
@@ -156,7 +156,7 @@ def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) 
     lens = _lens(candidate, shown[1], view, number)
     told = ("Before", f"Event {parted.event:,}", "After")
     return [
-        Frame(
+        MomentFrame(
             f"{word}: t = {time:.{digits}g}",
             draw(
                 reference.scene,
