@@ -220,6 +220,7 @@ CLASSES = (
     "compare.alignment.align:Separation",
     "compare.alignment.walk:Mismatch",
     "compare.alignment.walk:Walk",
+    "compare.alternatives:Alternative",
     "compare.audit.audit:Audit",
     "compare.audit.audit:Violation",
     "compare.audit.fits:Fit",

@@ -490,7 +490,12 @@ class _Case:
 
     def _compared(self, **limits: Any) -> Comparison:
         return compare(
-            self.scene, [self.name if self.asked else self.engine], reference=self.truth, sampled=False, **limits
+            self.scene,
+            [self.name if self.asked else self.engine],
+            reference=self.truth,
+            sampled=False,
+            alternatives=False,
+            **limits,
         )
 
     def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
