@@ -218,6 +218,9 @@ NO_CACHE = click.option(
     is_flag=True,
     help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
 )
+VERBOSE = click.option(
+    "-v", "--verbose", is_flag=True, help="Show each divergence with its account of causes, and both histories."
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
 HTML = a_file("--html", help="Also write the report as one offline HTML file.")
@@ -237,6 +240,7 @@ HELD_AGAINST = (
     SYMMETRIC,
     NO_CACHE,
     isolating,
+    VERBOSE,
     JSON,
     HTML,
     CERTIFY,
@@ -257,6 +261,7 @@ class HeldAgainst:
     max_seconds: float | None
     symmetric: bool
     no_cache: bool
+    verbose: bool
     as_json: bool
     html: str | None
     certified: bool

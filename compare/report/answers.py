@@ -13,6 +13,7 @@ from ...scenarios.trajectory import StopReason
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
+from ..engines import ENGINES
 from .sentences import about, account_rows, counted, headline, listed, middle, off, tied, until_phrase
 
 if TYPE_CHECKING:
@@ -402,7 +403,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
 def command(comparison: Comparison, candidate: Candidate) -> str:
     """A command that goes on from here."""
     scene, limits = scene_word(comparison.scene), limits_of(comparison.reference)
-    known = re.fullmatch(r"[\w.:=,/+-]+", candidate.engine) is not None
+    known = candidate.engine.partition(":")[0] in ENGINES or re.fullmatch(r"[\w.]+:[\w.]+", candidate.engine)
     if candidate.lawless or not known:
         return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
     if candidate.verdict == "agree":

@@ -181,7 +181,7 @@ class TextTable:
     def _listed(self, width: int) -> list[Line]:
         """Each row as a list of its cells under each other, with their headings: for few columns."""
         names = [" ".join(heading.split()) for heading in self.headings]
-        wide = min(max(map(size, names)), width // 3)
+        wide = min(max(map(size, names)), 2 * width // 5)
         told: list[Line] = [[(line, "table.title")] for line in wrapped(self.title, width)] if self.title else []
         for cells, style in self.rows:
             told.append([])

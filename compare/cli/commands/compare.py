@@ -67,5 +67,5 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
     if held.as_json:
         print_json(comparison_json(comparison))
     else:
-        print_comparison(comparison)
+        print_comparison(comparison, verbose=held.verbose)
     return DONE if exit_zero else of_comparison(comparison)

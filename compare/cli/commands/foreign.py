@@ -118,7 +118,7 @@ def judge(
     if held.as_json:
         print_json(comparison_json(comparison, changes))
     else:
-        print_comparison(comparison)
+        print_comparison(comparison, verbose=held.verbose)
         out = console()
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:

@@ -60,7 +60,7 @@ def test_csv_says_the_same(gas: Trajectory, tmp_path: Path, capsys: pytest.Captu
     assert LogEngine.of(path, gas.scene).last.events == LogEngine.of(triples(gas), gas.scene).last.events
     code, out, _ = said(capsys, "judge", "gas", str(path), "--events", "180")
     assert code == 1
-    assert "first differs at event 161" in " ".join(out.split())
+    assert "diverges at event 161" in " ".join(out.split())
 
 
 def test_csv_has_states_and_an_end(tmp_path: Path) -> None:
