@@ -389,13 +389,3 @@ def adding_up(parts: Sequence[float | None], total: float) -> list[str | None]:
 
 def _signed(value: float | None) -> str:
     return "-" if value is None else f"{value:+.3g}" if value else "0"
-
-
-def other_lines(comparison: Comparison) -> list[str]:
-    """A line for each engine that diverges too, with its own cause."""
-    first = headline(comparison)
-    return [
-        f"{c.engine}: {c.diagnosis}, at event {c.alignment.divergence.event:,}"
-        for c in comparison.candidates
-        if c is not first and c.alignment.divergence is not None and c.diagnosis is not None
-    ]
