@@ -218,9 +218,7 @@ NO_CACHE = click.option(
     is_flag=True,
     help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
 )
-VERBOSE = click.option(
-    "-v", "--verbose", is_flag=True, help="Show each divergence with its account of causes, and both histories."
-)
+VERBOSE = click.option("-v", "--verbose", is_flag=True, help="Show everything: the default is the answer alone.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
 HTML = a_file("--html", help="Also write the report as one offline HTML file.")

@@ -18,9 +18,9 @@ from ..outcomes.outcome import pattern
 from ..outcomes.permitted import PermittedPatterns, Relation
 from .documents import orders_json
 from .listing import laid_out
-from .orders_text import choices_phrase, orders_sentence, velocities_phrase
 from .page import Download, download, file_name, provenance_of, rendered, scene_file, stem_of
 from .player import Played, played
+from .search_text import choices_phrase, orders_sentence, velocities_phrase
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, Whole, a_file, examples, one_engine
+from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, VERBOSE, WORK, Whole, a_file, examples, one_engine
 from ..progress import DONE, of_stop
 
 
@@ -18,6 +18,7 @@ from ..progress import DONE, of_stop
 @click.option("--seed", type=Whole(), default=0, show_default=True, metavar="S", help="The first seed of the sample.")
 @WORK
 @SECONDS
+@VERBOSE
 @JSON
 @a_file("--html", help="Also write the outcomes as one offline HTML file.")
 def orders(
@@ -30,6 +31,7 @@ def orders(
     seed: int,
     work: int | None,
     max_seconds: float | None,
+    verbose: bool,
     as_json: bool,
     html: str | None,
 ) -> int:
@@ -44,7 +46,7 @@ def orders(
     from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
     from ...report.documents import orders_json
     from ...report.listing import print_json
-    from ...report.orders_text import print_orders
+    from ...report.search_text import print_orders
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until
     from ...writing import check_writable, write_whole
@@ -77,5 +79,5 @@ def orders(
     if as_json:
         print_json(orders_json(loaded, search.tree, search.stop))
     else:
-        print_orders(loaded, search.tree, search.stop)
+        print_orders(loaded, search.tree, search.stop, verbose=verbose)
     return DONE if search.stop is None else of_stop(search.stop)

@@ -41,7 +41,7 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     from ....scenarios.files import dump_toml
     from ...report.documents import shadow_json
     from ...report.listing import print_json
-    from ...report.shadow_text import print_shadow
+    from ...report.search_text import print_shadow
     from ...scene_argument import scene_from
     from ...shadowing.shadow import longest as sought
     from ...shadowing.shadow import shadow as whole

@@ -81,8 +81,8 @@ def stress(
     from ...grids.grid import carry_out
     from ...grids.store import Store
     from ...grids.stress_map import DEFAULT_ENGINES, ladders, place_of, stress_plan
+    from ...report.grid_tables import print_stress, stress_json
     from ...report.listing import print_json
-    from ...report.stress_text import print_stress, stress_json
     from ...writing import check_writable, write_whole
 
     if listed:

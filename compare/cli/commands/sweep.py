@@ -121,9 +121,9 @@ def sweep(
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
     from ...report.documents import sweep_json
+    from ...report.grid_tables import print_sweep
     from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
-    from ...report.sweep_text import print_sweep
     from ...writing import check_writable, write_whole
 
     for file in (csv_file, svg, html):

@@ -13,7 +13,7 @@ from flint import arb
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.report.schema import schema
-from truebreak.compare.report.shadow_text import at_most
+from truebreak.compare.report.search_text import at_most
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
 from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, recorded, refined, segments, shortest
 from truebreak.compare.shadowing.shadow import longest, shadow
