@@ -10,11 +10,24 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
-from .sentences import about, account_rows, counted, headline, listed, middle, off, tied, until_phrase
+from .sentences import (
+    about,
+    account_rows,
+    counted,
+    head_phrase,
+    headline,
+    listed,
+    middle,
+    off,
+    tied,
+    until_phrase,
+    verdict_sentence,
+)
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -88,10 +101,37 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
 
 
 def subject(comparison: Comparison) -> Candidate:
-    """The engine that the verdict is about: the first that diverges, or that does not agree, else the first."""
+    """The engine that the verdict is about: one that diverges, one that breaks a law, one that agrees, or the first."""
+    lawless = [c for c in comparison.candidates if c.lawless]
+    agreeing = [c for c in comparison.candidates if c.verdict == "agree" and tone(comparison) == "agree"]
+    rest = sorted(comparison.candidates, key=lambda c: c.verdict == "agree")
+    return headline(comparison) or [*lawless, *agreeing, *rest][0]
+
+
+def verdict_line(comparison: Comparison) -> str:
+    """The verdict above the answers: what `verdict_sentence` says, without what they say.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> verdict_line(compare(catalogue.build("near-tie:k=40"), ["double", "quad"]))
+    'Floating point changed what happened: double diverges at event 0 of 4.'
+    """
     first = headline(comparison)
-    rest = sorted(comparison.candidates, key=lambda c: (c.verdict == "agree") - c.lawless)
-    return first or rest[0]
+    if first is None or first.alignment.divergence is None:
+        return verdict_sentence(comparison)
+    head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
+    law = "does not keep the law, and diverges" if first.lawless else "diverges"
+    total = len(comparison.reference.events)
+    return f"{head}{first.engine} {law} at event {first.alignment.divergence.event:,} of {total:,}."
+
+
+def tone(comparison: Comparison) -> str:
+    """How the verdict is coloured: as what its sentence says."""
+    if any(c.lawless or c.verdict == "diverged" for c in comparison.candidates):
+        return "diverged"
+    verdicts = {c.verdict for c in comparison.candidates}
+    settled = "unsettled" not in verdicts and comparison.reference.stop.reason not in UNKNOWING
+    return "agree" if "agree" in verdicts and settled else "undecided"
 
 
 # -- Where.

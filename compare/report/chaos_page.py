@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..files.amounts import counted
-from .curves import Band, Curve, plot
+from .charts import NARROW, WIDE, Band, Curve, plot
 from .documents import chaos_json
 from .listing import laid_out
 from .output import console, grid, say
 from .page import Download, download, file_name, limits_of, provenance_of, rendered, scene_file, stem_of
 from .player import played
-from .plot import NARROW, WIDE
 from .sentences import listed
 
 if TYPE_CHECKING:
@@ -51,6 +50,10 @@ def lead(chaos: Chaos) -> str:
     chosen = next((h for h in chaos.horizons if h.engine == "double"), chaos.horizons[0] if chaos.horizons else None)
     if chosen is None:
         return f"{_growth_sentence(chaos)} No engine was asked about."
+    place = None if chosen.seen is None else chosen.seen.place
+    if place is not None and place.event is not None and place.event < (chosen.low.event or chaos.events):
+        early = f"it was run, and {_word(chosen)} there, earlier than predicted"
+        return f"Do not trust {chosen.engine} beyond event {place.event:,}: {early}."
     return f"{trust_phrase(chosen, chaos.events)}{_outcome(chosen)}."
 
 
@@ -73,11 +76,14 @@ def _outcome(horizon: Horizon) -> str:
     if seen is None:
         return ""
     if seen.place is None:
-        return (
-            "; it was run, and agrees to the end" if seen.verdict == "agree" else f"; it was run, and is {seen.verdict}"
-        )
-    word = "diverged" if seen.verdict == "diverged" else f"was {seen.verdict}"
-    return f"; it was run, and {word} at event {seen.place.event:,}"
+        return f"; it was run, and {'agrees to the end' if seen.verdict == 'agree' else _word(horizon)}"
+    return f"; it was run, and {_word(horizon)} at event {seen.place.event:,}"
+
+
+def _word(horizon: Horizon) -> str:
+    """What it did, in a sentence."""
+    verdict = "not run" if horizon.seen is None else str(horizon.seen.verdict)
+    return "diverged" if verdict == "diverged" else f"was {verdict}"
 
 
 def _growth_sentence(chaos: Chaos) -> str:

@@ -269,7 +269,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, ver
     last = ("every choice", "velocities at the end") if verbose else (f"{body} ends with velocity",)
     table = grid("outcome", "what happens", "collisions", *last)
     for number, (name, outcome) in enumerate(zip(outcome_names(found), found, strict=True)):
-        ends = (choices_phrase(outcome), velocities_phrase(outcome)) if verbose else (_velocity(outcome, body),)
+        ends = (choices_phrase(outcome), velocities_phrase(outcome)) if verbose else (velocity_phrase(outcome, body),)
         table.add_row(str(number), name, f"{outcome.trajectory.collisions:,}", *ends)
     out.print(table)
 
@@ -319,7 +319,8 @@ def spread_phrase(outcomes: Sequence[Leaf]) -> str:
     return f"{told}; what differs most is the velocity with which {most_different(outcomes)} ends."
 
 
-def _velocity(outcome: Leaf, body: str) -> str:
+def velocity_phrase(outcome: Leaf, body: str) -> str:
+    """The velocity with which a circle ends."""
     (circle,) = (c for c in outcome.trajectory.final.circles if str(c.id) == body)
     return f"({float(circle.vx):.4g}, {float(circle.vy):.4g})"
 

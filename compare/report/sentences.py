@@ -41,7 +41,7 @@ def verdict_sentence(comparison: Comparison) -> str:
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
         others = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in lawless if c is not first)
         law = f"{law_phrase(first)}; " if first.lawless else ""
-        return f"{verdict_head(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
+        return f"{head_phrase(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
     if lawless and by_verdict["agree"] and lawless[0].verdict == "agree":
         first = lawless[0]
         spared = [c.engine for c in by_verdict["agree"] if not c.lawless]
@@ -103,8 +103,8 @@ def _is_rounding(candidate: Candidate) -> bool:
     return not candidate.stepped if known is None else known
 
 
-def verdict_head(candidate: Candidate) -> str:
-    """What a divergence is called, before the colon."""
+def head_phrase(candidate: Candidate) -> str:
+    """What changed what happened, as far as is known."""
     if candidate.lawless:
         return f"{candidate.engine} does not keep the law"
     if _is_rounding(candidate):
@@ -141,15 +141,13 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
 
 
 def _when(comparison: Comparison, candidate: Candidate) -> str:
-    """When the histories part, by the clocks of both runs, and the engine's own number where it is another."""
+    """When the histories part, by the clocks of both runs."""
     divergence = candidate.alignment.divergence
     assert divergence is not None
     runs = (comparison.reference.engine, divergence.expected_time), (candidate.engine, divergence.got_time)
     known = [(name, time) for name, time in runs if time is not None]
     times = {f"{time:.9g}" for _, time in known}
-    told = f"t = {times.pop()}" if len(times) == 1 else ", ".join(f"t = {time:.9g} in {name}" for name, time in known)
-    own = divergence.candidate_event
-    return told if own is None or own == divergence.event else f"{told}; event {own} of {candidate.engine}"
+    return f"t = {times.pop()}" if len(times) == 1 else ", ".join(f"t = {time:.9g} in {name}" for name, time in known)
 
 
 def _looked(run: Trajectory) -> str:

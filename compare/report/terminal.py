@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
-from .answers import answers, subject
+from .answers import answers, subject, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
 from .sentences import (
@@ -29,8 +29,6 @@ from .sentences import (
     short,
     span_phrase,
     until_phrase,
-    verdict_head,
-    verdict_sentence,
 )
 
 if TYPE_CHECKING:
@@ -195,16 +193,10 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False) -> None:
 
 
 def first_line(comparison: Comparison) -> str:
-    """The verdict in a line; of a divergence no more than who and at which event, as the answers say the rest."""
+    """The verdict in a line; other engines that do not keep the law are never left out."""
     first = headline(comparison)
-    if first is None:
-        return verdict_sentence(comparison)
-    divergence = first.alignment.divergence
-    assert divergence is not None
-    law = f"; {law_phrase(first)}" if first.lawless else ""
-    others = [c for c in comparison.candidates if c.lawless and c is not first]
-    more = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in others)
-    return f"{verdict_head(first)}: {first.engine} diverges at event {divergence.event:,}{law}.{more}"
+    others = [c for c in comparison.candidates if c.lawless and c is not first] if first is not None else []
+    return verdict_line(comparison) + "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in others)
 
 
 def _print_answers(comparison: Comparison) -> None:

@@ -361,7 +361,7 @@ def test_where_all_is_predicted_to_be_wrong_only_the_cheap_settings_are_run(
     assert stop.value.code == 4
     told = " ".join(capsys.readouterr().out.split())
     assert "No setting of pymunk is predicted to get the first 60 events right" in told
-    assert "double is right there, on 3 of 3." in told
+    assert "Take double instead: it is right on all 3 scenes." in told
     assert is_right(scene, HistoryGoal(60), "double")
     data = advice_json(advise(scene, HistoryGoal(60), perturbed=2))
     jsonschema.Draft202012Validator(schema("advice-2")).validate(data)
