@@ -279,7 +279,7 @@ def _recording(scene: Scene, found: Sequence[Leaf], names: Sequence[str]) -> dic
         time = None if place is None else _time(first, outcome.trajectory, place)
         told = {"divergence": None if place is None else _parted(scene, first, outcome.trajectory, place)}
         others.append(Played(number, f"outcome {number + 1}: {names[number + 1]}", outcome.trajectory, told, time))
-    return played(scene, first, others, name="outcome 0", title="outcome 0")
+    return played(scene, first, others, name="outcome 0", title=f"outcome 0: {names[0]}")
 
 
 def parting(one: Trajectory, other: Trajectory) -> int | None:
