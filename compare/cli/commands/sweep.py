@@ -16,6 +16,7 @@ from ..progress import DONE, ExitCode, duration, showing
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from ....scenarios.scene import Scene
     from ...grids.grid import Done
     from ...grids.row import Row
     from ...grids.store import Store
@@ -181,13 +182,19 @@ def check_reports(html: str | None, reports: bool) -> None:
 
 
 def write_page(
-    file: str, title: str, rows: Iterable[Row], reports: bool, limits: Mapping[int, tuple[Any, Any]], **more: Any
+    file: str,
+    title: str,
+    rows: Iterable[Row],
+    reports: bool,
+    limits: Mapping[int, tuple[Any, Any]],
+    scene: Callable[[Row], Scene] | None = None,
+    **more: Any,
 ) -> None:
     """Writes the page of a grid, and the reports beside it if they are asked for."""
     from ...report.grid_page import grid_page, write_reports
     from ...writing import write_whole
 
-    links = write_reports(rows, file, limits) if reports else None
+    links = write_reports(rows, file, limits, scene) if reports else None
     write_whole(file, grid_page(title, rows, links=links, **more))
 
 
