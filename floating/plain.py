@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtWall, Body, Entry, Link, Named, name_of
+from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -388,7 +388,7 @@ def run_plain(
     """
     limits = run_limits(scene, until, events)
     stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
-    ids, history, finish, named = scene.ids, decider.history, decider.finish, Named(scene)
+    ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(scene)
 
     def at(mark: Mark[M]) -> Real:
         return shown(mark.time, mark.number)

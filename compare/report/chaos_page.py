@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..files.amounts import counted
-from .charts import NARROW, WIDE, Band, Curve, plot
+from .charts import NARROW, WIDE, Curve, ForecastBand, plot
 from .documents import chaos_json
 from .listing import laid_out
 from .output import console, grid, say
@@ -21,7 +21,7 @@ from .player import played
 from .sentences import listed
 
 if TYPE_CHECKING:
-    from ..chaos.chaos import Chaos
+    from ..chaos.certified_chaos import Chaos
     from ..chaos.horizon import EventTime, Horizon
     from ..chaos.spectrum import Rate
 
@@ -243,7 +243,7 @@ def chaos_html(chaos: Chaos, *, command: str = "") -> str:
 def _growth(chaos: Chaos, width: int) -> Markup:
     growth = Curve("worst error", [(grown.time, grown.bits) for grown in chaos.growth], "reference")
     bands = [
-        Band(
+        ForecastBand(
             horizon.engine,
             horizon.low.time,
             chaos.time if horizon.high.time is None else horizon.high.time,
@@ -269,7 +269,7 @@ def _convergence(chaos: Chaos, width: int) -> Markup:
     return _plot("The largest exponent as it converges", "per unit time", curves, [], width)
 
 
-def _plot(title: str, up: str, curves: list[Curve], bands: list[Band], width: int) -> Markup:
+def _plot(title: str, up: str, curves: list[Curve], bands: list[ForecastBand], width: int) -> Markup:
     kind = "narrow" if width == NARROW else "wide"
     return Markup(plot(title, "time", up, curves, bands, width=width, legend=False, kind=kind))
 
