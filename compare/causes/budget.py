@@ -180,7 +180,7 @@ class _Sum:
             raise NoContinuation("with some of its errors alone, the contacts that lead to the decision do not exist")
         self.loose += found[1]
         if self.loose > TENTH * max(map(_size, (self.whole, *self.found.values()))):
-            raise NoContinuation("its kinds of error act on each other too much to be told apart")
+            raise NoContinuation("its kinds of error act on each other too much to be distinguished")
         self.groups += 1
         for cause, value in found[0].items():
             self.add(cause, value)
@@ -204,7 +204,7 @@ class _Sum:
                     self.add(cause, value * (self.whole / whole))
                 self.groups += 1
                 return
-        raise NoContinuation("its errors act on each other too much to be told apart")
+        raise NoContinuation("its errors act on each other too much to be distinguished")
 
     def _integrated(self, present: Sequence[Group], nodes: Sequence[tuple[str, str]]) -> dict[CauseName, arb]:
         """The integrals, by a rule of some nodes and weights on 0 to 1."""

@@ -75,7 +75,7 @@ SIGNS = {
         "right: the certified history, every meeting of it, and its outcomes; no law known to be broken",
     ),
     MapMark.WRONG: ("X", "wrong: another history, an outcome changed, or a law not kept"),
-    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not decide"),
+    MapMark.UNSETTLED: ("~", "not settled: the runs do not go far enough to decide"),
     MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     MapMark.REFUSED: ("-", "refused: it does not take the scene"),
     MapMark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),

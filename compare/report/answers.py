@@ -256,7 +256,7 @@ def _margin_words(candidate: Candidate) -> str:
         return f"The exact run touches without depth; {error}."
     if margin.distance[0] <= 0 <= margin.distance[1]:
         return f"The exact run passes within {about(margin.distance)} of a touch; {error}."
-    kind = "hits by a depth of" if middle(margin.distance) < 0 else "misses by"
+    kind = "hits with penetration depth" if middle(margin.distance) < 0 else "misses by"
     return f"The exact run {kind} {about(margin.distance)}; {error}."
 
 

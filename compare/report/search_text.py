@@ -367,21 +367,19 @@ def shadow_sentences(told: Shadow) -> list[str]:
     if told.proof is not None:
         found.append(f"Proved: {_claim(told.proof, whose)}.")
         if told.proof.swaps:
-            found.append(
-                f"In the whole order {counted(told.proof.swaps, 'contact')} stand elsewhere: independent ones, swapped."
-            )
+            found.append(f"In the whole order {counted(told.proof.swaps, 'independent contact')} are reordered.")
     elif told.blocked is not None:
         found.append(f"Not found: no shadow of {whose}. What stands in the way: {told.blocked.obstacle.value}.")
         found.append(f"{told.blocked.message[0].upper()}{told.blocked.message[1:]}.")
     if left is None:
-        found.append("The run has not left the certified history of the scene's own start.")
+        found.append("The run has not diverged from the certified history of the scene's own start.")
     else:
         met, got = (name or "nothing" for name in (left.expected, left.got))
         beyond = told.events - left.event - 1 if told.proof is not None else 0
         more = f"; the shadow goes on for {counted(beyond, 'event')} more" if beyond > 0 else ""
         found.append(
-            f"The run leaves the certified history of the scene's own start at event {left.event} ({left.body} meets "
-            f"{got} instead of {met}){more}."
+            f"The run diverges from the certified history of the scene's own start at event {left.event} "
+            f"({left.body} meets {got} instead of {met}){more}."
         )
     if told.drift is not None:
         found.append(f"The engine's energy drifts by {told.drift:.2g} of itself, that of a true orbit by nothing.")

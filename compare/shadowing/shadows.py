@@ -66,7 +66,7 @@ class Shadow:
     Attributes:
         scene, engine: what was run, and by whom.
         events: of the engine's run.
-        divergence: where the engine leaves the certified history of the scene's own start; None if it does not.
+        divergence: where the engine diverges from the certified history of the scene's own start; None if it does not.
         proof: the shadow; None if none was found.
         blocked: why not.
         drift: the largest relative change of the energy along the engine's run; None if the search never began.

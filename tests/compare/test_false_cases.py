@@ -336,7 +336,7 @@ def test_a_tie_that_the_rounding_of_the_input_breaks_is_input_rounding() -> None
 
 def test_only_an_engine_that_proves_is_said_to() -> None:
     comparison = compare(catalogue.build("gas"), ["exact"], reference="double", events=20)
-    assert proof_phrase(comparison) == "double proves nothing: it is taken at its word."
+    assert proof_phrase(comparison) == "double proves nothing: it is taken as the reference."
 
 
 def test_what_a_run_has_before_its_end_does_not_depend_on_its_end() -> None:

@@ -11,7 +11,7 @@ from ..progress import DONE, of_comparison
 @click.command(epilog=examples("compare"))
 @SCENE
 @some_engines(
-    "The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
+    "The engines to compare with the reference: names, package.module:Class, or LABEL=package.module:Class.",
     "double,interval,pymunk",
 )
 @held_against
@@ -21,7 +21,7 @@ from ..progress import DONE, of_comparison
 )
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits: bool, exit_zero: bool) -> int:
-    """Run a scene in several engines: do they tell the same history?
+    """Run a scene in several engines: do they have the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.

@@ -16,7 +16,7 @@ The first line of the report begins with one of:
   grew from rounding at event K             what differs first is rounding
   changed at event K by more than rounding  what differs first is no rounding
   different from the start                  another start, setting or step
-  not determined                            the logs do not tell, and why not
+  not determined                            the logs do not show it, and why not
 K is the step, where logs have steps, else the number of the event, from 0.
 
 \b
@@ -46,7 +46,7 @@ def diff(
     """Compare the logs of runs of any engine, in any world.
 
     Says where they part first, to the last bit, how the difference grew, and whether it began as rounding, as a change,
-    or from the start; "not determined" where the logs do not tell. A log is a file of JSON lines, CSV, or a list of
+    or from the start; "not determined" where the logs do not show it. A log is a file of JSON lines, CSV, or a list of
     hashes. Several logs are each compared with the first.
     """
     from ...logdiff.desync import diff as compared

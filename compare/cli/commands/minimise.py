@@ -73,8 +73,8 @@ def minimise(
     """Find the smallest scene on which an engine still diverges.
 
     Circles, walls, pockets, events, a reversal and the digits of numbers are left out as long as the engine still
-    leaves the certified history, or with --same law still breaks the law (delta debugging). Ctrl-C ends the search with
-    the smallest scene so far.
+    diverges from the certified history, or with --same law still breaks the law (delta debugging). Ctrl-C ends the
+    search with the smallest scene so far.
     """
     from ....scenarios.files import dump_toml
     from ...reduction.minimal_scene import DEFAULT_RUNS

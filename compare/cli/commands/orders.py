@@ -38,7 +38,7 @@ def orders(
     """List every outcome that some order of impulses leads to.
 
     Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
-    swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
+    only reorder contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
     from ....scenarios.errors import SceneError

@@ -12,7 +12,7 @@ EPILOG = f"""
 
 \b
 Examples:
-  truebreak shadow gas --events 260     doubles leave the history at event 161
+  truebreak shadow gas --events 260     doubles diverge at event 161
   truebreak shadow gas:n=3 --engine pymunk:dt=1/1024 --events 60
   truebreak shadow gas --events 260 --write near.toml   the start as a scene
   truebreak run near.toml --events 260                  its certified run

@@ -31,7 +31,7 @@ def test_the_margin_stands_beside_the_error_on_one_scale() -> None:
 def test_a_near_tie_is_seen_on_a_scale_of_powers() -> None:
     close, off = amounts(comparison("near-tie")["double"])
     assert close.text == "1e-40"
-    assert off.text == "less than doubles tell"
+    assert off.text == "less than double resolution"
     assert off.share == 0
 
 

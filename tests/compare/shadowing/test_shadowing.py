@@ -249,7 +249,7 @@ def test_the_command_proves_and_writes_the_start(capsys: pytest.CaptureFixture[s
     near = tmp_path / "near.toml"
     assert call(["shadow", "gas:n=3", "--events", "120", "--write", str(near)]) == 0
     out = capsys.readouterr().out
-    assert "Proved: a start within" in out and "leaves the certified history" in out
+    assert "Proved: a start within" in out and "diverges from the certified history" in out
     assert call(["run", str(near), "--events", "120", "--json"]) == 0
     history = [e["impulses"] for e in json.loads(capsys.readouterr().out)["events"]]
     assert call(["run", "gas:n=3", "--engine", "double", "--events", "120", "--json"]) == 0
