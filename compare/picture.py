@@ -132,14 +132,14 @@ LENS, LENS_GAP, SMALL_GAP = 44.0, 14.0, 9.0
 """Pixels: radius of the lens, of the gap in it, and below which a gap is shown through it."""
 
 
-class Frame(NamedTuple):
+class MomentFrame(NamedTuple):
     """One picture of a moment, and what it says."""
 
     caption: str
     picture: str
 
 
-def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) -> list[Frame]:
+def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) -> list[MomentFrame]:
     """Both runs before the first divergence, at it, and some events after: the reference solid, the engine dashed.
 
     All frames show the same part of the plane. Where the gap that decides is too small to be seen, a lens enlarges it.
@@ -156,7 +156,7 @@ def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) 
     lens = _lens(candidate, shown[1], view, number)
     told = ("Before", f"Event {parted.event:,}", "After")
     return [
-        Frame(
+        MomentFrame(
             f"{word}: t = {time:.{digits}g}",
             draw(
                 reference.scene,
@@ -290,11 +290,9 @@ def _lens(candidate: Candidate, discs: Sequence[DrawnDisc], view: View, number: 
     cx, cy = FRAME_WIDTH - LENS - 8, FRAME_HEIGHT - LENS - 22
 
     def edge(kind: str, along: float) -> str:
-        x, y = cx + nx * along, cy + ny * along
-        return (
-            f'<line class="{kind}" clip-path="url(#lens-{number})" x1="{x - ny * LENS:.1f}" y1="{y + nx * LENS:.1f}" '
-            f'x2="{x + ny * LENS:.1f}" y2="{y - nx * LENS:.1f}"/>'
-        )
+        x, y, half = cx + nx * along, cy + ny * along, math.sqrt(LENS**2 - along**2)
+        ends = f'x1="{x - ny * half:.1f}" y1="{y + nx * half:.1f}" x2="{x + ny * half:.1f}" y2="{y - nx * half:.1f}"'
+        return f'<line class="{kind}" {ends}/>'
 
     start, limit = -LENS_GAP / 2, LENS - 6
     lines = [edge("circle", start), edge("circle", max(-limit, min(limit, start + exact * times * view.scale)))]
@@ -303,7 +301,6 @@ def _lens(candidate: Candidate, discs: Sequence[DrawnDisc], view: View, number: 
     told = f"{times:,.0f}" if times < 1e6 else f"{times:.1g}"
     return "".join(
         [
-            f'<clipPath id="lens-{number}"><circle cx="{cx}" cy="{cy}" r="{LENS}"/></clipPath>',
             f'<circle class="lens" cx="{cx}" cy="{cy}" r="{LENS}"/>',
             *lines,
             f'<text class="name" x="{cx}" y="{FRAME_HEIGHT - 10}">gap, {told} times</text>',

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from itertools import islice
 from typing import TYPE_CHECKING, Protocol
@@ -136,19 +136,22 @@ PICTURED_CIRCLES = 500
 """A scene of more circles is not drawn: the picture would say nothing."""
 
 
-def scene_picture(scene: Pictured, *, standalone: bool = False) -> str:
-    """The scene at time 0, with arrows for velocities."""
+def scene_picture(scene: Pictured, *, standalone: bool = False, across: float = WIDTH) -> str:
+    """The scene at time 0, with arrows for velocities, at most so many pixels wide."""
     rows = [tuple(float(value) for value in (c.x, c.y, c.vx, c.vy)) for c in scene.circles]
-    return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone)
+    return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone, across=across)
 
 
-def state_picture(scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False) -> str:
+def state_picture(
+    scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False, across: float = WIDTH
+) -> str:
     """The scene with its circles at x, y, vx, vy, with arrows for velocities."""
     discs = [
         DrawnDisc(str(c.id), x, y, float(c.r), vx, vy, "fixed" if c.fixed else "circle")
         for c, (x, y, vx, vy) in zip(scene.circles, rows, strict=True)
     ]
-    return draw(scene, discs, title, standalone=standalone)
+    view = replace(view_of(discs, scene), across=across, up=across * HEIGHT / WIDTH) if discs else None
+    return draw(scene, discs, title, standalone=standalone, view=view)
 
 
 def image(picture: str, title: str) -> str:

@@ -226,7 +226,7 @@ CERTIFY = click.option(
     "--certify", "certified", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
 )
 
-HELD_AGAINST = (
+REFERENCE_OPTIONS = (
     REFERENCE,
     UNTIL,
     EVENTS,
@@ -246,7 +246,7 @@ HELD_AGAINST = (
 
 
 @dataclass(frozen=True)
-class HeldAgainst:
+class ReferenceOptions:
     """What the command line says, in options that all commands have that hold runs against a reference."""
 
     reference: str
@@ -279,17 +279,17 @@ class HeldAgainst:
         return reference_named(with_settings(self.reference, ties=self.ties, work=self.work), cache=not self.no_cache)
 
 
-def held_against(command: Callable[..., int]) -> Callable[..., int]:
-    """Gives a command the options of `HeldAgainst`, as `--help` lists them, in one argument `held`."""
+def reference_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Gives a command the options of `ReferenceOptions`, as `--help` lists them, in one argument `asked`."""
 
     @wraps(command)
     def gathered(**given: Any) -> int:
         return command(
-            held=HeldAgainst(**{field.name: given.pop(field.name) for field in fields(HeldAgainst)}), **given
+            asked=ReferenceOptions(**{field.name: given.pop(field.name) for field in fields(ReferenceOptions)}), **given
         )
 
     whole: Callable[..., int] = gathered
-    for option in reversed(HELD_AGAINST):
+    for option in reversed(REFERENCE_OPTIONS):
         whole = option(whole)
     return whole
 

@@ -45,9 +45,9 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     >>> from truebreak.scenarios import catalogue
     >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
     >>> foreseen_phrase(found, 0)
-    'predicted to diverge between event 25 and event 33, half of such engines by event 26'
+    'predicted to diverge between event 25 and 33, half by 26'
     >>> foreseen_phrase(found, 1)
-    'predicted to be right in the 60 events looked at, by the growth of errors alone'
+    'predicted to be right in the 60 events looked at'
     >>> near = foreseen(compare(catalogue.build("near-tie:k=40"), ["interval"]))
     >>> foreseen_phrase(near, 0)
     'predicted to diverge at event 0'
@@ -56,15 +56,15 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     if found is None or horizon is None:
         return ""
     if horizon.low.event is None:
-        return f"predicted to be right in the {found.events:,} events looked at, by the growth of errors alone"
+        return f"predicted to be right in the {found.events:,} events looked at"
     if horizon.high.event is None:
-        half = "" if horizon.expected.event is None else f", half of such engines by event {horizon.expected.event:,}"
+        half = "" if horizon.expected.event is None else f", half by {horizon.expected.event:,}"
         return f"predicted to diverge from event {horizon.low.event:,} on{half}"
     if horizon.low.event == horizon.high.event:
         return f"predicted to diverge at event {horizon.low.event:,}"
     return (
-        f"predicted to diverge between event {horizon.low.event:,} and event {horizon.high.event:,}, "
-        f"half of such engines by event {horizon.expected.event:,}"
+        f"predicted to diverge between event {horizon.low.event:,} and {horizon.high.event:,}, "
+        f"half by {horizon.expected.event:,}"
     )
 
 
@@ -252,8 +252,9 @@ ABOUT = {
     "nine in ten such engines are right at least so long.",
     "The moment": "Both runs just before the first divergence, at it, and after. Solid is the reference, dashed the "
     "engine; the circles in question are heavy, arrows are velocities.",
-    "Error over time": "How far the circle that is farthest off is from its place in the reference. A straight rise on "
-    "this logarithmic scale is chaos; below the floor, places as doubles tell nothing.",
+    "Error over time": "How far the circle farthest off is from its place: a straight rise on this logarithmic scale "
+    "is chaos, and below the floor places as doubles tell nothing. A dot is the first divergence; a band, where 90 in "
+    "100 such engines diverge, as the exact run alone predicts.",
     "Engines": "Every engine that was compared, and the reference. Swaps are independent events in another order: they "
     "change nothing.",
     "The account": "What each kind of error adds to the number that decides, signed; the parts add up. Alone says "
@@ -308,7 +309,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
         plots=[Markup(error_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
-        picture=Markup(scene_picture(comparison.scene)) if _drawn(comparison) else "",
+        picture=Markup(scene_picture(comparison.scene, across=340)) if _drawn(comparison) else "",
         blocks=sorted(blocks, key=lambda block: not block["lead"]),
         gallery=gallery(comparison),
         changed=changed(comparison),
@@ -370,7 +371,7 @@ def _row(comparison: Comparison, number: int, candidate: Candidate) -> dict[str,
         "agreed": f"{candidate.alignment.agreed:,}",
         "event": f"{divergence.event:,}" if divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
-        "swaps": candidate.alignment.harmless_swaps,
+        "swaps": candidate.alignment.reordered,
         "error": error_words(comparison, candidate),
         "miss": short(candidate.return_miss),
         "linked": candidate.verdict != "agree" or candidate.lawless,

@@ -251,7 +251,7 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
             ("Scene", f"{scene.name} ({counted(len(scene.circles), 'circle')}, {counted(len(scene.walls), 'wall')})"),
             ("Engine", first.engine),
             ("Merged", f"{tree.merged:,}, into a state that another order reaches too"),
-            ("Left out", f"{counted(tree.swapped, 'order')} that only reorder independent contacts"),
+            ("Left out", f"{counted(tree.reordered, 'order')} that only reorder independent contacts"),
         ],
         picture=Markup(scene_picture(scene)),
         drawn=drawn,

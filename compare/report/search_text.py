@@ -264,7 +264,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, ver
         say(out, spread)
     if verbose:
         say(out, f"Merged, as they come to an equal state: {counted(tree.merged, 'order')}; left out, as they only "
-                 f"reorder independent contacts: {counted(tree.swapped, 'order')}.")  # fmt: skip
+                 f"reorder independent contacts: {counted(tree.reordered, 'order')}.")  # fmt: skip
     body = most_different(found)
     last = ("every choice", "velocities at the end") if verbose else (f"{body} ends with velocity",)
     table = grid("outcome", "what happens", "collisions", *last)
@@ -366,8 +366,8 @@ def shadow_sentences(told: Shadow) -> list[str]:
     found: list[str] = []
     if told.proof is not None:
         found.append(f"Proved: {_claim(told.proof, whose)}.")
-        if told.proof.swaps:
-            found.append(f"In the whole order {counted(told.proof.swaps, 'independent contact')} are reordered.")
+        if told.proof.reordered:
+            found.append(f"In the whole order {counted(told.proof.reordered, 'independent contact')} are reordered.")
     elif told.blocked is not None:
         found.append(f"Not found: no shadow of {whose}. What stands in the way: {told.blocked.obstacle.value}.")
         found.append(f"{told.blocked.message[0].upper()}{told.blocked.message[1:]}.")

@@ -225,7 +225,7 @@ def engines_table(comparison: Comparison, *, close: bool = False) -> TextTable:
                 f"{candidate.alignment.agreed:,}",
                 f"event {divergence.event:,}" if divergence else "",
                 str(candidate.diagnosis) if candidate.diagnosis else "",
-                f"{candidate.alignment.harmless_swaps:,}" if candidate.alignment.harmless_swaps else "",
+                f"{candidate.alignment.reordered:,}" if candidate.alignment.reordered else "",
                 short(candidate.separation.maximum),
                 _miss(candidate.return_miss),
             ]
