@@ -222,6 +222,19 @@ VERBOSE = click.option("-v", "--verbose", is_flag=True, help="Show everything: t
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
 HTML = a_file("--html", help="Also write the report as one offline HTML file.")
+JOBS = click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+STORE = a_file("--store", help="Keep the rows in this SQLite file, and make none that it has: it resumes.")
+GRID_HTML = a_file("--html", help="Write one page: scenes by engines, to filter and sort.")
+REPORTS = click.option(
+    "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
+)
+
+
+def exit_zero(help: str) -> Option:
+    """The option `--exit-zero`."""
+    return click.option("--exit-zero", is_flag=True, help=help)
+
+
 CERTIFY = click.option(
     "--certify", "certified", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
 )

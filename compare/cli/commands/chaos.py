@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, VERBOSE, Whole, a_file, isolating, some_engines
+from ..options import EVENTS, HTML, JSON, REVERSE, SCENE, SCENE_HELP, VERBOSE, Whole, isolating, some_engines
 from ..progress import of_stop
 
 EPILOG = f"""
@@ -40,7 +40,7 @@ Examples:
 @isolating
 @VERBOSE
 @JSON
-@a_file("--html", help="Also write the measurement as one offline HTML file.")
+@HTML
 def chaos(
     scene: str,
     events: int | None,

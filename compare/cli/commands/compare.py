@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import SCENE, ReferenceOptions, a_file, examples, reference_options, some_engines
+from ..options import SCENE, ReferenceOptions, a_file, examples, exit_zero, reference_options, some_engines
 from ..progress import DONE, of_comparison
 
 
@@ -19,7 +19,7 @@ from ..progress import DONE, of_comparison
 @click.option(
     "--bits", is_flag=True, help="Find how many bits lead to the end where enclosures are too wide to decide."
 )
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
+@exit_zero("Exit with 0 even if engines diverged or are undecided.")
 def compare(scene: str, engines: str, asked: ReferenceOptions, save: str | None, bits: bool, exit_zero: bool) -> int:
     """Run a scene in several engines: do they have the same history?
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import completion
-from ..options import JSON, a_file
+from ..options import JSON
 from ..progress import ExitCode
 
 EPILOG = """
@@ -37,9 +37,9 @@ Exit codes:
 @click.argument("logs", metavar="A B [C ...]", nargs=-1, required=True, shell_complete=completion.files)
 @click.option("--ignore", metavar="NAME,...", help="Free fields that are not compared; time: nor are clocks.")
 @click.option("--scene", metavar="SCENE", shell_complete=completion.scenes, help="What the runs are of: audits them.")
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 where logs differ, too.")
+@exit_zero("Exit with 0 where logs differ, too.")
 @JSON
-@a_file("--html", help="Also write the report as one offline HTML file.")
+@HTML
 def diff(
     logs: tuple[str, ...], ignore: str | None, scene: str | None, exit_zero: bool, as_json: bool, html: str | None
 ) -> int:

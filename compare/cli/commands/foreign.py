@@ -9,7 +9,7 @@ import click
 
 from ....scenarios.errors import SceneError
 from .. import completion
-from ..options import SCENE, SCENE_HELP, ReferenceOptions, Whole, a_file, examples, reference_options
+from ..options import SCENE, SCENE_HELP, ReferenceOptions, Whole, a_file, examples, exit_zero, reference_options
 from ..progress import DONE, of_comparison
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ not settled.
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
 @reference_options
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged, breaks a law, or is undecided.")
+@exit_zero("Exit with 0 even if a log diverged, breaks a law, or is undecided.")
 def judge(
     scene: str,
     logs: tuple[str, ...],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, VERBOSE, WORK, Whole, a_file, examples, one_engine
+from ..options import EVENTS, HTML, JSON, SCENE, SECONDS, UNTIL, VERBOSE, WORK, Whole, examples, one_engine
 from ..progress import DONE, of_stop
 
 
@@ -20,7 +20,7 @@ from ..progress import DONE, of_stop
 @SECONDS
 @VERBOSE
 @JSON
-@a_file("--html", help="Also write the outcomes as one offline HTML file.")
+@HTML
 def orders(
     scene: str,
     engine_text: str,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
+from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Whole, WithDefault, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import HTML, REPORTS, came_to_nothing, check_reports, showing_done, write_page
+from .sweep import came_to_nothing, check_reports, showing_done, write_page
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -47,11 +47,11 @@ def _default_engines() -> str:
 )
 @click.option("--levels", metavar="LOW..HIGH", help="The k of every family; else each family's own.")
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
-@a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
+@STORE
 @a_file("--svg", help="Also write the map as a picture.")
-@HTML
+@GRID_HTML
 @REPORTS
-@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+@JOBS
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
 @click.option("--side", metavar="NAME", help="For --show: which of the family's variants; else its first.")

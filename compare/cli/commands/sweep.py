@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import completion
-from ..options import EVENTS, JSON, SCENE_HELP, WORK, Whole, a_file, isolating, some_engines
+from ..options import EVENTS, GRID_HTML, JOBS, JSON, REPORTS, SCENE_HELP, WORK, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
@@ -20,11 +20,6 @@ if TYPE_CHECKING:
     from ...grids.grid import Done
     from ...grids.row import Row
     from ...grids.store import Store
-
-HTML = a_file("--html", help="Write one page: scenes by engines, to filter and sort.")
-REPORTS = click.option(
-    "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
-)
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -76,7 +71,7 @@ ended it.
 @a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
 @a_file("--csv", "csv_file", help="Write the table here; - is stdout.")
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
-@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+@JOBS
 @click.option(
     "--executor",
     "executor_text",
@@ -84,7 +79,7 @@ ended it.
     help="Workers of a Dask cluster, in place of processes here.",
 )
 @a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
-@HTML
+@GRID_HTML
 @REPORTS
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @isolating
