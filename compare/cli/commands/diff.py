@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import completion
-from ..options import JSON
+from ..options import HTML, JSON, exit_zero
 from ..progress import ExitCode
 
 EPILOG = """
