@@ -34,6 +34,11 @@ INDEX = """\
 
 ```{include} README.md
 :start-after: "# truebreak"
+:end-before: "![A report"
+```
+
+```{include} README.md
+:start-after: "docs/report.png)"
 :end-before: "And this sets up"
 ```
 
@@ -48,10 +53,15 @@ New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report 
 - **I have a question about chaos.** [Chaos, measured](docs/chaos.md), then [Sweeps](docs/sweep.md) over many scenes and
   [Shadowing](docs/shadowing.md).
 
+```{include} README.md
+:start-after: "change came first](docs/desync.md)."
+:end-before: "On a machine with only Python"
+```
+
 ## Every scene of the catalogue
 
 Each is compared in doubles and in pymunk with the exact run, over its first events.
-A click leads to its report, to play.
+A click leads to its page, with the report to play.
 
 {gallery}
 """
