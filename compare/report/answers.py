@@ -18,6 +18,7 @@ from ..engines import ENGINES
 from .sentences import (
     about,
     account_rows,
+    all_of,
     counted,
     head_phrase,
     headline,
@@ -382,7 +383,7 @@ def all_run(comparison: Comparison, candidate: Candidate) -> list[Alternative]:
 def right_to(comparison: Comparison, alternative: Alternative) -> str:
     """To which event what was run is right."""
     if alternative.right:
-        return f"right in all {counted(len(comparison.reference.events), 'event')}"
+        return f"right in {all_of(len(comparison.reference.events))}"
     last = f"right to event {alternative.agreed - 1:,}" if alternative.agreed else "right in no event"
     return f"{last} (run no further)" if alternative.ended else last
 

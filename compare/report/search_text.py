@@ -435,7 +435,7 @@ def print_smallest(found: Smallest) -> None:
             phrase = broken or divergence_phrase(step.comparison, candidate)
             table.add_row(f"{step.runs:,}", step.told, phrase)
         out.print(table)
-    print_comparison(found.comparison)
+    print_comparison(found.comparison, verbose=True)
 
 
 def size_phrase(size: SceneSize) -> str:

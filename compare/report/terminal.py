@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
-from .answers import answers, subject, verdict_line
+from .answers import answers, scene_word, subject, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
 from .sentences import (
@@ -150,11 +151,12 @@ def _padded(rows: list[tuple[int, float, str]], depth: int) -> list[tuple[int, f
 COLOURS = {"agree": "green", "diverged": "red", "unsettled": "yellow", "undecided": "yellow"}
 
 
-def print_comparison(comparison: Comparison, *, verbose: bool = False) -> None:
+def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: str | None = None) -> None:
     """Prints the report of a comparison on stdout: the verdict, a table, and the four answers about one engine.
 
     Args:
         verbose: whether also each other divergence, the account of causes, and both histories side by side.
+        scene: the scene as the command line has it; without it no command to go on with is given.
     """
     out, reference = console(), comparison.reference
     lawless = any(candidate.lawless for candidate in comparison.candidates)
@@ -175,7 +177,7 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False) -> None:
     out.print(engines_table(comparison, close=not verbose))
     if comparison.cut:
         say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
-    _print_answers(comparison)
+    _print_answers(comparison, verbose, scene)
     if not verbose:
         return
     for told in filter(None, map(changed_text, comparison.candidates)):
@@ -199,14 +201,18 @@ def first_line(comparison: Comparison) -> str:
     return verdict_line(comparison) + "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in others)
 
 
-def _print_answers(comparison: Comparison) -> None:
+def _print_answers(comparison: Comparison, verbose: bool, scene: str | None) -> None:
     """Where, why, so what, what now; of an engine that agrees, what now alone, as the verdict says the rest."""
     out, found = console(), answers(comparison)
     agrees = subject(comparison).verdict == "agree"
     for name, told in (("where", found.where), ("why", found.why), ("so what", found.so_what)):
         if not agrees or (name == "why" and subject(comparison).lawless):
             say(out, told, label=f"{name:<10}")
-    say(out, f"{found.what_now} Try `{found.command}`; -v shows more.", label=f"{'what now':<10}")
+    then = "" if verbose else " -v shows more."
+    if scene is not None:
+        words = [scene if word == scene_word(comparison.scene) else word for word in shlex.split(found.command)]
+        then = f" Try `{shlex.join(words)}`" + (f";{then}" if then else ".")
+    say(out, f"{found.what_now}{then}", label=f"{'what now':<10}")
 
 
 def engines_table(comparison: Comparison, *, close: bool = False) -> TextTable:

@@ -67,5 +67,5 @@ def compare(scene: str, engines: str, asked: ReferenceOptions, save: str | None,
     if asked.as_json:
         print_json(comparison_json(comparison))
     else:
-        print_comparison(comparison, verbose=asked.verbose)
+        print_comparison(comparison, verbose=asked.verbose, scene=scene)
     return DONE if exit_zero else of_comparison(comparison)

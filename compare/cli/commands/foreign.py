@@ -118,7 +118,7 @@ def judge(
     if asked.as_json:
         print_json(comparison_json(comparison, changes))
     else:
-        print_comparison(comparison, verbose=asked.verbose)
+        print_comparison(comparison, verbose=asked.verbose, scene=scene)
         out = console()
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:
