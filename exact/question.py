@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
-from ..scenarios.lazy import frozen
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .numbers.system import N, solve_positive
@@ -113,7 +113,7 @@ def circles_of(*links: Link) -> tuple[int, ...]:
 L = TypeVar("L", Link, Round, Entry)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class OfOne(RootFree, Generic[L]):
     """A root-free question about one contact, in words with a place for it; its circles are those it depends on."""
 
@@ -192,7 +192,7 @@ class Rim(OfOne[Entry]):
         return state.rim(self.link)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Moment:
     """When two touch next: by a hit, or by a graze, which touches without pushing."""
 
@@ -213,7 +213,7 @@ class Moment:
         return self.link.parts(state)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Sooner:
     """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
 
@@ -243,7 +243,7 @@ class Sooner:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 
@@ -278,7 +278,7 @@ class BeforeTime(Plain):
 # -- Questions about impulses at one instant: which contacts push, and whether their order matters.
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
@@ -337,7 +337,7 @@ class Pivot(Strength):
         return pivot
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Share(Strength):
     """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
 
@@ -352,7 +352,7 @@ class Share(Strength):
         return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Coupling(RootFree):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 

@@ -33,7 +33,7 @@ INDEX = """\
 # Did floating point change what happened?
 
 ```{include} README.md
-:start-after: "# truebreak"
+:start-after: "what happened?**"
 :end-before: "![A report"
 ```
 
