@@ -184,7 +184,9 @@ def thing(scene: Scene, name: str | None) -> str:
     >>> thing(catalogue.build("gas"), "bottom"), thing(catalogue.build("gas"), "c7")
     ('wall bottom', 'c7')
     """
-    return f"wall {name}" if any(wall.id == name for wall in scene.walls) else name or "nothing"
+    if any(wall.id == name for wall in scene.walls):
+        return f"wall {name}"
+    return "nothing" if not name else name if name[0].isalpha() else f"circle {name}"
 
 
 def _times(*times: float | None) -> list[str]:
@@ -264,7 +266,9 @@ def _margin_words(candidate: Candidate) -> str:
 def _growth_words(candidate: Candidate) -> str:
     """Whether errors grew on the way to the divergence: chaos, or a close call."""
     margin, parted = candidate.margin, candidate.alignment.divergence
-    if margin is None or margin.growth is None or parted is None or not parted.expected_event:
+    if parted is not None and not parted.expected_event:
+        return "It is a close call, not chaos: nothing comes before it in which errors could grow."
+    if margin is None or margin.growth is None or parted is None:
         return ""
     bits = margin.growth * parted.expected_event
     if _chaotic(candidate):

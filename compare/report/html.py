@@ -388,7 +388,7 @@ def _block(
         row for row in account if row[3] == "changes it" or (row[2] not in SILENT and not row[4].startswith("not "))
     ]
     drawn = _drawn(comparison) and divergence is not None
-    pattern = pattern_phrase(comparison, candidate)
+    pattern, said = pattern_phrase(comparison, candidate), answers(comparison, candidate, horizons)
     place = f"event {divergence.event:,}" if divergence else f"after {candidate.alignment.agreed:,} events"
     return {
         "number": number,
@@ -398,14 +398,14 @@ def _block(
         "lead": candidate is lead,
         "body": divergence.body if divergence else "",
         "event": f"{divergence.event:,}" if divergence else "",
-        "answers": answers(comparison, candidate, horizons),
+        "answers": said,
         "law": candidate.laws.sentence if candidate.laws and not candidate.laws.kept else "",
         "frames": moment_frames(comparison.reference, candidate, number) if drawn else [],
         "gap": _gap_words(candidate),
         "rows": side_by_side(comparison, candidate) if divergence else [],
         "account": [row[:4] for row in told if row[1] != "-"],
-        "runs": [(row[0], row[4]) for row in told if row[1] == "-"],
-        "silent": [(row[0], row[4]) for row in account if row not in told],
+        "runs": [(row[0], row[4]) for row in told if row[1] == "-" and row[4] not in said.why],
+        "silent": [(row[0], row[4]) for row in account if row not in told and row[4] not in said.why],
         "pattern": pattern,
         "minimise": minimise_command(comparison, candidate) if divergence else None,
         "alternatives": [

@@ -141,13 +141,15 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
 
 
 def _when(comparison: Comparison, candidate: Candidate) -> str:
-    """When the histories part, by the clocks of both runs."""
+    """When the histories part, by the clocks of both runs, and the engine's own number where it is another."""
     divergence = candidate.alignment.divergence
     assert divergence is not None
     runs = (comparison.reference.engine, divergence.expected_time), (candidate.engine, divergence.got_time)
     known = [(name, time) for name, time in runs if time is not None]
     times = {f"{time:.9g}" for _, time in known}
-    return f"t = {times.pop()}" if len(times) == 1 else ", ".join(f"t = {time:.9g} in {name}" for name, time in known)
+    told = f"t = {times.pop()}" if len(times) == 1 else ", ".join(f"t = {time:.9g} in {name}" for name, time in known)
+    own = divergence.candidate_event
+    return told if own is None or own == divergence.event else f"{told}; event {own} of {candidate.engine}"
 
 
 def _looked(run: Trajectory) -> str:
