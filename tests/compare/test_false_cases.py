@@ -307,7 +307,7 @@ def test_one_graze_has_one_cause_and_no_margin() -> None:
         assert len(candidate.diagnosis.causes) == 1
         assert candidate.margin is not None
         assert candidate.margin.distance == (0.0, 0.0)
-        assert "a miss by exactly 0" in (margin_phrase(candidate) or "")
+        assert "the gap is exactly 0" in (margin_phrase(candidate) or "")
 
 
 def test_the_margin_is_that_of_the_contact_in_question() -> None:
