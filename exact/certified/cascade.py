@@ -30,7 +30,7 @@ MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class TieRule:
     """What is taken for a zero once every proof has failed.
 
@@ -71,7 +71,7 @@ proved nothing that more bits do not; choose proved, or assume:BITS (such as ass
 # -- What the rungs of the cascade decide from.
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Grounds:
     """One run, as its rungs see it.
 

@@ -187,7 +187,7 @@ class Lasting:
         return self._links
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Component:
     """Contacts that hang together through shared circles of finite or infinite mass, and those circles."""
 
@@ -222,7 +222,7 @@ def components(links: Sequence[Touch], touching: Lasting) -> list[Component]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rounds:
     """The outcome of the rounds in one component.
 
