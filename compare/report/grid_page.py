@@ -145,8 +145,8 @@ def median_shown(summary: Summary) -> str:
     if summary.median is None:
         return "not reached"
     low = next(step.event for step in summary.survival if step.low <= 0.5)
-    high = next((f"{step.event:,}" for step in summary.survival if step.high <= 0.5), "open")
-    return f"{summary.median:,} ({low:,} to {high})"
+    high = next((f" to {step.event:,}" for step in summary.survival if step.high <= 0.5), " or later")
+    return f"{summary.median:,} ({low:,}{high})"
 
 
 def write_reports(
