@@ -201,7 +201,8 @@ CONVERGENCE_POINTS = 100
 PLAYER = {
     "title": "The run",
     "choice": "engine",
-    "note": "The certified run, to play or to step through event by event. The line in the plot below follows the clock, and a click there sets it.",
+    "note": "The certified run, to play or to step through event by event. "
+    "The line in the plot below follows the clock, and a click there sets it.",
 }
 
 
