@@ -286,12 +286,13 @@ def outcome_names(outcomes: Sequence[Leaf]) -> list[str]:
     >>> outcome_names(all_orders(ExactEngine(), catalogue.build("lee")).outcomes)
     ['left hits middle first', 'middle hits right first']
     """
-    paths = [[(choice.instant, choice.chosen) for choice in outcome.decisions] for outcome in outcomes]
+    paths = [[(choice.instant, choice.chosen) for choice in leaf.decisions] for leaf in outcomes if leaf.seed is None]
     names = []
-    for outcome, path in zip(outcomes, paths, strict=True):
+    for outcome in outcomes:
         if outcome.seed is not None:
             names.append(f"an order drawn at random (sequential:seed={outcome.seed})")
             continue
+        path = [(choice.instant, choice.chosen) for choice in outcome.decisions]
         parts = [
             f"{first} hits {second}"
             for depth, (_, (first, second)) in enumerate(path)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
-from .answers import answers, scene_word, subject, verdict_line
+from .answers import answers, scene_word, subject, tone, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
 from .sentences import (
@@ -159,8 +159,7 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
         scene: the scene as the command line has it; without it no command to go on with is given.
     """
     out, reference = console(), comparison.reference
-    lawless = any(candidate.lawless for candidate in comparison.candidates)
-    say(out, first_line(comparison), f"bold {'red' if lawless else COLOURS[comparison.verdict]}")
+    say(out, first_line(comparison), f"bold {COLOURS[tone(comparison)]}")
     ended = f" ({ended_phrase(reference)})" if verbose else ""
     say(
         out,
