@@ -166,6 +166,12 @@ def test_the_page_needs_nothing_else_and_says_its_figures() -> None:
     assert "<td>not reached</td>" in text
 
 
+@pytest.mark.parametrize("laws", [None, {"kept": None, "told": "not determined"}])
+def test_an_engine_of_which_no_law_is_known_has_its_row(laws: dict[str, object] | None) -> None:
+    text = grid_page("One", [Row(0, "lee", "box2d", "diverged", event=0, agreed=0, events=1, laws=laws)])
+    assert "1 scene, 1 engine: 0 of 1 row agree, 1 diverged." in text
+
+
 def test_a_suite_writes_its_page_and_the_reports_beside_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
