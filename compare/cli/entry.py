@@ -38,7 +38,7 @@ Examples:
   truebreak diff pc.jsonl phone.jsonl        where do two runs part, and why?
   truebreak export gas --floats              the scene for such an engine
   truebreak orders lee                       what orders of impulses lead to
-  truebreak chaos gas --events 400           for how many events to trust each engine
+  truebreak chaos gas --events 400           how long to trust each engine
   truebreak sweep gas --vary seed=1..20      the same for a family of scenes
   truebreak minimise gas --engine double     the smallest scene that shows it
   truebreak advise gas:n=5 --events 12       the cheapest right setting

@@ -265,6 +265,8 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, ver
     if verbose:
         say(out, f"Merged, as they come to an equal state: {counted(tree.merged, 'order')}; left out, as they only "
                  f"reorder independent contacts: {counted(tree.reordered, 'order')}.")  # fmt: skip
+    if not found:
+        return
     body = most_different(found)
     last = ("every choice", "velocities at the end") if verbose else (f"{body} ends with velocity",)
     table = grid("outcome", "what happens", "collisions", *last)

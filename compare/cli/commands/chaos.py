@@ -19,7 +19,7 @@ Units:
 
 \b
 Examples:
-  truebreak chaos gas --events 400               when does each engine diverge?
+  truebreak chaos gas --events 400               how long to trust each?
   truebreak chaos gas --engines double --no-run  by the certified run alone
   truebreak chaos point --events 2000 --engines double --html chaos.html
 """

@@ -16,7 +16,7 @@ The first line of the report begins with one of:
   grew from rounding at event K             what differs first is rounding
   changed at event K by more than rounding  what differs first is no rounding
   different from the start                  another start, setting or step
-  not determined                            the logs do not show it, and why not
+  not determined                            the logs do not show it; why
 K is the step, where logs have steps, else the number of the event, from 0.
 
 \b
