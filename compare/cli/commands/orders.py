@@ -70,7 +70,9 @@ def orders(
             max_seconds=max_seconds,
             progress=progress,
         )
-    if html is not None:
+    if html is not None and not search.tree.outcomes:
+        click.echo(f"truebreak: {html} is not written: no outcome was found; give more --max-seconds", err=True)
+    elif html is not None:
         from ...report.orders_page import orders_html
         from ..options import command_of
 
