@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test long durations slow stress stress-map coverage lint format bench docs lowest pythons same-bytes sdist picture reference-set clean
+.PHONY: demo test long durations slow stress stress-map coverage lint format bench docs examples lowest pythons same-bytes sdist picture reference-set clean
 
 .venv/ready: pyproject.toml $(wildcard exact/compiled/*.[ch] floating/flat/*.c)
 	$(PYTHON) -m venv .venv
@@ -44,10 +44,13 @@ bench: .venv/ready
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/python docs/studies/speed_ratios.py --full
 
-# Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
+# Builds the site: build/site/html/index.html.
 docs: .venv/ready
-	$(BIN)/python -m pytest -n auto -m 'not slow' tests/test_docs.py
 	$(BIN)/python docs/site/build.py
+
+# Runs every example of the README, of docs/ and of the docstrings.
+examples: .venv/ready
+	$(BIN)/python -m pytest -n auto -m 'not slow' tests/test_docs.py
 
 # Tests that touch each dependency: for other versions of them, and of Python, than those of .venv.
 TOUCHING = tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py tests/exact/replay/test_ball_state.py \

@@ -223,8 +223,8 @@ class ExactValue:
                 allowed -= log.units(working, upto)
                 if allowed < 0:
                     raise Undecided(
-                        f"a number of the run, {value.str(3)}, is not told any nearer with {working // 2} bits of work "
-                        "that is counted, nor proved to be zero; ask for its `ball`, which is what is known of it"
+                        f"a number of the run, {value.str(3)}, is not known any nearer with {working // 2} bits of "
+                        "work that is counted, nor proved to be zero; ask for its `ball`, which is what is known of it"
                     )
 
     def __float__(self) -> float:

@@ -60,7 +60,7 @@ class StandingClock:
     ...     clock.look(events, 4.0, lambda: [events % 2])
     Traceback (most recent call last):
         ...
-    truebreak.exact.numbers.system.BudgetSpent: rounds without end: 541 events at time 4, and the same flights again
+    truebreak.exact.numbers.system.BudgetSpent: passes without end: 541 events at time 4, and the same flights again
     """
 
     def __init__(self) -> None:
@@ -93,11 +93,11 @@ class StandingClock:
             return
         stood = events - self._first
         if stood >= MOST:
-            raise BudgetSpent(f"rounds without end: {stood:,} events at time {time:g}")
+            raise BudgetSpent(f"passes without end: {stood:,} events at time {time:g}")
         if self._kept is not None and flights() == self._kept:
             self._returns += 1
             if self._returns == RETURNS:
-                raise BudgetSpent(f"rounds without end: {stood:,} events at time {time:g}, and the same flights again")
+                raise BudgetSpent(f"passes without end: {stood:,} events at time {time:g}, and the same flights again")
         elif stood >= 2 * self._at:
             self._kept, self._at, self._returns = flights(), stood, 0
 
@@ -338,7 +338,7 @@ class PlainDecider(Generic[M]):
         try:
             return self._sign(question.value(self.state))
         except Undecided:
-            told = f"{question.describe(self._name)} cannot be told, after {len(self.history.records)} instants"
+            told = f"{question.describe(self._name)} cannot be decided, after {len(self.history.records)} instants"
             raise Undecided(told) from None
 
     def ask_cheaply(self, question: Question) -> int | None:

@@ -182,8 +182,8 @@ def _cells(name: str, sides: Sequence[tuple[int, ...]]) -> list[int]:
     cells = [numbers.setdefault(side, len(numbers)) for side in sides]
     if len(numbers) > MAX_CELLS:
         raise SceneError(
-            f"{name!r}: walls part the circles into {len(numbers)} groups; pymunk's filters tell "
-            f"{MAX_CELLS} apart; remove walls or circles, or run the groups as scenes of their own"
+            f"{name!r}: walls part the circles into {len(numbers)} groups; pymunk's filters "
+            f"distinguish {MAX_CELLS}; remove walls or circles, or run the groups as scenes of their own"
         )
     return cells
 

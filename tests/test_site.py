@@ -118,6 +118,38 @@ def test_a_foreign_link_is_a_whole_address(address: str, good: bool, tmp_path: P
     assert broken(tmp_path) == ([] if good else [f"a.html: {address} is no address of another site"])
 
 
+def test_no_two_pages_have_one_title(site: Path, tmp_path: Path) -> None:
+    from links import same_titles
+
+    assert same_titles(site) == []
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.html").write_text("<title>One</title>", "utf-8")
+    assert same_titles(tmp_path) == ["a.html, b.html: have one title: One"]
+
+
+def test_the_home_page_leads_in_and_shows_every_scene_with_its_verdict(site: Path) -> None:
+    from catalogue import verdicts
+
+    text = (site / "index.html").read_text("utf-8")
+    assert "pip" in text and "install" in text
+    for door in ("README.html#how-to-read-the-report", "docs/your-engine.html", "docs/chaos.html"):
+        assert f'href="{door}"' in text
+    assert list(verdicts()) == list(catalogue.names())
+    for name, (verdict, _) in verdicts().items():
+        assert f'href="catalogue/{name}.html"' in text
+        assert (site / "pictures" / f"{name}.svg").is_file()
+        assert verdict in text
+
+
+@pytest.mark.parametrize("name", ["lee", "near-tie", "cradle"])
+def test_the_verdicts_of_the_gallery_are_current(name: str) -> None:
+    """The whole site's build compares all of them."""
+    from catalogue import report, verdicts
+
+    found = report(name)
+    assert verdicts()[name] == [found.verdict, found.tone]
+
+
 @pytest.mark.slow
 def test_the_whole_site_builds(tmp_path: Path) -> None:
     site = built(tmp_path)

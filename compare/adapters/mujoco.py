@@ -96,7 +96,7 @@ class MujocoWorld:
         faces = sorted({(wall, side) for row in found for wall, side in enumerate(row)})
         if len(faces) > MOST_FACES:
             raise SceneError(
-                f"{scene.name!r}: circles meet {len(faces)} faces of walls; engine 'mujoco' tells {MOST_FACES} apart"
+                f"{scene.name!r}: circles meet {len(faces)} faces of walls; engine 'mujoco' distinguishes {MOST_FACES}"
             )
         spring = -((math.pi / (engine.contact_steps * engine.dt)) ** 2)
         hard: dict[str, Any] = {

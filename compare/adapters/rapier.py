@@ -70,7 +70,7 @@ class RapierWorld:
         faces = sorted({(wall, side) for row in found for wall, side in enumerate(row)})
         if len(faces) > MOST_FACES:
             raise SceneError(
-                f"{scene.name!r}: circles meet {len(faces)} faces of walls; engine 'rapier' tells {MOST_FACES} apart"
+                f"{scene.name!r}: circles meet {len(faces)} faces of walls; engine 'rapier' distinguishes {MOST_FACES}"
             )
         self._handles = [
             self._ball(circle, [faces.index(face) for face in enumerate(row)])

@@ -98,8 +98,8 @@ class Alignment:
         wanted: how far the runs have to go on to settle all that is open before the divergence, or the span's end.
         agreed: number of reference events before the divergence (or the candidate's stop) found in the
             candidate.
-        harmless_swaps: independent events that the candidate has in another order.
-        harmless_splits: instants with several contacts that the candidate took apart without consequence.
+        reordered: independent events that the candidate has in another order.
+        split: instants with several contacts that the candidate took apart without consequence.
         merged: candidate events that hold several reference events.
         whole: the reference events that are matched for all that take part.
         walks: each body's meetings as matched.
@@ -110,8 +110,8 @@ class Alignment:
     unsettled: bool
     wanted: Wanted
     agreed: int
-    harmless_swaps: int
-    harmless_splits: int
+    reordered: int
+    split: int
     merged: int
     whole: frozenset[int] = field(repr=False, default=frozenset())
     walks: dict[str, Walk] = field(repr=False, default_factory=dict)
@@ -196,8 +196,8 @@ def align(
         unsettled=more and first is None,
         wanted=wanted,
         agreed=len(whole),
-        harmless_swaps=_overtaken(kept),
-        harmless_splits=len({r for w in walks.values() for r in w.split if r <= event}),
+        reordered=_overtaken(kept),
+        split=len({r for w in walks.values() for r in w.split if r <= event}),
         merged=len({c for w in walks.values() for c in w.merged if c in kept}),
         whole=frozenset(whole),
         walks=walks,

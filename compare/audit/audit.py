@@ -322,7 +322,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     reason = ""
     if kept is None:
         sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
-        reason = f"no finer step was run to tell what is of the step ({sizes})"
+        reason = f"no finer step was run to show what is of the step ({sizes})"
     violations = _step_violations(measures, run.scene.ids, law is not None, {d.kind for d in broken}, step)
     counts = Counter(violation.kind for violation in violations)
     firsts = {violation.kind: violation for violation in reversed(violations)}

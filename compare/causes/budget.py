@@ -186,7 +186,7 @@ class _Sum:
             raise NoContinuation("with some of its errors alone, the contacts that lead to the decision do not exist")
         self.loose += found[1]
         if self.loose > TENTH * max(map(_size, (self.whole, *self.found.values()))):
-            raise NoContinuation("its kinds of error act on each other too much to be told apart")
+            raise NoContinuation("its kinds of error act on each other too much to be distinguished")
         self.groups += 1
         for cause, value in found[0].items():
             self.add(cause, value)
@@ -218,7 +218,7 @@ class _Sum:
                 self.add(cause, value * (self.whole / rest))
             self.groups += 1
             return
-        raise NoContinuation("its errors act on each other too much to be told apart")
+        raise NoContinuation("its errors act on each other too much to be distinguished")
 
     def _slope(self, node: str, every: tuple[str, ...], kinds: tuple[str, ...] | None) -> arb:
         """The derivative at a share of all errors, by some kinds; by the input's for none; by all together for None."""

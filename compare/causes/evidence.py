@@ -422,7 +422,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             adds = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin"
             flips, told = None, f"{adds}; whether that is rounding or another law is not determined{why}"
         if account.lumped and part.cause is account.own.cause:
-            told += f"; its kinds are not told apart: {account.lumped}"
+            told += f"; its kinds cannot be distinguished: {account.lumped}"
         found.append(Experiment(part.cause, told, part.size, flips, part.size / total if total else None))
     if not lab.input_rounded and lab.engine.rounds_input:
         found.insert(

@@ -54,7 +54,7 @@ class Chaos:
             with more than `WHOLE_MAP` coordinates, that of one displacement.
         certified: that norm at the end, enclosed; None for so large a scene.
         spectrum: Lyapunov exponents: estimates, since one orbit certifies no limit.
-        horizons: where each engine is expected to leave the history.
+        horizons: where each engine is expected to diverge.
         exact: engines that have no horizon, as their numbers are exact.
     """
 

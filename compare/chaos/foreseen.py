@@ -1,4 +1,4 @@
-"""Where each engine of a comparison was to be expected to leave the history, by the exact run alone."""
+"""Where each engine of a comparison was to be expected to diverge, by the exact run alone."""
 
 from __future__ import annotations
 

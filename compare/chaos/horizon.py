@@ -126,7 +126,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Horizon:
-    """Where an engine is expected to leave the history.
+    """Where an engine is expected to diverge.
 
     Attributes:
         engine: as it was asked for.

@@ -38,7 +38,7 @@ Examples:
   truebreak diff pc.jsonl phone.jsonl        where do two runs part, and why?
   truebreak export gas --floats              the scene for such an engine
   truebreak orders lee                       what orders of impulses lead to
-  truebreak chaos gas --events 400           when each engine will be lost
+  truebreak chaos gas --events 400           how long to trust each engine
   truebreak sweep gas --vary seed=1..20      the same for a family of scenes
   truebreak minimise gas --engine double     the smallest scene that shows it
   truebreak advise gas:n=5 --events 12       the cheapest right setting
@@ -143,7 +143,7 @@ def _compiled_parts() -> str:
 def cli(debug: bool) -> None:
     """Says, provably, whether and where floating-point error changed what happened.
 
-    truebreak runs one scene of colliding circles and walls through engines that count differently, takes the
+    truebreak runs one scene of colliding circles and walls through engines with different arithmetic, takes the
     exact one as the truth, and reports the first event where another engine's history leaves it, why, and
     what that did to the outcome.
     """

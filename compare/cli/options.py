@@ -218,14 +218,28 @@ NO_CACHE = click.option(
     is_flag=True,
     help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
 )
+VERBOSE = click.option("-v", "--verbose", is_flag=True, help="Show everything: the default is the answer alone.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
 HTML = a_file("--html", help="Also write the report as one offline HTML file.")
+JOBS = click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+STORE = a_file("--store", help="Keep the rows in this SQLite file, and make none that it has: it resumes.")
+GRID_HTML = a_file("--html", help="Write one page: scenes by engines, to filter and sort.")
+REPORTS = click.option(
+    "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
+)
+
+
+def exit_zero(help: str) -> Option:
+    """The option `--exit-zero`."""
+    return click.option("--exit-zero", is_flag=True, help=help)
+
+
 CERTIFY = click.option(
     "--certify", "certified", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
 )
 
-HELD_AGAINST = (
+REFERENCE_OPTIONS = (
     REFERENCE,
     UNTIL,
     EVENTS,
@@ -237,6 +251,7 @@ HELD_AGAINST = (
     SYMMETRIC,
     NO_CACHE,
     isolating,
+    VERBOSE,
     JSON,
     HTML,
     CERTIFY,
@@ -244,7 +259,7 @@ HELD_AGAINST = (
 
 
 @dataclass(frozen=True)
-class HeldAgainst:
+class ReferenceOptions:
     """What the command line says, in options that all commands have that hold runs against a reference."""
 
     reference: str
@@ -257,6 +272,7 @@ class HeldAgainst:
     max_seconds: float | None
     symmetric: bool
     no_cache: bool
+    verbose: bool
     as_json: bool
     html: str | None
     certified: bool
@@ -276,17 +292,17 @@ class HeldAgainst:
         return reference_named(with_settings(self.reference, ties=self.ties, work=self.work), cache=not self.no_cache)
 
 
-def held_against(command: Callable[..., int]) -> Callable[..., int]:
-    """Gives a command the options of `HeldAgainst`, as `--help` lists them, in one argument `held`."""
+def reference_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Gives a command the options of `ReferenceOptions`, as `--help` lists them, in one argument `asked`."""
 
     @wraps(command)
     def gathered(**given: Any) -> int:
         return command(
-            held=HeldAgainst(**{field.name: given.pop(field.name) for field in fields(HeldAgainst)}), **given
+            asked=ReferenceOptions(**{field.name: given.pop(field.name) for field in fields(ReferenceOptions)}), **given
         )
 
     whole: Callable[..., int] = gathered
-    for option in reversed(HELD_AGAINST):
+    for option in reversed(REFERENCE_OPTIONS):
         whole = option(whole)
     return whole
 

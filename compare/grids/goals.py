@@ -207,7 +207,7 @@ def parted(divergence: Divergence) -> str:
 def _unknown(run: Trajectory, verdict: str) -> str:
     """What is said of a run that does not settle the matter."""
     if verdict == "unsettled":
-        return "not settled: the runs at hand do not decide"
+        return "not settled: the runs do not go far enough to decide"
     return f"stops at t = {float(run.final_time):.6g}: {run.stop.message}"
 
 

@@ -75,7 +75,7 @@ SIGNS = {
         "right: the certified history, every meeting of it, and its outcomes; no law known to be broken",
     ),
     MapMark.WRONG: ("X", "wrong: another history, an outcome changed, or a law not kept"),
-    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not decide"),
+    MapMark.UNSETTLED: ("~", "not settled: the runs do not go far enough to decide"),
     MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     MapMark.REFUSED: ("-", "refused: it does not take the scene"),
     MapMark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
@@ -409,17 +409,30 @@ class Ladder:
 
     @property
     def first_told(self) -> str:
-        """The first wrong k, and where after it the engine is right; "none" if it is wrong at none.
+        """From which k on it is wrong, and where after it the engine is right; "none" if it is wrong at none.
+
+        Where the k before was not tried, all that is known is that it turns wrong at or before the first wrong one.
 
         >>> R, W = MapMark.RIGHT, MapMark.WRONG
         >>> Ladder("walls", "opening", 0, "double", (1, 2, 3, 4, 5, 6), (R, W, R, R, W, R)).first_told
         '2, but right at 3 to 4, 6'
+        >>> Ladder("near-ties", "left", 0, "double", (1, 14, 27, 40), (R, R, W, W)).first_told
+        'at or before 27 (right at 14)'
         """
-        first = self.first_wrong
-        if first is None:
+        if self.first_wrong is None:
             return "none"
+        first = self.first_wrong
         again = [_ends(low, high) for mark, low, high in self.stretches if mark is MapMark.RIGHT and low > first]
-        return f"{first}, but right at {', '.join(again)}" if again else str(first)
+        return f"{self.first_short}, but right at {', '.join(again)}" if again else self.first_short
+
+    @property
+    def first_short(self) -> str:
+        """`first_told` without what comes after; empty if it is wrong at none."""
+        first = self.first_wrong
+        if first is None or first - 1 in self.levels or first == stress_family(self.family).first:
+            return "" if first is None else str(first)
+        before = [k for k, mark in zip(self.levels, self.marks, strict=True) if k < first and mark is MapMark.RIGHT]
+        return f"at or before {first}" + (f" (right at {before[-1]})" if before else "")
 
     @property
     def signs(self) -> str:

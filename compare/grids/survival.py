@@ -90,7 +90,7 @@ def stored(rows: Iterable[Row]) -> Store:
 
 
 COUNTS = """
-SELECT engine, sum(audited AND kept = 1), sum(audited AND kept = 0), sum(audited AND kept IS NULL),
+SELECT engine, total(audited AND kept = 1), total(audited AND kept = 0), total(audited AND kept IS NULL),
     sum(changed IS NOT NULL), sum(changed <> '[]'),
     sum(event IS NOT NULL AND foreseen_low IS NOT NULL),
     sum(event IS NOT NULL AND foreseen_low <= event AND (foreseen_high IS NULL OR event <= foreseen_high)),
@@ -133,7 +133,7 @@ def summaries(rows: Iterable[Row]) -> list[Summary]:
             (inside or 0, banded),
             law,
             (changed, outcomes, *proportion(changed, outcomes)) if outcomes else None,
-            (kept, broken, open_),
+            (int(kept), int(broken), int(open_)),
         ))  # fmt: skip
     return found
 

@@ -44,7 +44,7 @@ class Lawful:
         if broken:
             return "; ".join(f"{audit.log} does not keep the law: {audit.sentence}" for audit in broken)
         if all(audit.kept for audit in self.audits):
-            return "both keep the law; where they part, they part as honest runs do"
+            return "both keep the law; where they part, they part as runs do that round"
         return "; ".join(f"{audit.log}: {audit.sentence}" for audit in self.audits)
 
     def lines(self) -> Iterator[str]:

@@ -124,6 +124,8 @@ class ByBodies(RecordPairs):
         self.spacing = math.inf
         self.last_frame = [math.nan, math.nan]
         self.shift = 0.0
+        self.started: tuple[LogRecord, LogRecord] | None = None
+        self.one_clock = False
         self.restarts = 0
         self.last_record: tuple[dict[str, int], dict[str, int]] = ({}, {})  # its letters, hashed
 
@@ -162,6 +164,8 @@ class ByBodies(RecordPairs):
             return True
         self.alike(a, b)
         self.found.compared["times"] += 1
+        if a.contacts and a.clock is not None:
+            self.one_clock = True
         if not a.contacts:
             self.last_frame = [a.clock or 0.0, b.clock or 0.0]
             return True
@@ -344,10 +348,16 @@ class ByBodies(RecordPairs):
         restarts = sum(len(side.log.counted.restarts) for side in self.sides)
         late, scale = b.clock - a.clock, max(abs(a.clock), abs(b.clock))
         other_start = abs(late) > 1e-6 * scale and found.clock is None and found.compared["times"] <= 2
+        other_start = other_start and not self.one_clock
         agrees = x == y or a.clock == b.clock or bool(self.shift and abs(late - self.shift) <= 8 * math.ulp(scale))
         if not agrees and other_start and (not stated or off == NEVER):
             found.clock = self.shift = late  # the second clock was started at another time
+            self.started = a, b
             agrees = True
+        elif self.started is not None and late == 0 and self.shift and restarts == self.restarts:
+            # The clocks are one: what was taken for another start of the second is a time that differs.
+            found.times_differ = found.times_differ or self.started
+            found.clock, self.shift, self.started = None, 0.0, None
         elif not agrees and unit.coarse is not None and unit.coarse.explains(x, y):
             found.explained += unit.coarse.side is not None
             agrees = True

@@ -166,7 +166,7 @@ def _without_states(found: Found) -> Answer:
                 "what is hashed has something in it that is not logged (a random state, a cache of the solver, padding)"
             )  # fmt: skip
         return Finding.OPEN, k, (
-            f"hashes differ from {found.hash[0].place()} on{since}. A hash does not tell how much differs: log states "
+            f"hashes differ from {found.hash[0].place()} on{since}. A hash does not show how much differs: log states "
             "from a few steps before it to a few after it"
         )  # fmt: skip
     if meeting is not None and not (states and 0 in found.contacts):
@@ -206,7 +206,7 @@ def _without_states(found: Found) -> Answer:
     if found.reordered is not None and found.grid and not found.compared["states"] + found.compared["hashes"]:
         return Finding.OPEN, None, (
             f"contacts are the same, but come in another order, first at event {found.reordered[0]}; whether that "
-            "changed anything, contacts alone do not tell: log states"
+            "changed anything, contacts alone do not show: log states"
         )  # fmt: skip
     if found.reordered is not None:
         return Finding.HARMLESS, None, (
@@ -227,15 +227,15 @@ def _partners_alone(found: Found) -> Answer:
     if found.by == "step":
         if found.compared["states"]:
             return Finding.OPEN, k, f"{told}, and all states that are logged are the same, then and after"
-        return Finding.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
+        return Finding.OPEN, k, f"{told}; contacts alone do not show how far apart the runs were by then: log states"
     if found.tie:
         return Finding.OPEN, k, (
             f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or two names for one"
         )  # fmt: skip
     if not found.compared["states"] and found.grid:
-        return Finding.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
+        return Finding.OPEN, k, f"{told}; times of steps do not show how far apart the runs were by then: log states"
     if meeting.number < 2 or found.pairs < 4:
-        return Finding.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
+        return Finding.OPEN, k, f"{told}, and there is nothing before it to show whether the start was the same"
     if found.explained:
         return Finding.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
     return Finding.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
@@ -311,7 +311,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: GrowthRate |
         return (
             Finding.OPEN,
             _event(top),
-            f"{size}; times of steps do not tell how far apart the runs were by then: log states",
+            f"{size}; times of steps do not show how far apart the runs were by then: log states",
         )
     start = _start(found, first, limits, size)
     if start is not None:

@@ -36,8 +36,8 @@ class BranchDone(Exception):
 class Scripted(Policy):
     """Follows `script`, then takes the first contact that is not asleep; remembers what it could have chosen.
 
-    Two contacts without a common circle of finite mass may be swapped without any difference. So of all orders
-    that differ by such swaps only one is followed, by sleep sets (Godefroid, *Partial-Order Methods for the
+    Two contacts without a common circle of finite mass may come in either order without any difference. So of all
+    orders that differ by that only one is followed, by sleep sets (Godefroid, *Partial-Order Methods for the
     Verification of Concurrent Systems*, LNCS 1032, 1996): a contact whose branch has been followed is asleep
     until one that it depends on is kicked.
 
@@ -188,7 +188,7 @@ class OrderTree:
         merged: branches that came to a state which another had reached, on the way or at the end.
         unproved: those of them of which that is not proved: their numbers agree to `EQUAL_BITS`. There may be as many
             outcomes more.
-        swapped: branches left out because they only swap contacts that share no circle.
+        reordered: branches left out because they only swap contacts that share no circle.
         sampled: orders drawn at random beyond the cap.
     """
 
@@ -196,7 +196,7 @@ class OrderTree:
     complete: bool
     cap: int
     merged: int
-    swapped: int
+    reordered: int
     sampled: int
     unproved: int = 0
 
@@ -288,7 +288,7 @@ def all_orders(
     seen: dict[Hashable, int] = {}
     outcomes: list[Leaf] = []
     known = _Ends()
-    merged = swapped = followed = 0
+    merged = reordered = followed = 0
     stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
     while stack and followed < cap:
         script, asleep = stack.pop()
@@ -302,7 +302,7 @@ def all_orders(
                 outcomes.append(Leaf(_decisions(scene, policy.choices), trajectory))
         except BranchDone as done:
             merged += done.args[0] == "merged"
-            swapped += done.args[0] == "asleep"
+            reordered += done.args[0] == "asleep"
         stack += _alternatives(policy.choices, len(script))
         if progress is not None:
             progress(Progress(len(outcomes), 0.0, f"{len(stack)} branches open"))
@@ -317,7 +317,7 @@ def all_orders(
                 outcomes.append(Leaf((), trajectory, drawn))
             if progress is not None:
                 progress(Progress(len(outcomes), 0.0, f"{sampled} of {samples} orders drawn"))
-    return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled, known.unproved)
+    return OrderTree(tuple(outcomes), not stack, cap, merged, reordered, sampled, known.unproved)
 
 
 def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touch, ...], frozenset[Touch]]]:

@@ -1,1 +1,1 @@
-"""The smallest scene on which an engine still leaves the true history."""
+"""The smallest scene on which an engine still diverges from the true history."""

@@ -1,4 +1,4 @@
-"""Searches for the smallest scene on which an engine still leaves the certified history, or breaks a law."""
+"""Searches for the smallest scene on which an engine still diverges from the certified history, or breaks a law."""
 
 from __future__ import annotations
 

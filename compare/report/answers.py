@@ -14,9 +14,11 @@ from ..alignment.align import UNKNOWING
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
+from ..engines import ENGINES
 from .sentences import (
     about,
     account_rows,
+    all_of,
     counted,
     head_phrase,
     headline,
@@ -257,7 +259,7 @@ def _margin_words(candidate: Candidate) -> str:
         return f"The exact run touches without depth; {error}."
     if margin.distance[0] <= 0 <= margin.distance[1]:
         return f"The exact run passes within {about(margin.distance)} of a touch; {error}."
-    kind = "hits by a depth of" if middle(margin.distance) < 0 else "misses by"
+    kind = "hits with penetration depth" if middle(margin.distance) < 0 else "misses by"
     return f"The exact run {kind} {about(margin.distance)}; {error}."
 
 
@@ -385,7 +387,7 @@ def all_run(comparison: Comparison, candidate: Candidate) -> list[Alternative]:
 def right_to(comparison: Comparison, alternative: Alternative) -> str:
     """To which event what was run is right."""
     if alternative.right:
-        return f"right in all {counted(len(comparison.reference.events), 'event')}"
+        return f"right in {all_of(len(comparison.reference.events))}"
     last = f"right to event {alternative.agreed - 1:,}" if alternative.agreed else "right in no event"
     return f"{last} (run no further)" if alternative.ended else last
 
@@ -446,7 +448,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
 def command(comparison: Comparison, candidate: Candidate) -> str:
     """A command that goes on from here."""
     scene, limits = scene_word(comparison.scene), limits_of(comparison.reference)
-    known = re.fullmatch(r"[\w.:=,/+-]+", candidate.engine) is not None
+    known = candidate.engine.partition(":")[0] in ENGINES or re.fullmatch(r"[\w.]+:[\w.]+", candidate.engine)
     if candidate.lawless or not known:
         return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
     if candidate.verdict == "agree":

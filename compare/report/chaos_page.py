@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..files.amounts import counted
-from .charts import NARROW, WIDE, Band, Curve, plot
+from .charts import NARROW, WIDE, Curve, ForecastBand, plot
 from .documents import chaos_json
 from .listing import laid_out
 from .output import console, grid, say
@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 SHOWN_EXPONENTS = 12
 """Exponents listed for people; the JSON has all."""
 
-HORIZON_HEADINGS = ("engine", "foreseen at event", "90 % band", "time", "ln(1/eps)/lambda", "what happened")
+HORIZON_HEADINGS = ("engine", "predicted to diverge at event", "90 % interval", "at time", "what happened")
+EXPONENT_HEADING = "ln(1/eps)/lambda"
+"""The time by the largest exponent alone."""
 
 
 def rate_phrase(rate: Rate) -> str:
@@ -43,8 +45,78 @@ def rate_phrase(rate: Rate) -> str:
     return f"{rate.value:.4g} (95 %: {rate.low:.4g} to {rate.high:.4g})"
 
 
+def lead(chaos: Chaos) -> str:
+    """How long to trust which engine: the one of doubles if it was asked about, else the first; else the exponent."""
+    chosen = next((h for h in chaos.horizons if h.engine == "double"), chaos.horizons[0] if chaos.horizons else None)
+    if chosen is None:
+        return f"{_growth_sentence(chaos)} No engine was asked about."
+    place = None if chosen.seen is None else chosen.seen.place
+    if place is not None and place.event is not None and place.event < (chosen.low.event or chaos.events):
+        early = f"it was run, and {_word(chosen)} there, earlier than predicted"
+        return f"Do not trust {chosen.engine} beyond event {place.event:,}: {early}."
+    return f"{trust_phrase(chosen, chaos.events)}{_outcome(chosen)}."
+
+
+def trust_phrase(horizon: Horizon, events: int) -> str:
+    """For how many events an engine can be trusted, with the 90 % prediction interval."""
+    name, low, middle, high = horizon.engine, *(p.event for p in (horizon.low, horizon.expected, horizon.high))
+    if low is None:
+        return f"Trust {name} for all {counted(events, 'event')} that were measured"
+    if middle is None:
+        return f"Trust {name} for {counted(low, 'event')} at least, and perhaps for all {events:,} that were measured"
+    if not middle:
+        return f"Do not trust {name} for a single event"
+    to = f"{high:,}" if high is not None else f"more than {events:,}"
+    return f"Trust {name} for about {counted(middle, 'event')} ({low:,} to {to})"
+
+
+def _outcome(horizon: Horizon) -> str:
+    """What came of running it."""
+    seen = horizon.seen
+    if seen is None:
+        return ""
+    if seen.place is None:
+        return f"; it was run, and {'agrees to the end' if seen.verdict == 'agree' else _word(horizon)}"
+    return f"; it was run, and {_word(horizon)} at event {seen.place.event:,}"
+
+
+def _word(horizon: Horizon) -> str:
+    """What it did, in a sentence."""
+    verdict = "not run" if horizon.seen is None else str(horizon.seen.verdict)
+    return "diverged" if verdict == "diverged" else f"was {verdict}"
+
+
+def _growth_sentence(chaos: Chaos) -> str:
+    found = chaos.spectrum
+    value, per_event = found.per_time(), found.per_event()
+    told = f"Errors grow by {per_event.value / math.log(2):.3g} bits an event"
+    return f"{told} (largest Lyapunov exponent {value.value:.3g} per unit time, an estimate)."
+
+
 def sentences(chaos: Chaos) -> list[str]:
-    """What was measured, one sentence each; the first leads."""
+    """The answer, one sentence each; the first leads."""
+    told = [lead(chaos)]
+    if chaos.horizons:
+        told.append(_growth_sentence(chaos))
+    found = chaos.spectrum
+    if not found.chaotic:
+        would = f"would give {found.linear:.3g} here" if math.isfinite(found.linear) else "may give as much"
+        told.append(
+            f"The exponent cannot be distinguished from zero: displacements that grow in proportion to time {would}. "
+            "Take more events."
+        )
+    if chaos.horizons and not found.chaotic:
+        told.append(
+            "The predictions hold where small errors change who meets next. Here it is not known that growth goes on, "
+            "and engines may last longer."
+        )
+    if chaos.exact:
+        told.append(f"No horizon: {listed([*chaos.exact])}, whose numbers are exact.")
+    return told
+
+
+def details(chaos: Chaos) -> list[str]:
+    """What was measured, with every digit."""
     found = chaos.spectrum
     value, per_event = found.per_time(), found.per_event()
     told = [
@@ -53,9 +125,6 @@ def sentences(chaos: Chaos) -> list[str]:
         f"Per event: {rate_phrase(per_event)}. In bits: {value.value / math.log(2):.4g} a unit of time, "
         f"{per_event.value / math.log(2):.4g} an event.",
     ]
-    if not found.chaotic:
-        would = f"would give {found.linear:.3g} here" if math.isfinite(found.linear) else "may give as much"
-        told.append(f"Not told from zero: displacements that grow in proportion to time {would}. Take more events.")
     if chaos.certified is not None:
         grown = chaos.certified
         told.append(
@@ -72,13 +141,6 @@ def sentences(chaos: Chaos) -> list[str]:
     listed_values = ", ".join(f"{found.per_time(k).value:.4g}" for k in range(min(count, SHOWN_EXPONENTS)))
     more = f", and {count - SHOWN_EXPONENTS} more" if count > SHOWN_EXPONENTS else ""
     told.append(f"Spectrum, {count} of {found.dimension}: {listed_values}{more}.")
-    if chaos.horizons and not found.chaotic:
-        told.append(
-            "The events foreseen hold where small errors change who meets next. Here growth that goes on is not told, "
-            "and engines may hold out longer."
-        )
-    if chaos.exact:
-        told.append(f"No horizon: {listed([*chaos.exact])}, whose numbers are exact.")
     return told
 
 
@@ -90,18 +152,15 @@ def horizon_rows(chaos: Chaos) -> list[tuple[str, ...]]:
 def _row(horizon: Horizon, events: int) -> tuple[str, ...]:
     ends = dict.fromkeys(_event(end, events) for end in (horizon.low, horizon.high))
     time = "" if horizon.expected.time is None else f"{horizon.expected.time:.5g}"
-    return (
-        horizon.engine,
-        _event(horizon.expected, events),
-        " to ".join(ends),
-        time,
-        "-" if horizon.by_exponent is None else f"{horizon.by_exponent:.5g}",
-        _seen(horizon, events),
-    )
+    return horizon.engine, _event(horizon.expected, events), " to ".join(ends), time, _seen(horizon, events)
+
+
+def _by_exponent(horizon: Horizon) -> str:
+    return "-" if horizon.by_exponent is None else f"{horizon.by_exponent:.5g}"
 
 
 def _event(place: EventTime, events: int) -> str:
-    return f"beyond {events - 1}" if place.event is None else str(place.event)
+    return f"after {events - 1:,}" if place.event is None else f"{place.event:,}"
 
 
 def _seen(horizon: Horizon, events: int) -> str:
@@ -109,23 +168,29 @@ def _seen(horizon: Horizon, events: int) -> str:
     if seen is None:
         return "not run"
     if seen.place is None:
-        return f"{'agrees' if seen.verdict == 'agree' else seen.verdict} to event {events - 1}"
-    word = "inside" if horizon.holds(seen.place) else "outside the band"
-    return f"{seen.verdict} at event {seen.place.event}, t = {seen.place.time:.5g}: {word}"
+        return f"{'agrees' if seen.verdict == 'agree' else seen.verdict} to event {events - 1:,}"
+    word = "inside" if horizon.holds(seen.place) else "outside"
+    return f"{seen.verdict} at event {seen.place.event:,}, t = {seen.place.time:.5g}: {word} the interval"
 
 
-def print_chaos(chaos: Chaos) -> None:
-    """Prints all of it on stdout."""
+def print_chaos(chaos: Chaos, *, verbose: bool = False) -> None:
+    """Prints the answer on stdout.
+
+    Args:
+        verbose: whether also exponents, spectrum and checks.
+    """
     out = console()
     first, *others = sentences(chaos)
     say(out, f"{chaos.scene.name}: {first}", "bold")
     for sentence in others:
         say(out, sentence)
     if chaos.horizons:
-        table = grid(*HORIZON_HEADINGS)
-        for row in horizon_rows(chaos):
-            table.add_row(*row)
+        table = grid(*HORIZON_HEADINGS, *[EXPONENT_HEADING] * verbose)
+        for row, horizon in zip(horizon_rows(chaos), chaos.horizons, strict=True):
+            table.add_row(*row, *[_by_exponent(horizon)] * verbose)
         out.print(table)
+    for sentence in details(chaos) if verbose else []:
+        say(out, sentence)
 
 
 # ----------------------------------------
@@ -136,7 +201,8 @@ CONVERGENCE_POINTS = 100
 PLAYER = {
     "title": "The run",
     "choice": "engine",
-    "note": "The line in the plot below follows the clock, and a click there sets it.",
+    "note": "The certified run, to play or to step through event by event. "
+    "The line in the plot below follows the clock, and a click there sets it.",
 }
 
 
@@ -152,11 +218,12 @@ def chaos_html(chaos: Chaos, *, command: str = "") -> str:
         recording=played(chaos.scene, chaos.reference, [], name=name, title=name),
         engines=[horizon.engine for horizon in chaos.horizons] or [name],
         title=f"{chaos.scene.name}, chaos: truebreak",
-        lead=sentences(chaos)[0],
+        lead=lead(chaos),
         sentences=sentences(chaos)[1:],
+        details=details(chaos),
         scene=chaos.scene,
-        headings=HORIZON_HEADINGS,
-        rows=horizon_rows(chaos),
+        headings=(*HORIZON_HEADINGS, EXPONENT_HEADING),
+        rows=[(*row, _by_exponent(h)) for row, h in zip(horizon_rows(chaos), chaos.horizons, strict=True)],
         barred=[(k, h.engine) for k, h in enumerate(chaos.horizons) if h.low.time is not None],
         growth=[_growth(chaos, width) for width in (WIDE, NARROW)],
         convergence=[_convergence(chaos, width) for width in (WIDE, NARROW)],
@@ -177,7 +244,7 @@ def chaos_html(chaos: Chaos, *, command: str = "") -> str:
 def _growth(chaos: Chaos, width: int) -> Markup:
     growth = Curve("worst error", [(grown.time, grown.bits) for grown in chaos.growth], "reference")
     bands = [
-        Band(
+        ForecastBand(
             horizon.engine,
             horizon.low.time,
             chaos.time if horizon.high.time is None else horizon.high.time,
@@ -203,7 +270,7 @@ def _convergence(chaos: Chaos, width: int) -> Markup:
     return _plot("The largest exponent as it converges", "per unit time", curves, [], width)
 
 
-def _plot(title: str, up: str, curves: list[Curve], bands: list[Band], width: int) -> Markup:
+def _plot(title: str, up: str, curves: list[Curve], bands: list[ForecastBand], width: int) -> Markup:
     kind = "narrow" if width == NARROW else "wide"
     return Markup(plot(title, "time", up, curves, bands, width=width, legend=False, kind=kind))
 
@@ -220,7 +287,7 @@ def _exponents(chaos: Chaos) -> list[tuple[str, ...]]:
 
 def _models(chaos: Chaos) -> Iterator[tuple[str, dict[str, Any]]]:
     for horizon in chaos.horizons:
-        yield horizon.engine, {"foreseen by": horizon.model.value, "unit of error": f"2**{horizon.unit:.6g}"}
+        yield horizon.engine, {"predicted by": horizon.model.value, "unit of error": f"2**{horizon.unit:.6g}"}
 
 
 def _command(chaos: Chaos) -> str:

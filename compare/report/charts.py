@@ -326,7 +326,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Band:
+class ForecastBand:
     """A stretch of time, perhaps with a mark in it, drawn at a height."""
 
     label: str
@@ -342,7 +342,7 @@ def plot(
     across: str,
     up: str,
     curves: Sequence[Curve],
-    bands: Sequence[Band] = (),
+    bands: Sequence[ForecastBand] = (),
     *,
     width: int = CURVES_WIDTH,
     legend: bool = True,

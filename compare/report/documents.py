@@ -67,7 +67,7 @@ FORMS = {
     "compare.alignment.align:Separation": "times max=largest final largest=maximum circle",
     "compare.candidate:Candidate": "engine parameters=trajectory.parameters verdict laws "
     "events_agreed=alignment.agreed first_divergence=alignment.divergence cause margin causes=diagnosis "
-    "reordered=alignment.harmless_swaps split=alignment.harmless_splits position_error outcomes pattern "
+    "reordered=alignment.reordered split=alignment.split position_error outcomes pattern "
     "changed_outcomes=changed outcomes_until=until outcomes_expected return_error=return_miss stop=trajectory.stop "
     "seconds? rests_on",
     "compare.outcomes.permitted:PermittedPatterns": "by_policy all_orders=orders complete orders_followed=followed "
@@ -82,8 +82,7 @@ FORMS = {
     "compare.orders.all_orders:Branching": "instant offered chosen",
     "compare.orders.all_orders:Leaf": "decisions seed stop=trajectory.stop collisions=trajectory.collisions impulses "
     "final",
-    "compare.orders.all_orders:OrderTree": "scene complete cap merged unproved reordered=swapped sampled stop? "
-    "outcomes",
+    "compare.orders.all_orders:OrderTree": "scene complete cap merged unproved reordered sampled stop? outcomes",
     "compare.tangent.growth:CertifiedGrowth": "events low high precision=bits",
     "compare.chaos.certified_chaos:Grown": "event time bits",
     "compare.chaos.spectrum:Rate": "value low high blocks",
@@ -102,8 +101,7 @@ FORMS = {
     "compare.shadowing.obstacle:Blocked": "kind=obstacle event message",
     "compare.shadowing.obstacle:StartDistance": "position velocity",
     "compare.shadowing.obstacle:Distance": "position velocity time circle",
-    "compare.shadowing.shadows:Proof": "digest=scene.digest start run=run_distance reordered=swaps "
-    "certified=run.certified",
+    "compare.shadowing.shadows:Proof": "digest=scene.digest start run=run_distance reordered certified=run.certified",
     "compare.shadowing.shadows:Shadow": "scene engine events divergence proof obstacle=blocked drift misfits shorter",
 }
 """The keys of each class: `key`, or `key=attribute`; with `?` it is left out where it is None. Some are `COMPUTED`."""

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ..files.amounts import counted
 from ..grids.survival import proportion, stored, summaries
 from .page import embedded, rendered
 
 if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ..files.amounts import counted
     from ..grids.row import Row
-    from ..grids.survival import Summary
+from ..grids.survival import Summary
 
 MOST_ROWS = 20_000
 """Rows that a page holds; of more, the first, and the figures are of all."""
@@ -60,6 +64,8 @@ def grid_page(
         recording=None,
         engines=(),
         title=title,
+        lead=lead(store),
+        linked=bool(links),
         summaries=[_figures(summary) for summary in summaries(store)],
         pictures=[Markup(picture) for picture in pictures],
         cut=f"The first {MOST_ROWS:,} of {len(store):,} rows; the figures are of all."
@@ -68,8 +74,37 @@ def grid_page(
         states=states if changes is None else [*states, ("changed", "changed since")],
         names=names,
         changed=changes is not None,
-        data=embedded({"rows": listed, "engines": names, "words": WORDS, "changed": changes is not None}),
+        data=embedded(
+            {"rows": listed, "engines": names, "words": WORDS, "labels": LABELS, "changed": changes is not None}
+        ),
     )
+
+
+def lead(rows: Sequence[Row]) -> str:
+    """How many scenes and engines, and what their rows came to.
+
+    >>> from truebreak.compare.grids.row import Row
+    >>> lead([Row(0, "lee", "double", "agree"), Row(1, "gas", "double", "diverged")])
+    '2 scenes, 1 engine: 1 of 2 rows agrees, 1 diverged.'
+    """
+    counts = Counter(row.mark or row.verdict for row in rows)
+    good = next((mark for mark in ("agree", "right") if mark in counts), "agree")
+    verb = {"agree": ("agree", "agrees"), "right": ("are right", "is right")}[good][counts[good] == 1]
+    others = "".join(f", {n:,} {WORDS.get(kind, kind)}" for kind, n in counts.items() if kind != good)
+    things = counted(len({row.scene for row in rows}), "scene"), counted(len({row.engine for row in rows}), "engine")
+    return f"{', '.join(things)}: {counts[good]:,} of {counted(len(rows), 'row')} {verb}{others}."
+
+
+LABELS = {
+    "at": "at time", "body": "circle", "expected": "should meet", "got": "meets", "kind": "kind of divergence",
+    "events": "events of the exact run", "agreed": "events agreed", "event": "differs at event",
+    "changed": "outcomes changed",
+    "until": "outcomes known up to time", "drift": "energy gained", "laws": "laws", "told": "finding",
+    "foreseen": "predicted to diverge at event", "foreseen_low": "predicted not before event",
+    "foreseen_high": "predicted not after event", "closed_form": "as the closed form says", "mark": "result",
+    "since": "changed since",
+}  # fmt: skip
+"""Of the figures of a row, in words."""
 
 
 def _object(
@@ -110,18 +145,22 @@ def median_shown(summary: Summary) -> str:
     if summary.median is None:
         return "not reached"
     low = next(step.event for step in summary.survival if step.low <= 0.5)
-    high = next((f"{step.event:,}" for step in summary.survival if step.high <= 0.5), "open")
-    return f"{summary.median:,} ({low:,} to {high})"
+    high = next((f" to {step.event:,}" for step in summary.survival if step.high <= 0.5), " or later")
+    return f"{summary.median:,} ({low:,}{high})"
 
 
 def write_reports(
-    rows: Iterable[Row], page: str, limits: Mapping[int, tuple[Any, int | None]]
+    rows: Iterable[Row],
+    page: str,
+    limits: Mapping[int, tuple[Any, int | None]],
+    scene: Callable[[Row], Scene] | None = None,
 ) -> dict[tuple[str, str], str]:
     """Writes the report of each row that does not agree into a folder beside a page, and gives the links.
 
     Args:
         page: the page's file; the folder has its name and `-reports`.
         limits: by the row's index `until` and `events` of its certified run; of others the scene's own hold.
+        scene: the scene of a row, where its name is not one that `truebreak compare` takes.
 
     Raises:
         SceneError: if a file cannot be written.
@@ -134,10 +173,12 @@ def write_reports(
     folder = Path(page).with_name(f"{Path(page).stem}-reports")
     found: dict[tuple[str, str], str] = {}
     for row in rows:
-        if row.verdict not in ("diverged", "unsettled", "undecided") or not row.events:
+        if row.engine == "exact" or row.verdict not in ("diverged", "unsettled", "undecided") or not row.events:
             continue
         until, events = limits.get(row.index, (None, None))
-        told = compare(scene_from(row.scene), [row.engine], until=until, events=events)
+        told = compare(
+            scene(row) if scene is not None else scene_from(row.scene), [row.engine], until=until, events=events
+        )
         folder.mkdir(exist_ok=True)
         name = f"{row.index}-{re.sub(r'[^A-Za-z0-9]+', '-', row.engine).strip('-')}.html"
         write_whole(folder / name, html_report(told))

@@ -1,16 +1,21 @@
-"""Suites and the survey for people, on a terminal."""
+"""Grids for people, on a terminal: suites, the survey, sweeps and stress maps; a stress map as JSON too."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
 
+from ..files.amounts import counted
 from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ..grids.engine_survey import Survey, SurveyEntry
     from ..grids.row import Row
+    from ..grids.store import Store
+    from ..grids.stress_map import Ladder
     from ..grids.suite_file import Since, SuiteReport
+    from ..grids.survival import Summary, Uncertainty
 
 WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", "undecided": "undecided",
          "refused": "cannot", "failed": "failed"}  # fmt: skip
@@ -108,3 +113,142 @@ def differs(row: Row) -> str:
         return ""
     met = f"meets {row.got}" if row.got else "meets nothing"
     return f"event {row.event:,}: {row.body} {met}" + (f", not {row.expected}" if row.expected else "")
+
+
+# -- sweeps
+
+
+def print_sweep(
+    settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
+) -> None:
+    """One row an engine, and a line for each outcome that displacements of several sizes change."""
+    out = console()
+    asked = " ".join([settings["scene"], *settings["vary"]])
+    say(out, f"{asked}: {counted(scenes, 'scene')}, each compared with its certified run.", "bold")
+    asked_for = any(summary.changed is not None for summary in told)
+    audited = any(any(summary.laws) for summary in told)
+    foreseen = settings["forecast"]
+    last = [*["outcomes changed"] * asked_for, *["law"] * audited]
+    predicted = ["in the 90 % interval", "t = a ln(1/eps)/lambda + b"] * foreseen
+    table = grid("engine", "verdicts", "median divergence", *predicted, *last)
+    for summary in told:
+        inside, left = summary.inside
+        law, changed = summary.law, summary.changed
+        cells = [
+            summary.engine,
+            ", ".join(f"{count} {verdict}" for verdict, count in summary.verdicts.items()),
+            "" if summary.median is None else f"event {summary.median}",
+        ]
+        if foreseen:
+            cells.append(f"{inside} of {left}" if left else "")
+            line = "" if law is None else f"a = {law.slope:.3f}, b = {law.intercept:.3g}, r = {law.correlation:.2f}"
+            cells.append(line)
+        if asked_for:
+            cells.append(
+                "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})"
+            )
+        if audited:
+            words = zip(summary.laws, ("kept", "not kept", "not determined"), strict=True)
+            cells.append(", ".join(f"{count} {word}" for count, word in words if count))
+        table.add_row(*cells)
+    out.print(table)
+    for outcome, found in unsure.items():
+        if found.exponent is not None:
+            say(out, f"{outcome}: a displacement of up to d changes it in a share of scenes that goes as d**a, "
+                     f"a = {found.exponent:.3f} (95 %: {found.low:.3f} to {found.high:.3f}).")  # fmt: skip
+
+
+# -- stress maps
+
+
+FEW = 6
+"""Levels with gaps between them that a heading names one by one."""
+
+STRESS_SCHEMA = "truebreak/stress-2"
+
+
+def stress_json(settings: Mapping[str, Any], rows: Iterable[Row], told: Sequence[Ladder]) -> dict[str, Any]:
+    """The object that `truebreak stress --json` prints: what was asked, where each engine turns wrong, and every row.
+
+    Args:
+        settings: what the map is of.
+        rows: of its places, in order.
+        told: the ladders of the rows.
+    """
+    from ..grids.stress_map import COLUMNS
+
+    return {
+        "schema": STRESS_SCHEMA,
+        "settings": dict(settings),
+        "exact": exact_counts(rows),
+        "ladders": [_ladder(ladder) for ladder in told],
+        "rows": [row.data(COLUMNS) for row in rows],
+    }
+
+
+def exact_counts(rows: Iterable[Row]) -> dict[str, int]:
+    """At how many places the exact engine bears each mark, those that it bears at any, and to how many a closed form
+    agrees.
+
+    >>> from truebreak.compare.grids.row import Row
+    >>> exact_counts([Row(0, "near-ties-left-1", "exact", "agree", mark="right", closed_form=True)])
+    {'places': 1, 'closed_form': 1, 'right': 1}
+    """
+    exact = [row for row in rows if row.engine == "exact"]
+    marks = [str(row.mark) for row in exact]
+    counts = {mark: marks.count(mark) for mark in dict.fromkeys(marks)}
+    return {"places": len(exact), "closed_form": sum(row.closed_form is True for row in exact), **counts}
+
+
+def _ladder(ladder: Ladder) -> dict[str, Any]:
+    return {
+        "family": ladder.family,
+        "side": ladder.side,
+        "seed": ladder.seed,
+        "engine": ladder.engine,
+        "levels": list(ladder.levels),
+        "first_wrong": ladder.first_wrong,
+        "right_again": list(ladder.right_again),
+        "stretches": [{"mark": mark.value, "from": low, "to": high} for mark, low, high in ladder.stretches],
+    }
+
+
+def exact_sentence(rows: Iterable[Row]) -> str:
+    """What the witnesses say of the exact engine, with nothing left out.
+
+    >>> from truebreak.compare.grids.row import Row
+    >>> exact_sentence([Row(0, "near-ties-left-1", "exact", "agree", mark="right")])
+    'The exact engine: right at 1 of 1 places, each proved again by the independent checker.'
+    """
+    counts = exact_counts(rows)
+    others = [f"{count} {mark}" for mark, count in counts.items() if mark not in ("places", "closed_form", "right")]
+    told = f"The exact engine: right at {counts.get('right', 0)} of {counts['places']} places, each proved again by the"
+    closed = f"; at {counts['closed_form']} of all a closed form agrees" if counts["closed_form"] else ""
+    return f"{told} independent checker{closed}{'; ' + ', '.join(others) if others else ''}."
+
+
+def print_stress(rows: Store, told: Sequence[Ladder]) -> None:
+    """One table a family, a row for each engine and lane, a letter for each k, in tens."""
+    from ..grids.stress_families import stress_family
+    from ..grids.stress_map import MapMark, place_of
+
+    out = console()
+    for name, group in groupby(told, key=lambda ladder: ladder.family):
+        lanes, one = list(group), stress_family(name)
+        say(out, f"{name}: {one.summary} {one.grows}.", "bold")
+        levels = lanes[0].levels
+        every = len(levels) == levels[-1] - levels[0] + 1
+        tried = f"{levels[0]} to {levels[-1]}" if every or len(levels) > FEW else ", ".join(map(str, levels))
+        table = grid("engine", "scene", "wrong at", f"k = {tried}")
+        for ladder in lanes:
+            wrong = "" if ladder.first_wrong is None else ladder.first_told
+            tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
+            table.add_row(ladder.engine, ladder.lane, wrong, " ".join(tens))
+        out.print(table)
+    for mark in MapMark:
+        say(out, f"{mark.sign}  {mark.meaning}")
+    say(out, "")
+    say(out, exact_sentence(rows), "bold")
+    if len(rows):
+        say(out, f"Any of the scenes: {place_of(rows[-1]).show} > scene.toml")
+        say(out, "and then: truebreak compare scene.toml --engines ENGINE")

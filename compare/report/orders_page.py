@@ -18,9 +18,17 @@ from ..outcomes.outcome import pattern
 from ..outcomes.permitted import PatternRelation, PermittedPatterns
 from .documents import orders_json
 from .listing import laid_out
-from .orders_text import choices_phrase, orders_sentence, velocities_phrase
 from .page import Download, download, file_name, provenance_of, rendered, scene_file, stem_of
 from .player import Played, played
+from .search_text import (
+    choices_phrase,
+    most_different,
+    orders_sentence,
+    outcome_names,
+    spread_phrase,
+    velocities_phrase,
+    velocity_phrase,
+)
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -172,7 +180,7 @@ def places(scene: Scene) -> dict[str, tuple[float, float]]:
 
 
 def small_picture(scene: Scene, own: Mapping[str, Any], pattern: Mapping[str, Any], title: str) -> str:
-    """A pattern beside the one that it is held against, as an SVG element.
+    """A pattern beside the one that it is compared with, as an SVG element.
 
     Circles are dots; a line joins each pair that met: thin where `own` has it too, heavy where it has not, dotted where
     only `own` has it.
@@ -225,28 +233,30 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
         stop: why the search was ended before it was done, if it was.
         command: the command line that the search came from, to be told in the page.
     """
-    found = tree.outcomes
-    first = found[0].trajectory
-    drawn = _drawn(scene, found)
+    found, names = tree.outcomes, outcome_names(tree.outcomes)
+    first, body = found[0].trajectory, most_different(found)
+    drawn = _drawn(scene, found, names)
     settings = {"cap": tree.cap, **first.parameters}
     return rendered(
         "orders.html.jinja",
-        recording=_recording(scene, found),
+        recording=_recording(scene, found, names),
         engines=["outcome"] * max(1, min(len(found), max(MOST_PLAYED, MOST_DRAWN) + 1) - 1),
         title=f"{scene.name}, all orders: truebreak",
         sentence=orders_sentence(scene, tree, stop),
+        spread=spread_phrase(found),
+        body=body,
         complete=tree.complete,
         scene=scene,
         facts=[
             ("Scene", f"{scene.name} ({counted(len(scene.circles), 'circle')}, {counted(len(scene.walls), 'wall')})"),
             ("Engine", first.engine),
             ("Merged", f"{tree.merged:,}, into a state that another order reaches too"),
-            ("Left out", f"{counted(tree.swapped, 'swap')} of independent contacts, which change nothing"),
+            ("Left out", f"{counted(tree.reordered, 'order')} that only reorder independent contacts"),
         ],
         picture=Markup(scene_picture(scene)),
         drawn=drawn,
         left_out=len(found) - len(drawn),
-        rows=[_row(number, outcome, found[0]) for number, outcome in enumerate(found[:MOST_LISTED])],
+        rows=[_row(number, found, names[number], body) for number in range(min(len(found), MOST_LISTED))],
         styles=MOST_PLAYED,
         unlisted=max(0, len(found) - MOST_LISTED),
         provenance=provenance_of(
@@ -260,7 +270,7 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
     )
 
 
-def _recording(scene: Scene, found: Sequence[Leaf]) -> dict[str, Any] | None:
+def _recording(scene: Scene, found: Sequence[Leaf], names: Sequence[str]) -> dict[str, Any] | None:
     if len(found) < 2:
         return None
     first, others = found[0].trajectory, []
@@ -268,8 +278,8 @@ def _recording(scene: Scene, found: Sequence[Leaf]) -> dict[str, Any] | None:
         place = parting(first, outcome.trajectory)
         time = None if place is None else _time(first, outcome.trajectory, place)
         told = {"divergence": None if place is None else _parted(scene, first, outcome.trajectory, place)}
-        others.append(Played(number, f"outcome {number + 1}", outcome.trajectory, told, time))
-    return played(scene, first, others, name="outcome 0", title="outcome 0")
+        others.append(Played(number, f"outcome {number + 1}: {names[number + 1]}", outcome.trajectory, told, time))
+    return played(scene, first, others, name="outcome 0", title=f"outcome 0: {names[0]}")
 
 
 def parting(one: Trajectory, other: Trajectory) -> int | None:
@@ -304,7 +314,7 @@ def _parted(scene: Scene, first: Trajectory, other: Trajectory, place: int) -> d
     }
 
 
-def _drawn(scene: Scene, found: Sequence[Leaf]) -> list[dict[str, Any]]:
+def _drawn(scene: Scene, found: Sequence[Leaf], names: Sequence[str]) -> list[dict[str, Any]]:
     """The first outcomes that differ in whom each circle meets or where it ends, as small pictures."""
     own = pattern(found[0].trajectory)
     known: list[dict[str, Any]] = []
@@ -317,17 +327,20 @@ def _drawn(scene: Scene, found: Sequence[Leaf]) -> list[dict[str, Any]]:
         told = difference(own, theirs)
         label = f"outcome {number}"
         picture = Markup(small_picture(scene, own, theirs, told or label))
-        drawn.append({"number": number, "label": label, "told": told, "picture": picture})
+        drawn.append({"number": number, "label": label, "name": names[number], "told": told, "picture": picture})
         if len(drawn) == MOST_DRAWN:
             break
     return drawn if len(drawn) > 1 else []
 
 
-def _row(number: int, outcome: Leaf, first: Leaf) -> dict[str, Any]:
+def _row(number: int, found: Sequence[Leaf], name: str, body: str) -> dict[str, Any]:
+    first, outcome = found[0], found[number]
     place = parting(first.trajectory, outcome.trajectory) if number else None
     time = None if place is None else _time(first.trajectory, outcome.trajectory, place)
     return {
         "number": number,
+        "name": name,
+        "velocity": velocity_phrase(outcome, body),
         "choices": choices_phrase(outcome),
         "parted": "" if place is None else f"event {place:,}, t = {time:.9g}",
         "collisions": f"{outcome.trajectory.collisions:,}",

@@ -1,8 +1,10 @@
-"""Standard output, lines and tables: plain ones are laid out here, what has colours or wraps by rich."""
+"""Standard output: lines and tables as wide as it is; rich is loaded for colours alone."""
 
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,12 +13,6 @@ from ...scenarios.errors import printable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import rich.console
-    import rich.table
-
-
-# ----------------------------------------
-# Standard output, lines and tables: plain ones are laid out here, what has colours or wraps by rich.
 
 PLAIN_WIDTH = 110
 """Columns of a table where the output is not a terminal."""
@@ -28,13 +24,69 @@ BETWEEN = 3
 """Columns between two cells of a row."""
 
 NARROWEST = 10
-"""Columns into which no cell is pressed that has a longer word: rows become lists before that."""
+"""Columns that a cell gets at least, if it has so many: rows become lists before that."""
+
+JOINT = re.compile(r"(?<=[:=,/])(?=[^:=,/])")
+"""Where a word too long for its line is parted: an engine's settings go on after a colon, `=` or comma."""
 
 
 def columns() -> int | None:
     """The columns that the variable COLUMNS asks for; None without one that makes sense."""
     asked = os.environ.get("COLUMNS", "")
     return max(int(asked), LEAST_WIDTH) if asked.isdecimal() and len(asked) < 6 and int(asked) > 0 else None
+
+
+def size(text: str) -> int:
+    """Columns that a line takes.
+
+    >>> size("wall"), size("\u65e5\u672c")
+    (4, 4)
+    """
+    if text.isascii():
+        return len(text)
+    from rich.cells import cell_len
+
+    return cell_len(text)
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """A text in lines of at most so many columns, broken between words; within a long word where its parts join.
+
+    >>> wrapped("pymunk:dt=1/1024,iterations=10 agrees", 20)
+    ['pymunk:dt=1/1024,', 'iterations=10 agrees']
+    """
+    lines = []
+    for part in text.split("\n"):
+        line = ""
+        for number, word in enumerate(part.split(" ")):
+            joined = f"{line} {word}" if number else word
+            if size(joined) <= width:
+                line = joined
+                continue
+            if line.strip():
+                lines.append(line.rstrip())
+            *full, line = _parts(word, width)
+            lines += full
+        lines.append(line.rstrip())
+    return lines
+
+
+def _parts(word: str, width: int) -> list[str]:
+    """A word in pieces, each as long as the width allows; by letters only where no joint helps."""
+    found = [""]
+    for piece in JOINT.split(word):
+        if size(found[-1] + piece) <= width:
+            found[-1] += piece
+            continue
+        rest = piece
+        if found[-1]:
+            found.append("")
+        while size(rest) > width:
+            cut = next(k for k in range(len(rest), 0, -1) if k == 1 or size(rest[:k]) <= width)
+            found[-1], rest = rest[:cut], rest[cut:]
+            found.append("")
+        found[-1] = rest
+    return found
 
 
 class Tinted(NamedTuple):
@@ -44,51 +96,62 @@ class Tinted(NamedTuple):
     style: str
 
 
+Line = list[tuple[str, str]]
+"""Pieces of a line, each with its style."""
+
+
 class TextTable:
     """Rows under headings; see `grid`."""
 
     def __init__(
-        self, headings: tuple[str, ...], title: str | None, whole: Sequence[str], right: Sequence[str]
+        self, headings: tuple[str, ...], title: str | None, whole: Sequence[str], right: Sequence[str], close: bool
     ) -> None:
-        self.headings, self.whole, self.right = headings, whole, right
+        self.headings, self.whole, self.right, self.close = headings, whole, right, close
         self.title = None if title is None else printable(title)
-        self.rows: list[tuple[tuple[str | Tinted, ...], str | None]] = []
+        self.rows: list[tuple[tuple[Tinted, ...], str]] = []
 
     def add_row(self, *cells: str | Tinted, style: str | None = None) -> None:
         """One cell under each heading, perhaps all in a style."""
-        told = (printable(c) if isinstance(c, str) else Tinted(printable(c.text), c.style) for c in cells)
-        self.rows.append((tuple(told), style))
+        told = (Tinted(printable(c), "") if isinstance(c, str) else Tinted(printable(c.text), c.style) for c in cells)
+        self.rows.append((tuple(told), style or ""))
 
-    def lines(self, width: int) -> list[str] | None:
-        """The table without colours, as rich lays it out; None where it needs rich, to go on in further lines.
+    def lines(self, width: int, rule: str = "─") -> list[str]:
+        """The table without colours, in lines.
 
         Args:
-            width: columns that there are.
+            width: columns that there are; too few for a table make a list of each row.
         """
-        rows = [self.headings, *(self._texts(cells) for cells, _ in self.rows)]
-        split = [[cell.split("\n") for cell in row] for row in rows]
-        sizes = [max(len(line) for cell in column for line in cell) for column in zip(*split, strict=True)]
-        inside = sum(sizes) + BETWEEN * (len(sizes) - 1)
-        title = self.title or ""
-        if not all(map(_simple, (title, *(cell for row in rows for cell in row)))) or min(sizes) == 0:
-            return None
-        if inside + 2 > width or len(title) > inside + 2 or "\n" in title:
-            return None
-        blank = " " * (inside + 2)
-        told = [blank, *self._row(split[0], sizes, low=True), f" {'─' * inside} "]
-        for row in split[1:]:
-            told += self._row(row, sizes)
-        return [*([title.ljust(len(blank))] if title else []), *told, blank]
+        return ["".join(text for text, _ in line).rstrip() for line in self.styled(width, rule)]
 
-    def _row(self, cells: list[list[str]], sizes: list[int], *, low: bool = False) -> list[str]:
+    def styled(self, width: int, rule: str = "─") -> list[Line]:
+        """The table in lines of pieces with their styles."""
+        if width < self.least():
+            return self._listed(width)
+        wide = [max(size(line) for cell in column for line in cell.split("\n")) for column in self._columns()]
+        least, room = self._least(), width - 2 - BETWEEN * (len(wide) - 1)
+        level = max(wide)
+        while sum(sizes := [min(n, max(m, level)) for n, m in zip(wide, least, strict=True)]) > room:
+            level -= 1
+        blank: list[Line] = [] if self.close else [[]]
+        told: list[Line] = [[(line, "table.title")] for line in wrapped(self.title, width)] if self.title else []
+        told += [*blank, *self._row([Tinted(heading, "bold") for heading in self.headings], sizes, low=True)]
+        told.append([(f" {rule * (sum(sizes) + BETWEEN * (len(sizes) - 1))} ", "")])
+        for cells, style in self.rows:
+            told += self._row([Tinted(cell.text, cell.style or style) for cell in cells], sizes)
+        return [*told, *blank]
+
+    def _row(self, cells: Sequence[Tinted], sizes: list[int], *, low: bool = False) -> list[Line]:
         """The lines of one row; the lines of its cells end together (`low`), or begin together."""
-        height = max(map(len, cells))
-        columns = []
-        for heading, cell, size in zip(self.headings, cells, sizes, strict=True):
-            empty = [""] * (height - len(cell))
-            filled = [*empty, *cell] if low else [*cell, *empty]
-            columns.append([line.rjust(size) if heading in self.right else line.ljust(size) for line in filled])
-        return [f" {(' ' * BETWEEN).join(parts)} " for parts in zip(*columns, strict=True)]
+        split = [wrapped(cell.text, width) for cell, width in zip(cells, sizes, strict=True)]
+        height = max(map(len, split))
+        lines: list[Line] = [[(" ", "")] for _ in range(height)]
+        for number, (heading, cell, part, width) in enumerate(zip(self.headings, cells, split, sizes, strict=True)):
+            empty = [""] * (height - len(part))
+            for line, text in zip(lines, [*empty, *part] if low else [*part, *empty], strict=True):
+                room = " " * (width - size(text))
+                line.append((" " * BETWEEN if number else "", ""))
+                line += [(room, ""), (text, cell.style)] if heading in self.right else [(text, cell.style), (room, "")]
+        return lines
 
     def least(self) -> int:
         """Fewest columns in which it can be read as a table.
@@ -98,71 +161,56 @@ class TextTable:
         >>> table.least()
         30
         """
-        columns = zip(self.headings, *(self._texts(cells) for cells, _ in self.rows), strict=True)
-        return 2 + BETWEEN * (len(self.headings) - 1) + sum(map(self._narrowest, self.headings, columns))
+        return 2 + BETWEEN * (len(self.headings) - 1) + sum(self._least())
 
-    @staticmethod
-    def _texts(cells: Sequence[str | Tinted]) -> tuple[str, ...]:
-        return tuple(cell if isinstance(cell, str) else cell.text for cell in cells)
+    def _columns(self) -> list[tuple[str, ...]]:
+        rows = [self.headings, *(tuple(cell.text for cell in cells) for cells, _ in self.rows)]
+        return list(zip(*rows, strict=True))
 
-    def _narrowest(self, heading: str, cells: Sequence[str]) -> int:
-        parts = [part for cell in cells for part in (cell.split("\n") if heading in self.whole else cell.split())]
-        longest = max(map(len, parts), default=0)
-        return longest if heading in self.whole else min(longest, NARROWEST)
+    def _least(self) -> list[int]:
+        """Columns that each column takes at least: its lines, its words, or the parts of its words."""
+        found = []
+        for heading, cells in zip(self.headings, self._columns(), strict=True):
+            lines = [line for cell in cells for line in cell.split("\n")]
+            words = [word for line in lines for word in line.split()]
+            parts = max((size(part) for word in words for part in JOINT.split(word)), default=1)
+            longest = max(map(size, words), default=1)
+            found.append(max(map(size, lines)) if heading in self.whole else max(min(longest, NARROWEST), parts))
+        return found
 
-    def listed(self) -> rich.table.Table:
+    def _listed(self, width: int) -> list[Line]:
         """Each row as a list of its cells under each other, with their headings: for few columns."""
-        import rich.table
-        from rich.text import Text
-
-        title = None if self.title is None else Text(self.title, style="table.title")
-        table = rich.table.Table(box=None, title=title, title_justify="left", show_header=False, pad_edge=False)
-        table.add_column(overflow="fold", ratio=1)
-        table.add_column(overflow="fold", ratio=2)
+        names = [" ".join(heading.split()) for heading in self.headings]
+        wide = min(max(map(size, names)), 2 * width // 5)
+        told: list[Line] = [[(line, "table.title")] for line in wrapped(self.title, width)] if self.title else []
         for cells, style in self.rows:
-            table.add_row("", "")
-            for heading, cell in zip(self.headings, cells, strict=True):
-                text = Text(cell) if isinstance(cell, str) else Text(*cell)
-                if text.plain.strip():
-                    table.add_row(Text(" ".join(heading.split())), text, style=style)
-        table.add_row("", "")
-        return table
-
-    def rich(self, width: int | None = None) -> rich.table.Table:
-        """The table as rich has it.
-
-        Args:
-            width: columns that there are; too few for a table make a list of each row.
-        """
-        import rich.box
-        import rich.table
-        from rich.text import Text
-
-        if width is not None and width < self.least():
-            return self.listed()
-        title = None if self.title is None else Text(self.title, style="table.title")
-        table = rich.table.Table(box=rich.box.SIMPLE, title=title, title_justify="left", pad_edge=False)
-        for heading in self.headings:
-            justify = "right" if heading in self.right else "left"
-            table.add_column(Text(heading), overflow="fold", no_wrap=heading in self.whole, justify=justify)
-        for cells, style in self.rows:
-            table.add_row(*(Text(c) if isinstance(c, str) else Text(*c) for c in cells), style=style)
-        return table
+            told.append([])
+            for name, cell in zip(names, cells, strict=True):
+                if not cell.text.strip():
+                    continue
+                heads, texts = wrapped(name, wide), wrapped(cell.text, width - wide - 2)
+                for k in range(max(len(heads), len(texts))):
+                    head, text = (part[k] if k < len(part) else "" for part in (heads, texts))
+                    told.append([(head + " " * (wide + 2 - size(head)), style), (text, cell.style or style)])
+        return [*told, []]
 
 
-def grid(*headings: str, title: str | None = None, whole: Sequence[str] = (), right: Sequence[str] = ()) -> TextTable:
+def grid(
+    *headings: str, title: str | None = None, whole: Sequence[str] = (), right: Sequence[str] = (), close: bool = False
+) -> TextTable:
     """An empty table in the one style of all reports. Nothing in it is ever cut.
 
     Args:
         whole: headings of the columns whose cells stay on one line; others go on in the next.
         right: headings of the columns whose cells end at the right.
+        close: no empty line before and after it.
 
     >>> table = grid("circle", "x", right=("x",))
     >>> table.add_row("c1", "0.25")
     >>> [line.strip() for line in table.lines(80)]
     ['', 'circle      x', '─────────────', 'c1       0.25', '']
     """
-    return TextTable(headings, title, whole, right)
+    return TextTable(headings, title, whole, right, close)
 
 
 class Output:
@@ -170,25 +218,26 @@ class Output:
 
     Attributes:
         plain: whether it has no colours.
-        width: columns; None: as many as the terminal has.
+        width: columns of a table.
+        wraps: whether lines of text are wrapped at them too.
     """
 
-    def __init__(self, *, plain: bool, width: int | None) -> None:
-        self.plain, self.width = plain, width
+    def __init__(self, *, plain: bool, width: int, wraps: bool) -> None:
+        self.plain, self.width, self.wraps = plain, width, wraps
 
     def print(self, table: TextTable) -> None:
         """A table."""
         encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
-        lines = table.lines(self.width) if self.plain and self.width and encoding.startswith("utf") else None
-        if lines is None:
-            out = self.rich()
-            out.print(table.rich(out.width))
-        else:
-            _write("\n".join(lines))
+        self.write(table.styled(self.width, "─" if encoding.startswith("utf") else "-"))
 
-    def rich(self) -> rich.console.Console:
-        """It as rich has it."""
+    def write(self, lines: Sequence[Line]) -> None:
+        """Lines, as they are."""
+        if self.plain:
+            sys.stdout.write("".join("".join(text for text, _ in line).rstrip() + "\n" for line in lines))
+            sys.stdout.flush()
+            return
         from rich.console import Console
+        from rich.text import Text
 
         class Shown(Console):
             """A console that leaves a closed pipe to the caller, where rich would exit with code 1: diverged."""
@@ -196,40 +245,29 @@ class Output:
             def on_broken_pipe(self) -> None:
                 raise BrokenPipeError
 
-        return Shown(width=self.width, highlight=False, soft_wrap=False)
+        out = Shown(highlight=False)
+        for line in lines:
+            out.print(Text.assemble(*line), soft_wrap=True)
 
 
 def console() -> Output:
     """Standard output: colours on a terminal, plain text elsewhere; as wide as COLUMNS says, if it says anything."""
-    terminal = sys.stdout.isatty()
+    terminal, asked = sys.stdout.isatty(), columns()
     colours = terminal or os.environ.get("FORCE_COLOR", "") != "" or os.environ.get("TTY_COMPATIBLE") == "1"
-    return Output(plain=not colours, width=columns() or (None if terminal else PLAIN_WIDTH))
+    width = asked or (max(shutil.get_terminal_size().columns, LEAST_WIDTH) if terminal else PLAIN_WIDTH)
+    return Output(plain=not colours, width=width, wraps=terminal or asked is not None)
 
 
-def say(out: Output, text: str, style: str | None = None) -> None:
-    """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set."""
-    text, width = printable(text), columns()
-    if out.plain and _fits(text, width):
-        _write(text)
-        return
-    from rich.text import Text
+def say(out: Output, text: str, style: str | None = None, label: str = "") -> None:
+    """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set.
 
-    rich = out.rich()
-    rich.print(Text(text, style=style or ""), soft_wrap=not rich.is_terminal and width is None)
-
-
-def _fits(text: str, width: int | None) -> bool:
-    """Whether a text can be written as it is."""
-    if width is None:
-        return text.replace("\n", "").isprintable()
-    return _simple(text) and all(len(line) <= width for line in text.split("\n"))
-
-
-def _simple(text: str) -> bool:
-    """Whether each character takes one column, but for ends of lines."""
-    return text.isascii() and text.replace("\n", "").isprintable()
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(f"{text}\n")
-    sys.stdout.flush()
+    Args:
+        label: what stands before it, in bold; further lines are indented by as much, as by spaces that it begins with.
+    """
+    told = printable(text)
+    body = told.lstrip(" ")
+    indent = label or " " * (len(told) - len(body))
+    lines = wrapped(body, out.width - size(indent)) if out.wraps else body.split("\n")
+    after = [(" " * size(indent), "") for _ in lines[1:]]
+    first = (indent, "bold" if label else "")
+    out.write([[before, (line, style or "")] for before, line in zip([first, *after], lines, strict=True)])

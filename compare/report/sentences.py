@@ -53,7 +53,7 @@ def verdict_sentence(comparison: Comparison) -> str:
     undecided = listed([c.engine for c in by_verdict["undecided"]])
     if by_verdict["unsettled"]:
         where = f"the {reference.engine} run near its end"
-        told = f"Not settled: the runs at hand do not tell whether {unsettled} leaves {where}"
+        told = f"Not settled: these runs do not show whether {unsettled} leaves {where}"
         return "; ".join([told, *filter(None, map(further_phrase, by_verdict["unsettled"]))]) + "."
     if comparison.verdict == "undecided" and not by_verdict["undecided"]:
         return f"Undecided: {stopped}."
@@ -276,12 +276,12 @@ def margin_phrase(candidate: Candidate) -> str | None:
     elif margin.distance is not None:
         away = middle(margin.distance)
         if margin.distance == (0.0, 0.0):
-            parts.append("in the exact motion they touch without depth, a miss by exactly 0")
+            parts.append("in the exact motion they touch without depth: the gap is exactly 0")
         elif margin.distance[0] <= 0 <= margin.distance[1]:
             parts.append(f"in the exact motion it is {about(margin.distance)} from a touch")
         else:
-            kind = "a hit by a depth of" if away < 0 else "a miss by"
-            parts.append(f"in the exact motion it is {kind} {about(margin.distance)}")
+            kind = "the penetration depth is" if away < 0 else "the gap is"
+            parts.append(f"in the exact motion {kind} {about(margin.distance)}")
     if margin.error is not None:
         told = margin.gap is None and margin.ratio is not None and math.isfinite(margin.ratio)
         ratio = f", {margin.ratio:.3g} times as much" if told else ""
@@ -309,7 +309,7 @@ def proof_phrase(comparison: Comparison) -> str:
     """What the reference's history rests on."""
     reference = comparison.reference
     if not comparison.certain:
-        return f"{reference.engine} proves nothing: it is taken at its word."
+        return f"{reference.engine} proves nothing: it is taken as the reference."
     return "Every decision is proved." if reference.certified else "Not every tie in it is proved."
 
 
@@ -336,9 +336,9 @@ def off(error: float) -> str:
     """How far an engine's places are off; places are compared as doubles.
 
     >>> off(0.0641), off(0.0)
-    ('0.0641', 'less than doubles tell')
+    ('0.0641', 'less than double resolution')
     """
-    return f"{error:.3g}" if error else "less than doubles tell"
+    return f"{error:.3g}" if error else "less than double resolution"
 
 
 ACCOUNT = ("kind of error", "adds", "share", "alone", "what was seen")
@@ -391,13 +391,3 @@ def adding_up(parts: Sequence[float | None], total: float) -> list[str | None]:
 
 def _signed(value: float | None) -> str:
     return "-" if value is None else f"{value:+.3g}" if value else "0"
-
-
-def other_lines(comparison: Comparison) -> list[str]:
-    """A line for each engine that diverges too, with its own cause."""
-    first = headline(comparison)
-    return [
-        f"{c.engine}: {c.diagnosis}, at event {c.alignment.divergence.event:,}"
-        for c in comparison.candidates
-        if c is not first and c.alignment.divergence is not None and c.diagnosis is not None
-    ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
+from .answers import answers, scene_word, subject, tone, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
 from .sentences import (
@@ -19,15 +21,15 @@ from .sentences import (
     counted,
     divergence_phrase,
     ended_phrase,
+    headline,
+    law_phrase,
     listed,
     margin_phrase,
-    other_lines,
     pattern_phrase,
     proof_phrase,
     short,
     span_phrase,
     until_phrase,
-    verdict_sentence,
 )
 
 if TYPE_CHECKING:
@@ -149,21 +151,21 @@ def _padded(rows: list[tuple[int, float, str]], depth: int) -> list[tuple[int, f
 COLOURS = {"agree": "green", "diverged": "red", "unsettled": "yellow", "undecided": "yellow"}
 
 
-def print_comparison(comparison: Comparison) -> None:
-    """Prints the report of a comparison on stdout."""
+def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: str | None = None) -> None:
+    """Prints the report of a comparison on stdout: the verdict, a table, and the four answers about one engine.
 
-    out = console()
-    lawless = any(candidate.lawless for candidate in comparison.candidates)
-    colour = "red" if lawless else COLOURS[comparison.verdict]
-    say(out, verdict_sentence(comparison), f"bold {colour}")
-    for line in other_lines(comparison):
-        say(out, line)
-    reference = comparison.reference
+    Args:
+        verbose: whether also each other divergence, the account of causes, and both histories side by side.
+        scene: the scene as the command line has it; without it no command to go on with is given.
+    """
+    out, reference = console(), comparison.reference
+    say(out, first_line(comparison), f"bold {COLOURS[tone(comparison)]}")
+    ended = f" ({ended_phrase(reference)})" if verbose else ""
     say(
         out,
         f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
         f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
-        f"{span_phrase(comparison)} ({ended_phrase(reference)}). {proof_phrase(comparison)}",
+        f"{span_phrase(comparison)}{ended}. {proof_phrase(comparison)}",
     )
     if comparison.certificate is not None:
         say(out, comparison.certificate.told)
@@ -171,14 +173,17 @@ def print_comparison(comparison: Comparison) -> None:
         say(out, str(reference.assumptions[0]), "bold yellow")
     for note in reference.notes:
         say(out, note)
-    out.print(engines_table(comparison))
+    out.print(engines_table(comparison, close=not verbose))
+    if comparison.cut:
+        say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
+    _print_answers(comparison, verbose, scene)
+    if not verbose:
+        return
     for told in filter(None, map(changed_text, comparison.candidates)):
         say(out, told)
     for candidate in comparison.candidates:
         if candidate.laws is not None and candidate.laws.kept is not True:
             say(out, f"{candidate.engine} {candidate.laws.sentence}.", "bold red" if candidate.lawless else None)
-    if comparison.cut:
-        say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
     for candidate in comparison.candidates:
         if candidate.alignment.divergence is not None:
             _print_divergence(comparison, candidate)
@@ -188,39 +193,71 @@ def print_comparison(comparison: Comparison) -> None:
                 say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.finding}")
 
 
-def engines_table(comparison: Comparison) -> TextTable:
-    """One row an engine; a column for the return only after a reversal."""
-    returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
-    headings = [
-        "engine",
-        "verdict",
-        "law",
-        "agreed",
-        "differs at",
-        "cause",
-        "swaps",
-        "position\nerror",
-        *(["misses\nstart by"] if returns else []),
+def first_line(comparison: Comparison) -> str:
+    """The verdict in a line; other engines that do not keep the law are never left out."""
+    first = headline(comparison)
+    others = [c for c in comparison.candidates if c.lawless and c is not first] if first is not None else []
+    return verdict_line(comparison) + "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in others)
+
+
+def _print_answers(comparison: Comparison, verbose: bool, scene: str | None) -> None:
+    """Where, why, so what, what now; of an engine that agrees, what now alone, as the verdict says the rest."""
+    out, found = console(), answers(comparison)
+    agrees = subject(comparison).verdict == "agree"
+    for name, told in (("where", found.where), ("why", found.why), ("so what", found.so_what)):
+        if not agrees or (name == "why" and subject(comparison).lawless):
+            say(out, told, label=f"{name:<10}")
+    then = "" if verbose else " -v shows more."
+    if scene is not None:
+        words = [scene if word == scene_word(comparison.scene) else word for word in shlex.split(found.command)]
+        then = f" Try `{shlex.join(words)}`" + (f";{then}" if then else ".")
+    say(out, f"{found.what_now}{then}", label=f"{'what now':<10}")
+
+
+def engines_table(comparison: Comparison, *, close: bool = False) -> TextTable:
+    """One row an engine; columns that are empty are left out."""
+    reference, total = comparison.reference, len(comparison.reference.events)
+    rows: list[list[str | Tinted]] = [
+        [reference.engine, "reference", "", f"{total:,}", "", "", "", "", _miss(comparison.return_miss)]
     ]
-    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}))
-    total = len(comparison.reference.events)
-    reference = [comparison.reference.engine, "reference", "", f"{total:,}", "", "", "", ""]
-    table.add_row(*reference, *([short(comparison.return_miss)] if returns else []))
     for candidate in comparison.candidates:
-        colour = COLOURS[candidate.verdict]
         divergence = candidate.alignment.divergence
-        cells = [
-            candidate.engine,
-            Tinted(candidate.verdict, colour),
-            law_cell(candidate),
-            f"{candidate.alignment.agreed:,}",
-            f"event {divergence.event:,}" if divergence else "",
-            str(candidate.diagnosis) if candidate.diagnosis else "",
-            str(candidate.alignment.harmless_swaps),
-            short(candidate.separation.maximum),
-        ]
-        table.add_row(*cells, *([short(candidate.return_miss)] if returns else []))
+        rows.append(
+            [
+                candidate.engine,
+                Tinted(candidate.verdict, COLOURS[candidate.verdict]),
+                law_cell(candidate),
+                f"{candidate.alignment.agreed:,}",
+                f"event {divergence.event:,}" if divergence else "",
+                str(candidate.diagnosis) if candidate.diagnosis else "",
+                f"{candidate.alignment.reordered:,}" if candidate.alignment.reordered else "",
+                short(candidate.separation.maximum),
+                _miss(candidate.return_miss),
+            ]
+        )
+    shown = [k for k in range(len(HEADINGS)) if any(row[k] for row in rows)]
+    headings = [HEADINGS[k] for k in shown]
+    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}), close=close)
+    for row in rows:
+        table.add_row(*(row[k] for k in shown))
     return table
+
+
+HEADINGS = (
+    "engine",
+    "verdict",
+    "law",
+    "agreed",
+    "differs at",
+    "cause",
+    "reordered",
+    "position error",
+    "misses start by",
+)
+
+
+def _miss(value: float | None) -> str:
+    return "" if value is None else short(value)
 
 
 def law_cell(candidate: Candidate) -> Tinted | str:

@@ -49,14 +49,14 @@ class Proof:
         run: its certified run.
         start: how far it is from the scene's own start.
         run_distance: how far its run is from the engine's.
-        swaps: contacts that have another place in the whole order, though each circle's own order is the same.
+        reordered: contacts that have another place in the whole order, though each circle's own order is the same.
     """
 
     scene: Scene
     run: Trajectory = field(repr=False)
     start: StartDistance
     run_distance: Distance
-    swaps: int
+    reordered: int
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Shadow:
     Attributes:
         scene, engine: what was run, and by whom.
         events: of the engine's run.
-        divergence: where the engine leaves the certified history of the scene's own start; None if it does not.
+        divergence: where the engine diverges from the certified history of the scene's own start; None if it does not.
         proof: the shadow; None if none was found.
         blocked: why not.
         drift: the largest relative change of the energy along the engine's run; None if the search never began.
@@ -206,8 +206,8 @@ class _Search:
         if apart is None:
             message = "two contacts of one circle are closer to each other than the runs are"
             return Blocked(Obstacle.ORDER, None, message)
-        swaps = sum(a != b for a, b in zip(theirs.links, self.record.links, strict=False))
-        return Proof(start, run, start_distance(self.scene, start), apart, swaps)
+        reordered = sum(a != b for a, b in zip(theirs.links, self.record.links, strict=False))
+        return Proof(start, run, start_distance(self.scene, start), apart, reordered)
 
     def _started(self, node: Node) -> Scene:
         """The scene with a node as its start, in exact rational numbers."""

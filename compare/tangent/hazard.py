@@ -442,7 +442,7 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     are measured: the run's log is replayed by the plain formulas in balls, with bits to spare.
     """
     motion = motion_of(trajectory)
-    assert motion is not None, "foreseen of an exact run only"
+    assert motion is not None, "predicted of an exact run only"
     log, circles = motion.log, trajectory.scene.circles
     bits = 2 * (log.lost + LEAST_BITS)
     while True:

@@ -461,7 +461,7 @@ class _Case:
         else:
             asserted = [f"history: nothing required ({_why_nothing(reach)})"]
             if self.strict and reach.limit is not None:
-                raise NotDecided(f"{self.name} on {self.where}: {asserted[0]}; choose a scene whose start can be told")
+                raise NotDecided(f"{self.name} on {self.where}: {asserted[0]}; choose a scene with a certified horizon")
         if reach.limit is not None:
             if comparison is not None:
                 asserted.append(f"past the certified horizon: {reach.limit}")
@@ -560,7 +560,7 @@ class _Case:
         if reach is None or local is None or not reach.linear:
             return []
         places = "times and places" if self._tells_places else "times"
-        return [f"{places} of {reach.linear} within honest errors ({local.told})"]
+        return [f"{places} of {reach.linear} within the errors that the rounding model allows ({local.told})"]
 
     def _up_to_a_tie(self, comparison: Comparison, reach: Reach, local: LocalError) -> None:
         """Before the first tie, and to its time, no order of impulses makes a difference: all is as by the policy."""

@@ -38,7 +38,7 @@ PROPERTY = "truebreak"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Options and ini settings; a marker goes before the command line, and that before the ini file."""
-    group = parser.getgroup("truebreak", "physics engines held against the exact one")
+    group = parser.getgroup("truebreak", "physics engines compared with the exact one")
     for name, told in SETTINGS.items():
         group.addoption(f"--truebreak-{name.replace('_', '-')}", metavar=name.upper(), help=told)
         parser.addini(f"truebreak_{name}", help=told)

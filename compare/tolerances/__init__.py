@@ -1,1 +1,1 @@
-"""What honest errors may have grown to, and how far a history can be required."""
+"""What errors allowed by the rounding model may have grown to, and how far a history can be required."""

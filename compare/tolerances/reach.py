@@ -178,9 +178,8 @@ class OutOfReach:
         if self.margin is None:
             return f"event {self.event} (t = {self.time:.9g}): {self.told}"
         where = f"event {self.event} (t = {self.time:.9g}): {self.told}"
-        return (
-            f"{where}; its margin is {self.margin:.3g}, and honest errors may have grown to {self.tolerance:.3g} there"
-        )
+        grown = f"errors allowed by the rounding model may have grown to {self.tolerance:.3g} there"
+        return f"{where}; its margin is {self.margin:.3g}, and {grown}"
 
 
 @dataclass(frozen=True)
@@ -614,7 +613,7 @@ def _clusters(reference: Trajectory, event: int) -> list[tuple[str, ...]]:
     return [tuple(body for body in movable if body in each) for each in clusters]
 
 
-HONEST = "what honest errors can grow to"
+HONEST = "what errors allowed by the rounding model can grow to"
 
 DIGITS = 17
 

@@ -38,7 +38,7 @@ def api_pages() -> Iterator[tuple[str, str]]:
 
 def _package(module: ModuleType, seen: dict[int, str]) -> str:
     """One package; a name that an earlier page has described is named there, not told again."""
-    parts = [f"# {module.__name__}", markdown(inspect.getdoc(module) or "")]
+    parts = [f"# Package {module.__name__}", markdown(inspect.getdoc(module) or "")]
     told = []
     for name in sorted(n for n in module.__all__ if not n.startswith("__")):
         thing = getattr(module, name)

@@ -16,9 +16,9 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from api import api_pages
-from catalogue import Told, catalogue_page, picture, report, scene_page
+from catalogue import VERDICTS, Told, catalogue_page, gallery, picture, report, scene_page, verdicts
 from laws import laws_page
-from links import broken
+from links import broken, same_titles
 
 from truebreak.scenarios import catalogue
 
@@ -30,16 +30,40 @@ SHORT = ("lee", "near-tie")
 """Scenes that have a report in a short build."""
 
 INDEX = """\
-# truebreak
+# Did floating point change what happened?
 
 ```{include} README.md
-:start-after: "# truebreak"
+:start-after: "what happened?**"
+:end-before: "![A report"
+```
+
+```{include} README.md
+:start-after: "docs/report.png)"
+:end-before: "And this sets up"
+```
+
+New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report of a scene of your own.
+
+## Three ways in
+
+- **I have a report to read.** [How to read the report](README.md#how-to-read-the-report), then
+  [Comparison](docs/comparison.md) for what each line means.
+- **I have an engine to test.** [Your engine](docs/your-engine.md), then
+  [Is it floating point, or my bug?](docs/floating-point-or-bug.md) and [in pytest](docs/pytest.md).
+- **I have a question about chaos.** [Chaos, measured](docs/chaos.md), then [Sweeps](docs/sweep.md) over many scenes and
+  [Shadowing](docs/shadowing.md).
+
+```{include} README.md
+:start-after: "change came first](docs/desync.md)."
 :end-before: "On a machine with only Python"
 ```
 
-New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report of a scene of your own. In doubt about
-an engine? [Is it floating point, or my bug?](docs/floating-point-or-bug.md) Reports to play are in the
-[catalogue](catalogue/index.md).
+## Every scene of the catalogue
+
+Each is compared in doubles and in pymunk with the exact run, over its first events.
+A click leads to its page, with the report to play.
+
+{gallery}
 """
 
 TREES = {
@@ -92,9 +116,9 @@ TREES = {
 """The pages in order; those of docs/ that are not named here follow under `How-to`."""
 
 
-def assemble(source: Path, *, short: bool, jobs: int) -> None:
-    """Writes everything that Sphinx reads into a folder."""
-    for folder in ("docs", "catalogue", "api", "laws", "static", "extra/reports"):
+def assemble(source: Path, *, short: bool, jobs: int) -> list[str]:
+    """Writes everything that Sphinx reads into a folder; what is not current, line by line."""
+    for folder in ("docs", "catalogue", "api", "laws", "static", "extra/reports", "extra/pictures"):
         (source / folder).mkdir(parents=True)
     for name in TOP:
         shutil.copy(ROOT / name, source / name)
@@ -111,9 +135,17 @@ def assemble(source: Path, *, short: bool, jobs: int) -> None:
     told = _reports([n for n in names if not short or n in SHORT], source / "extra" / "reports", jobs)
     for name in names:
         _write(source / "catalogue" / f"{name}.md", scene_page(name, told.get(name)))
-        _write(source / "catalogue" / f"{name}.svg", picture(name))
+        drawn = picture(name)
+        for folder in ("catalogue", "extra/pictures"):
+            _write(source / folder / f"{name}.svg", drawn)
     _write(source / "catalogue" / "index.md", catalogue_page(names))
-    _write(source / "index.md", INDEX + _trees(source))
+    _write(source / "index.md", INDEX.replace("{gallery}", gallery(names)) + _trees(source))
+    kept = verdicts()
+    return [
+        f"{VERDICTS.name}: the verdict of {name} is another one by now: run python docs/site/catalogue.py {name}"
+        for name, one in told.items()
+        if kept[name] != [one.verdict, one.tone]
+    ]
 
 
 def _copy_linked(source: Path) -> None:
@@ -163,12 +195,27 @@ def build(out: Path, *, short: bool = False, jobs: int = 2) -> list[str]:
     source, made, ready = out / "source", out / "new", out / "html"
     for folder in (source, made):
         shutil.rmtree(folder, ignore_errors=True)
-    assemble(source, short=short, jobs=jobs)
-    command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", str(source), str(made)]
+    stale = assemble(source, short=short, jobs=jobs)
+    if stale:
+        return stale
+    command = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-b",
+        "html",
+        "-j",
+        str(jobs),
+        "-W",
+        "--keep-going",
+        "-q",
+        str(source),
+        str(made),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         return done.stderr.splitlines() or [f"sphinx ended with {done.returncode}"]
-    wrong = broken(made)
+    wrong = broken(made) + same_titles(made)
     if not wrong:
         shutil.rmtree(ready, ignore_errors=True)
         made.rename(ready)

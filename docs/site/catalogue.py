@@ -1,12 +1,18 @@
-"""A page for each scene of the catalogue: its picture, what is known of it, what engines make of it, its report."""
+"""A page for each scene of the catalogue, and the gallery of all: picture, what engines make of it, its report.
+
+`python docs/site/catalogue.py` writes the verdicts of the gallery, `docs/site/verdicts.json`; tests hold them current.
+"""
 
 from __future__ import annotations
 
+import json
+import sys
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
 from truebreak.compare import compare, html_report
+from truebreak.compare.report.answers import tone, verdict_line
 from truebreak.compare.report.page import whole_name
 from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
 from truebreak.scenarios import catalogue
@@ -31,16 +37,42 @@ class Told:
     sentence: str
     proof: str
     command: str
+    verdict: str
+    tone: str
 
 
-def report(name: str, folder: str) -> Told:
-    """Compares a scene, and writes the report to play into a folder."""
+def report(name: str, folder: str | None = None) -> Told:
+    """Compares a scene, and writes the report to play into a folder, if there is one."""
     scene = catalogue.build(name)
     events = MOST_EVENTS if scene.events is None else min(MOST_EVENTS, scene.events)
     command = f"truebreak compare {name} --engines {','.join(ENGINES)} --events {events} --html {name}.html"
     found = compare(scene, ENGINES, events=events)
-    Path(folder, f"{name}.html").write_text(html_report(found, command=command), encoding="utf-8")
-    return Told(verdict_sentence(found), proof_phrase(found), command)
+    if folder is not None:
+        Path(folder, f"{name}.html").write_text(html_report(found, command=command), encoding="utf-8")
+    return Told(verdict_sentence(found), proof_phrase(found), command, verdict_line(found), tone(found))
+
+
+VERDICTS = Path(__file__).resolve().parent / "verdicts.json"
+"""The line and the colour of each scene in the gallery."""
+
+
+def verdicts() -> dict[str, list[str]]:
+    """What the gallery says of each scene: the verdict, and how it is coloured."""
+    return json.loads(VERDICTS.read_text("utf-8"))
+
+
+def gallery(names: list[str]) -> str:
+    """All scenes as pictures with their verdicts, each a link to its page."""
+    known, cards = verdicts(), []
+    for name in names:
+        verdict, colour = known[name]
+        summary = escape(catalogue.entry(name).summary)
+        cards.append(
+            f'<li class="{colour}"><a href="catalogue/{name}.html"><img src="pictures/{name}.svg" loading="lazy" '
+            f'alt="{escape(name)} at time 0"><b>{escape(name)}</b></a><p>{summary}</p>'
+            f'<p class="line">{escape(verdict)}</p></li>'
+        )
+    return "\n".join(['<ul class="gallery">', *cards, "</ul>"])
 
 
 def picture(name: str) -> str:
@@ -106,3 +138,10 @@ def _text(text: str) -> str:
     for mark in ("\\", "*", "_", "|", "<", "[", "`"):
         text = text.replace(mark, f"\\{mark}")
     return text
+
+
+if __name__ == "__main__":
+    told = {name: report(name) for name in sys.argv[1:] or catalogue.names()}
+    kept = verdicts() if VERDICTS.exists() else {}
+    made = kept | {name: [one.verdict, one.tone] for name, one in told.items()}
+    VERDICTS.write_text(json.dumps({name: made[name] for name in catalogue.names()}, indent=1) + "\n", "utf-8")

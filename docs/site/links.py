@@ -59,3 +59,18 @@ def broken(folder: Path) -> list[str]:
             elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].places:
                 wrong.append(f"{told}: {link} leads to no place in its page")
     return wrong
+
+
+def same_titles(site: Path) -> list[str]:
+    """Pages that have one title, which a reader of a list of tabs or of results cannot tell apart.
+
+    Args:
+        site: a folder of pages; those of `reports/` bear the names of their scenes, and are left out.
+    """
+    titles: dict[str, list[str]] = {}
+    for path in sorted(site.rglob("*.html")):
+        name = path.relative_to(site).as_posix()
+        found = re.search(r"<title>(.*?)</title>", path.read_text("utf-8"), re.DOTALL)
+        if found and not name.startswith("reports/"):
+            titles.setdefault(" ".join(found[1].split()), []).append(name)
+    return [f"{', '.join(names)}: have one title: {title}" for title, names in titles.items() if len(names) > 1]

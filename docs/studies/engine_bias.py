@@ -207,7 +207,7 @@ class Ensemble:
 
     Attributes:
         values: for each scene; None where the run is lost: it stuck, or was refused.
-        endless: how many of the lost ones stopped by themselves, in rounds without end.
+        endless: how many of the lost ones stopped by themselves, in passes without end.
     """
 
     values: tuple[float | None, ...]
@@ -228,7 +228,7 @@ class Bias:
         error: its standard error.
         margin: what does no harm, in the quantity's own unit.
         lost: runs that tell nothing.
-        endless: those of them that stopped by themselves, in rounds without end.
+        endless: those of them that stopped by themselves, in passes without end.
         runs: all of them.
         p_differs: of no bias at all, by the mean's normal distribution.
         p_harms: of a bias of the margin or more, of either sign (two one-sided tests, Schuirmann 1987).
@@ -245,12 +245,12 @@ class Bias:
 
     def verdict(self, tests: int) -> str:
         """`unharmed` (the bias is proved to be below the margin), `biased` (it is proved not to be nothing), both, or
-        `not told`; each at the level shared out among so many tests (Bonferroni). `runs lost` comes first, and excludes
-        `unharmed`."""
+        `not determined`; each at the level shared out among so many tests (Bonferroni). `runs lost` comes first, and
+        excludes `unharmed`."""
         level, lost = LEVEL / tests, self.lost > LOST * self.runs
         words = ["runs lost"] if lost else ["unharmed"] if self.p_harms < level else []
         words += ["biased"] if self.p_differs < level else []
-        return ", ".join(words) or "not told"
+        return ", ".join(words) or "not determined"
 
 
 def bias(exact: Ensemble, other: Ensemble, margin: float) -> Bias:

@@ -1,4 +1,4 @@
-"""Measures at which hazard engines leave the history, over one set of scenes, and writes `levels.py`.
+"""Measures at which hazard engines diverge, over one set of scenes, and writes `levels.py`.
 
 `python docs/studies/horizon_levels.py` runs the set and writes the file; `--check` compares only;
 `--test N` says how often the band of the file holds in N other scenes, `--test N --foreign` in N scenes of other kinds

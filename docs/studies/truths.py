@@ -393,9 +393,9 @@ STATISTICAL = (
           f"truebreak chaos gas --events {LONG} --engines none", _gas_exponent, True),
     Truth("Ten discs in a box: the event at which a displacement has grown by 2**53", "173",
           OURS, only("grown by 2**53"), _gas_growth),
-    Truth("Ten discs in a box: the event at which doubles leave the history", "161", OURS,
+    Truth("Ten discs in a box: the event at which doubles diverge", "161", OURS,
           "truebreak compare gas --engines double", lambda: _left("gas", 161)),
-    Truth("Two-disc pinball: the bounce at which doubles are lost, foreseen 53 ln(2)/ln(5 + 2 sqrt(6)) = 16.03", "16",
+    Truth("Two-disc pinball: the bounce at which doubles diverge, predicted 53 ln(2)/ln(5 + 2 sqrt(6)) = 16.03", "16",
           PINBALL, "truebreak compare pinball:r=0 --engines double", lambda: _left("pinball:r=0", 16)),
 )  # fmt: skip
 """Items that hold up to the scatter of an ensemble, or up to the next order of an expansion."""
@@ -411,7 +411,7 @@ python docs/studies/truths.py docs/truths.md
 ```
 
 which measures all of them, and writes nothing if one does not come out. With `--only WORDS` in place of the file it
-prints those in whose title the words are. "Recalled" marks a source not at hand. Ensembles are of
+prints those in whose title the words are. "Recalled" marks a source that was not available. Ensembles are of
 `point:size=1,disc=R`, `two-in-a-box` and `hexagon:d=D`, each from many starts.
 
 """

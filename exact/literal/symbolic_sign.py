@@ -194,7 +194,7 @@ class Roots:
             found = self._certain_sign(polynomial, bits)
             if found:
                 return found
-        raise SymbolicUndecided(f"a number that is not 0 cannot be told from 0 by {MAX_BITS} bits")
+        raise SymbolicUndecided(f"a number that is not 0 cannot be distinguished from 0 by {MAX_BITS} bits")
 
     def enclose(self, polynomial: Any, bits: int) -> Any:
         """An mpmath interval that holds the value of a polynomial in the roots."""

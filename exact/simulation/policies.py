@@ -25,7 +25,7 @@ from ..replay.state import Kick
 
 Ask = Callable[[Question], int]
 
-ENDLESS = "rounds without end: rounded numbers contradict each other on which of {} contacts at one instant push"
+ENDLESS = "passes without end: rounded numbers contradict each other on which of {} contacts at one instant push"
 
 
 def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
@@ -265,7 +265,7 @@ def settle(
         if not coming:
             return Rounds(tuple(impulses), frozenset(taking_part), told)
         if rounds == max_rounds:
-            raise BudgetSpent(f"{max_rounds} rounds of impulses at one instant")
+            raise BudgetSpent(f"{max_rounds} passes of impulses at one instant")
         rounds += 1
         taking_part.update(coming)
         chosen = policy.choose(coming, ask)

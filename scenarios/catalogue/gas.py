@@ -185,7 +185,7 @@ SCENES = {
     ),
     "echo": SceneEntry(
         name="echo",
-        summary="A gas of one speed, turned back on its way to equilibrium: H returns, if nothing is lost.",
+        summary="A gas of one speed, reversed on its way to equilibrium: H returns, if nothing is lost.",
         parameters=(
             Parameter("rows", "10", "discs in a row of the lattice", whole(2, 30)),
             Parameter("after", "300", "turn back after this many instants", whole(1, 100_000)),

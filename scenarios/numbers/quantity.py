@@ -318,14 +318,16 @@ class Quantity(Expression):
         from .tower_ring import TowerLimit  # loaded for numbers that need it
 
         if len(self.radicands) > MAX_ROOTS:
-            raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
+            raise SceneError(
+                f"{self.brief()}: too close to zero to be distinguished from it, with over {MAX_ROOTS} roots"
+            )
         tower = Tower(work=Work(PATIENCE))
         try:
             element = self.in_tower(tower)
             element.sign()
         except TowerLimit:
             raise SceneError(
-                f"{self.brief()}: too close to zero to be told from it within {PATIENCE:,} units of work"
+                f"{self.brief()}: too close to zero to be distinguished from it within {PATIENCE:,} units of work"
             ) from None
         tower.work = None
         return element

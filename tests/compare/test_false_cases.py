@@ -307,7 +307,7 @@ def test_one_graze_has_one_cause_and_no_margin() -> None:
         assert len(candidate.diagnosis.causes) == 1
         assert candidate.margin is not None
         assert candidate.margin.distance == (0.0, 0.0)
-        assert "a miss by exactly 0" in (margin_phrase(candidate) or "")
+        assert "the gap is exactly 0" in (margin_phrase(candidate) or "")
 
 
 def test_the_margin_is_that_of_the_contact_in_question() -> None:
@@ -336,7 +336,7 @@ def test_a_tie_that_the_rounding_of_the_input_breaks_is_input_rounding() -> None
 
 def test_only_an_engine_that_proves_is_said_to() -> None:
     comparison = compare(catalogue.build("gas"), ["exact"], reference="double", events=20)
-    assert proof_phrase(comparison) == "double proves nothing: it is taken at its word."
+    assert proof_phrase(comparison) == "double proves nothing: it is taken as the reference."
 
 
 def test_what_a_run_has_before_its_end_does_not_depend_on_its_end() -> None:

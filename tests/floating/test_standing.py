@@ -21,7 +21,7 @@ SQUEEZED = Scene(
 def test_a_run_whose_flights_come_back_while_no_time_passes_ends(name: str) -> None:
     run = engine(name).run(SQUEEZED)
     assert run.stop.reason is StopReason.BUDGET
-    assert "rounds without end" in run.stop.message and "the same flights again" in run.stop.message
+    assert "passes without end" in run.stop.message and "the same flights again" in run.stop.message
     assert run.final_time == 0
 
 
@@ -34,7 +34,7 @@ def test_a_comparison_with_such_a_run_tells_why_it_left() -> None:
     (told,) = compare(SQUEEZED, ["double"], events=500).candidates
     assert told.verdict == "diverged" and told.diagnosis is not None
     assert "arithmetic rounding" in str(told.diagnosis)
-    assert "rounds without end" in told.trajectory.stop.message
+    assert "passes without end" in told.trajectory.stop.message
 
 
 def test_events_at_one_time_that_lead_on_are_let_be() -> None:
@@ -62,7 +62,7 @@ def test_events_at_one_time_are_counted(name: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(standing, "RETURNS", 10**9)
     run = engine(name).run(SQUEEZED if name == "double" else catalogue.build("galperin:n=3"))
     assert run.stop.reason is StopReason.BUDGET
-    assert "rounds without end" in run.stop.message and "again" not in run.stop.message
+    assert "passes without end" in run.stop.message and "again" not in run.stop.message
     assert 500 <= len(run.events) < 1500
 
 
@@ -70,7 +70,7 @@ def test_signs_that_contradict_each_other_end_an_instant() -> None:
     """Which of two contacts push went round in circles here, for ever."""
     run = engine("rounded:bits=8").run(catalogue.build("two-in-a-box:seed=2005"), until=40)
     assert run.stop.reason is StopReason.BUDGET
-    assert "rounds without end" in run.stop.message and "contradict" in run.stop.message
+    assert "passes without end" in run.stop.message and "contradict" in run.stop.message
     assert run.events
 
 

@@ -60,7 +60,7 @@ def test_an_ensemble_far_from_the_margin_is_unharmed_and_one_beyond_it_is_not() 
     assert bias(exact, same, 1.0).verdict(48) == "unharmed"
     assert bias(exact, off, 0.5).verdict(48) == "biased"
     assert bias(exact, off, 5.0).verdict(48) == "unharmed, biased"
-    assert bias(exact, same, 0.05).verdict(48) == "not told"
+    assert bias(exact, same, 0.05).verdict(48) == "not determined"
 
 
 def test_lost_runs_are_no_sample() -> None:

@@ -112,8 +112,8 @@ def advise(
     """
     from ...grids.setting_search import SearchEnd
     from ...grids.setting_search import advise as search
-    from ...report.advice_text import advice_json, print_advice
     from ...report.listing import print_json
+    from ...report.search_text import advice_json, print_advice
     from ...scene_argument import scene_from
     from ...writing import check_folder, write_whole
     from ..progress import showing_search

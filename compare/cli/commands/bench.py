@@ -14,7 +14,7 @@ from ...engines import split_engines
 from ...grids.computer import LEAST_PROCESSES, MOST_PROCESSES
 from ...writing import check_writable, write_whole
 from .. import completion
-from ..options import Whole, a_file
+from ..options import JSON, STORE, Whole, a_file
 from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
@@ -134,8 +134,8 @@ def _subjects(context: click.Context, parameter: click.Parameter, typed: str) ->
 )
 @a_file("--svg", help="Also write the plot of time against digits.")
 @a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
-@a_file("--store", help="Keep the rows in this SQLite file, and measure none that it has.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@STORE
+@JSON
 def bench(
     scenes: list[str],
     engines: list[str],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, Whole, a_file, isolating, some_engines
+from ..options import EVENTS, HTML, JSON, REVERSE, SCENE, SCENE_HELP, VERBOSE, Whole, isolating, some_engines
 from ..progress import of_stop
 
 EPILOG = f"""
@@ -19,7 +19,7 @@ Units:
 
 \b
 Examples:
-  truebreak chaos gas --events 400               when does each engine leave?
+  truebreak chaos gas --events 400               how long to trust each?
   truebreak chaos gas --engines double --no-run  by the certified run alone
   truebreak chaos point --events 2000 --engines double --html chaos.html
 """
@@ -28,18 +28,19 @@ Examples:
 @click.command(epilog=EPILOG)
 @SCENE
 @EVENTS
-@some_engines("Whose horizons to foresee (single,double,quad,interval,pymunk); none for no engine.", None)
+@some_engines("Which engines to predict (single,double,quad,interval,pymunk); none for no engine.", None)
 @click.option(
     "--exponents",
     type=Whole(1),
     metavar="K",
     help="How many Lyapunov exponents; else all, or the largest 8 of more than 20 discs.",
 )
-@click.option("--no-run", is_flag=True, help="Foresee only: do not run the engines to show what happens.")
+@click.option("--no-run", is_flag=True, help="Predict only: do not run the engines to show what happens.")
 @REVERSE
 @isolating
+@VERBOSE
 @JSON
-@a_file("--html", help="Also write the measurement as one offline HTML file.")
+@HTML
 def chaos(
     scene: str,
     events: int | None,
@@ -47,14 +48,15 @@ def chaos(
     exponents: int | None,
     no_run: bool,
     reverse_after: int | None,
+    verbose: bool,
     as_json: bool,
     html: str | None,
 ) -> int:
-    """Measure how errors grow, and foresee when engines are lost.
+    """Measure how errors grow, and predict when engines diverge.
 
     Small displacements are carried along the certified run by its tangent map. Their growth from start to end is
     proved; Lyapunov exponents, which are limits, are estimates with a 95 % interval. From the growth follows the event
-    at which each engine is expected to leave the true history, before it is run.
+    at which each engine is expected to diverge, before it is run.
     """
     from ...chaos.certified_chaos import DEFAULT_ENGINES
     from ...chaos.certified_chaos import chaos as measured
@@ -80,5 +82,5 @@ def chaos(
     if as_json:
         print_json(chaos_json(told))
     else:
-        print_chaos(told)
+        print_chaos(told, verbose=verbose)
     return of_stop(told.reference.stop)

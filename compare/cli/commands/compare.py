@@ -1,27 +1,27 @@
-"""`truebreak compare`: one scene in several engines, held against the truth."""
+"""`truebreak compare`: one scene in several engines, compared with the reference."""
 
 from __future__ import annotations
 
 import click
 
-from ..options import SCENE, HeldAgainst, a_file, examples, held_against, some_engines
+from ..options import SCENE, ReferenceOptions, a_file, examples, exit_zero, reference_options, some_engines
 from ..progress import DONE, of_comparison
 
 
 @click.command(epilog=examples("compare"))
 @SCENE
 @some_engines(
-    "The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
+    "The engines to compare with the reference: names, package.module:Class, or LABEL=package.module:Class.",
     "double,interval,pymunk",
 )
-@held_against
+@reference_options
 @a_file("--save", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
 @click.option(
     "--bits", is_flag=True, help="Find how many bits lead to the end where enclosures are too wide to decide."
 )
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
-def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits: bool, exit_zero: bool) -> int:
-    """Run a scene in several engines: do they tell the same history?
+@exit_zero("Exit with 0 even if engines diverged or are undecided.")
+def compare(scene: str, engines: str, asked: ReferenceOptions, save: str | None, bits: bool, exit_zero: bool) -> int:
+    """Run a scene in several engines: do they have the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
@@ -36,36 +36,36 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
     from ...writing import check_writable, write_whole
     from ..progress import goal_of, showing_progress
 
-    loaded = held.scene(scene)
-    for file in (held.html, save):
+    loaded = asked.scene(scene)
+    for file in (asked.html, save):
         if file is not None:
             check_writable(file)
-    if held.certified:
-        check_engine(held.reference, "--certify")
-    with showing_progress(loaded.name, goal_of(loaded, held.until, held.events)) as progress:
+    if asked.certified:
+        check_engine(asked.reference, "--certify")
+    with showing_progress(loaded.name, goal_of(loaded, asked.until, asked.events)) as progress:
         comparison = compare_engines(
             loaded,
             split_engines(engines),
-            until=held.until,
-            events=held.events,
-            reference=held.engine(),
+            until=asked.until,
+            events=asked.events,
+            reference=asked.engine(),
             bits=bits,
-            max_seconds=held.max_seconds,
+            max_seconds=asked.max_seconds,
             progress=progress,
         )
-    if held.certified:
+    if asked.certified:
         comparison = with_certificates(comparison)
-    if held.html is not None:
+    if asked.html is not None:
         from ...report.html import html_report
         from ..options import command_of
 
-        write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
+        write_whole(asked.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
         from ...saved_comparisons import save_comparison
 
         save_comparison(comparison, save)
-    if held.as_json:
+    if asked.as_json:
         print_json(comparison_json(comparison))
     else:
-        print_comparison(comparison)
+        print_comparison(comparison, verbose=asked.verbose, scene=scene)
     return DONE if exit_zero else of_comparison(comparison)

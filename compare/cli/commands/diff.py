@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from .. import completion
-from ..options import JSON, a_file
+from ..options import HTML, JSON, exit_zero
 from ..progress import ExitCode
 
 EPILOG = """
@@ -16,7 +16,7 @@ The first line of the report begins with one of:
   grew from rounding at event K             what differs first is rounding
   changed at event K by more than rounding  what differs first is no rounding
   different from the start                  another start, setting or step
-  not determined                            the logs do not tell, and why not
+  not determined                            the logs do not show it; why
 K is the step, where logs have steps, else the number of the event, from 0.
 
 \b
@@ -37,16 +37,16 @@ Exit codes:
 @click.argument("logs", metavar="A B [C ...]", nargs=-1, required=True, shell_complete=completion.files)
 @click.option("--ignore", metavar="NAME,...", help="Free fields that are not compared; time: nor are clocks.")
 @click.option("--scene", metavar="SCENE", shell_complete=completion.scenes, help="What the runs are of: audits them.")
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 where logs differ, too.")
+@exit_zero("Exit with 0 where logs differ, too.")
 @JSON
-@a_file("--html", help="Also write the report as one offline HTML file.")
+@HTML
 def diff(
     logs: tuple[str, ...], ignore: str | None, scene: str | None, exit_zero: bool, as_json: bool, html: str | None
 ) -> int:
     """Compare the logs of runs of any engine, in any world.
 
     Says where they part first, to the last bit, how the difference grew, and whether it began as rounding, as a change,
-    or from the start; "not determined" where the logs do not tell. A log is a file of JSON lines, CSV, or a list of
+    or from the start; "not determined" where the logs do not show it. A log is a file of JSON lines, CSV, or a list of
     hashes. Several logs are each compared with the first.
     """
     from ...logdiff.desync import diff as compared

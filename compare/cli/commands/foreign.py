@@ -9,7 +9,7 @@ import click
 
 from ....scenarios.errors import SceneError
 from .. import completion
-from ..options import SCENE, SCENE_HELP, HeldAgainst, Whole, a_file, examples, held_against
+from ..options import SCENE, SCENE_HELP, ReferenceOptions, Whole, a_file, examples, exit_zero, reference_options
 from ..progress import DONE, of_comparison
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ not settled.
     metavar="KEY,...",
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
-@held_against
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged, breaks a law, or is undecided.")
+@reference_options
+@exit_zero("Exit with 0 even if a log diverged, breaks a law, or is undecided.")
 def judge(
     scene: str,
     logs: tuple[str, ...],
@@ -69,7 +69,7 @@ def judge(
     step: str | None,
     exact_input: bool,
     lacks: str,
-    held: HeldAgainst,
+    asked: ReferenceOptions,
     exit_zero: bool,
 ) -> int:
     """Judge the log of any engine, in any language. Does it have the reference's events, by the laws?
@@ -87,38 +87,38 @@ def judge(
     from ...writing import check_writable, write_whole
     from ..progress import showing_progress
 
-    loaded = held.scene(scene)
-    if held.html is not None:
-        check_writable(held.html)
+    loaded = asked.scene(scene)
+    if asked.html is not None:
+        check_writable(asked.html)
     engines = [_log(path, loaded, bits, step, exact_input, lacks) for path in logs]
-    limits: dict[str, Any] = {"until": held.until, "events": held.events}
-    if held.until is None and held.events is None:
+    limits: dict[str, Any] = {"until": asked.until, "events": asked.events}
+    if asked.until is None and asked.events is None:
         limits = _as_far_as(engines, loaded)
     with showing_progress(loaded.name) as progress:
         comparison = compare(
             loaded,
             engines,
             **limits,
-            reference=held.engine(),
-            max_seconds=held.max_seconds,
+            reference=asked.engine(),
+            max_seconds=asked.max_seconds,
             progress=progress,
         )
-    if held.certified:
+    if asked.certified:
         from ...certificate.certified import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
     from ...report.changes import changes_of
 
     changes = changes_of(comparison)
-    if held.html is not None:
+    if asked.html is not None:
         from ...report.html import html_report
         from ..options import command_of
 
-        write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
-    if held.as_json:
+        write_whole(asked.html, html_report(comparison, command=command_of(click.get_current_context())))
+    if asked.as_json:
         print_json(comparison_json(comparison, changes))
     else:
-        print_comparison(comparison)
+        print_comparison(comparison, verbose=asked.verbose, scene=scene)
         out = console()
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:

@@ -73,14 +73,14 @@ def minimise(
     """Find the smallest scene on which an engine still diverges.
 
     Circles, walls, pockets, events, a reversal and the digits of numbers are left out as long as the engine still
-    leaves the certified history, or with --same law still breaks the law (delta debugging). Ctrl-C ends the search with
-    the smallest scene so far.
+    diverges from the certified history, or with --same law still breaks the law (delta debugging). Ctrl-C ends the
+    search with the smallest scene so far.
     """
     from ....scenarios.files import dump_toml
     from ...reduction.minimal_scene import DEFAULT_RUNS
     from ...reduction.minimal_scene import minimise as search
     from ...reduction.smallest import End
-    from ...report.smallest_text import print_smallest
+    from ...report.search_text import print_smallest
     from ...scene_argument import scene_from
     from ...writing import check_writable, write_whole
     from ..progress import showing_search
@@ -117,7 +117,7 @@ def searched(state: Reducing, seconds: float) -> str:
     >>> searched(Reducing(30, 1000, SceneSize(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
     """
-    from ...report.smallest_text import size_phrase
+    from ...report.search_text import size_phrase
 
     rate = f", {state.runs / seconds:.3g} a second" if state.runs and seconds else ""
     return f"{state.runs:,} of at most {state.limit:,} comparisons{rate}; left: {size_phrase(state.size)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, Whole, a_file, examples, one_engine
+from ..options import EVENTS, HTML, JSON, SCENE, SECONDS, UNTIL, VERBOSE, WORK, Whole, examples, one_engine
 from ..progress import DONE, of_stop
 
 
@@ -18,8 +18,9 @@ from ..progress import DONE, of_stop
 @click.option("--seed", type=Whole(), default=0, show_default=True, metavar="S", help="The first seed of the sample.")
 @WORK
 @SECONDS
+@VERBOSE
 @JSON
-@a_file("--html", help="Also write the outcomes as one offline HTML file.")
+@HTML
 def orders(
     scene: str,
     engine_text: str,
@@ -30,13 +31,14 @@ def orders(
     seed: int,
     work: int | None,
     max_seconds: float | None,
+    verbose: bool,
     as_json: bool,
     html: str | None,
 ) -> int:
     """List every outcome that some order of impulses leads to.
 
     Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
-    swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
+    only reorder contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
     from ....scenarios.errors import SceneError
@@ -44,7 +46,7 @@ def orders(
     from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
     from ...report.documents import orders_json
     from ...report.listing import print_json
-    from ...report.orders_text import print_orders
+    from ...report.search_text import print_orders
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until
     from ...writing import check_writable, write_whole
@@ -68,7 +70,9 @@ def orders(
             max_seconds=max_seconds,
             progress=progress,
         )
-    if html is not None:
+    if html is not None and not search.tree.outcomes:
+        click.echo(f"truebreak: {html} is not written: no outcome was found; give more --max-seconds", err=True)
+    elif html is not None:
         from ...report.orders_page import orders_html
         from ..options import command_of
 
@@ -77,5 +81,5 @@ def orders(
     if as_json:
         print_json(orders_json(loaded, search.tree, search.stop))
     else:
-        print_orders(loaded, search.tree, search.stop)
+        print_orders(loaded, search.tree, search.stop, verbose=verbose)
     return DONE if search.stop is None else of_stop(search.stop)

@@ -12,7 +12,7 @@ EPILOG = f"""
 
 \b
 Examples:
-  truebreak shadow gas --events 260     doubles leave the history at event 161
+  truebreak shadow gas --events 260     doubles diverge at event 161
   truebreak shadow gas:n=3 --engine pymunk:dt=1/1024 --events 60
   truebreak shadow gas --events 260 --write near.toml   the start as a scene
   truebreak run near.toml --events 260                  its certified run
@@ -41,7 +41,7 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     from ....scenarios.files import dump_toml
     from ...report.documents import shadow_json
     from ...report.listing import print_json
-    from ...report.shadow_text import print_shadow
+    from ...report.search_text import print_shadow
     from ...scene_argument import scene_from
     from ...shadowing.shadows import longest as sought
     from ...shadowing.shadows import shadow as whole

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
+from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Whole, WithDefault, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import HTML, came_to_nothing, showing_done, write_page
+from .sweep import came_to_nothing, check_reports, showing_done, write_page
 
 if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
     from ...grids.row import Row
 
 EPILOG = """
@@ -46,10 +47,11 @@ def _default_engines() -> str:
 )
 @click.option("--levels", metavar="LOW..HIGH", help="The k of every family; else each family's own.")
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
-@a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
+@STORE
 @a_file("--svg", help="Also write the map as a picture.")
-@HTML
-@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+@GRID_HTML
+@REPORTS
+@JOBS
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
 @click.option("--side", metavar="NAME", help="For --show: which of the family's variants; else its first.")
@@ -64,6 +66,7 @@ def stress(
     store: str | None,
     svg: str | None,
     html: str | None,
+    reports: bool,
     jobs: int | None,
     listed: bool,
     show: int | None,
@@ -81,8 +84,8 @@ def stress(
     from ...grids.grid import carry_out
     from ...grids.store import Store
     from ...grids.stress_map import DEFAULT_ENGINES, ladders, place_of, stress_plan
+    from ...report.grid_tables import print_stress, stress_json
     from ...report.listing import print_json
-    from ...report.stress_text import print_stress, stress_json
     from ...writing import check_writable, write_whole
 
     if listed:
@@ -98,6 +101,7 @@ def stress(
     asked = stress_plan(
         families, DEFAULT_ENGINES if engines is None else split_engines(engines), levels=levels, short=short
     )
+    check_reports(html, reports)
     for path in filter(None, (store, svg, html)):
         check_writable(path)
     rows = Store(store or ":memory:", asked.settings)
@@ -111,7 +115,7 @@ def stress(
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
     if html is not None:
         shown = {row.scene: place_of(row).show for row in rows}
-        write_page(html, "Stress: where engines turn wrong", rows, False, {}, commands=shown)
+        write_page(html, "Stress: where engines turn wrong", rows, reports, {}, _scene_of, commands=shown)
     if as_json:
         print_json(stress_json(rows.settings, rows, told))
     else:
@@ -125,6 +129,14 @@ def code_of(rows: Iterable[Row]) -> ExitCode:
     if "wrong" in marks:
         return ExitCode.DIVERGED
     return ExitCode.DONE if marks <= {"right"} else ExitCode.UNDECIDED
+
+
+def _scene_of(row: Row) -> Scene:
+    from ...grids.stress_families import stress_family
+    from ...grids.stress_map import place_of
+
+    place = place_of(row)
+    return stress_family(place.family).scene(place)
 
 
 def _list() -> None:

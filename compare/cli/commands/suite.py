@@ -7,11 +7,9 @@ from dataclasses import replace
 import click
 
 from .. import completion
-from ..options import JSON, Seconds, Whole, a_file, isolating, some_engines
+from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Seconds, a_file, exit_zero, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import HTML, REPORTS, came_to_nothing, check_reports, showing_done, write_page
-
-JOBS = click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+from .sweep import came_to_nothing, check_reports, showing_done, write_page
 
 SUITE_HELP = """
 \b
@@ -61,13 +59,13 @@ Examples:
 )
 @click.option("--only-changes", is_flag=True, help="With --against: exit with 1 if anything changed, else with 0.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one engine on one scene may take.")
-@a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
+@STORE
 @JOBS
-@HTML
+@GRID_HTML
 @REPORTS
 @isolating
 @JSON
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever diverged, breaks a law, or changed.")
+@exit_zero("Exit with 0 whatever diverged, breaks a law, or changed.")
 def suite(
     file: str,
     against: str | None,
@@ -127,10 +125,10 @@ def suite(
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
-@a_file("--store", help="Keep the rows in this SQLite file, and make none that it has.")
+@STORE
 @JOBS
 @a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
-@HTML
+@GRID_HTML
 @REPORTS
 @a_file("--page", help="Write the survey as a page in Markdown.")
 @isolating

@@ -10,20 +10,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import completion
-from ..options import EVENTS, JSON, SCENE_HELP, WORK, Whole, a_file, isolating, some_engines
+from ..options import EVENTS, GRID_HTML, JOBS, JSON, REPORTS, SCENE_HELP, WORK, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from ....scenarios.scene import Scene
     from ...grids.grid import Done
     from ...grids.row import Row
     from ...grids.store import Store
-
-HTML = a_file("--html", help="Write one page: scenes by engines, to filter and sort.")
-REPORTS = click.option(
-    "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
-)
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -75,7 +71,7 @@ ended it.
 @a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
 @a_file("--csv", "csv_file", help="Write the table here; - is stdout.")
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
-@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+@JOBS
 @click.option(
     "--executor",
     "executor_text",
@@ -83,7 +79,7 @@ ended it.
     help="Workers of a Dask cluster, in place of processes here.",
 )
 @a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
-@HTML
+@GRID_HTML
 @REPORTS
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @isolating
@@ -121,9 +117,9 @@ def sweep(
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
     from ...report.documents import sweep_json
+    from ...report.grid_tables import print_sweep
     from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
-    from ...report.sweep_text import print_sweep
     from ...writing import check_writable, write_whole
 
     for file in (csv_file, svg, html):
@@ -181,13 +177,19 @@ def check_reports(html: str | None, reports: bool) -> None:
 
 
 def write_page(
-    file: str, title: str, rows: Iterable[Row], reports: bool, limits: Mapping[int, tuple[Any, Any]], **more: Any
+    file: str,
+    title: str,
+    rows: Iterable[Row],
+    reports: bool,
+    limits: Mapping[int, tuple[Any, Any]],
+    scene: Callable[[Row], Scene] | None = None,
+    **more: Any,
 ) -> None:
     """Writes the page of a grid, and the reports beside it if they are asked for."""
     from ...report.grid_page import grid_page, write_reports
     from ...writing import write_whole
 
-    links = write_reports(rows, file, limits) if reports else None
+    links = write_reports(rows, file, limits, scene) if reports else None
     write_whole(file, grid_page(title, rows, links=links, **more))
 
 

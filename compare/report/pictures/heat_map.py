@@ -70,7 +70,8 @@ def _label(ladder: Ladder, engines: int = 0) -> str:
 
 def _end(ladder: Ladder) -> str:
     """What stands behind a row."""
-    return "" if ladder.first_wrong is None else f"wrong at {ladder.first_wrong}"
+    first = ladder.first_short
+    return "" if not first else f"wrong {first}" if first.startswith("at") else f"wrong at {first}"
 
 
 @dataclass

@@ -7,6 +7,7 @@ import math
 import random
 import re
 import statistics
+from dataclasses import replace
 from pathlib import Path
 
 import horizon_levels
@@ -15,12 +16,12 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos.certified_chaos import Chaos, chaos, mapped
-from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
+from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon, Seen
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.chaos.spectrum import rate, spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
-from truebreak.compare.report.chaos_page import horizon_rows, sentences
+from truebreak.compare.report.chaos_page import horizon_rows, lead, sentences
 from truebreak.compare.report.documents import chaos_json
 from truebreak.compare.report.schema import schema
 from truebreak.compare.tangent.hazard import TOSS, ErrorCurve, ErrorModel, model_of
@@ -299,7 +300,23 @@ def test_the_command_tells_people(capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["chaos", "gas:n=3", "--events", "80", "--engines", "none"]) == 0
     told = capsys.readouterr().out
     assert "per unit time" in told
-    assert "bits (proved" in told
+    assert "bits (proved" not in told
+    assert call(["chaos", "gas:n=3", "--events", "80", "--engines", "none", "-v"]) == 0
+    assert "bits (proved" in capsys.readouterr().out
+
+
+def test_the_lead_says_for_how_many_events_to_trust_an_engine() -> None:
+    """The prediction with its interval, and what came of running it; where that is earlier, this alone."""
+    told = chaos(catalogue.build("gas"), ["pymunk", "double"], events=200)
+    horizon = told.horizons[1]
+    low, middle, high = horizon.low.event, horizon.expected.event, horizon.high.event
+    assert horizon.seen is not None and horizon.seen.place is not None and low is not None
+    first = f"Trust double for about {middle} events ({low} to {high}); it was run, and diverged at event 161."
+    assert sentences(told)[0] == first
+    early = replace(horizon, seen=Seen("diverged", EventTime(low - 1, 1.0)))
+    beaten = replace(told, horizons=(early,))
+    assert lead(beaten).startswith(f"Do not trust double beyond event {low - 1}: it was run, and diverged there")
+    assert "Trust double for" not in " ".join(sentences(beaten))
 
 
 @pytest.mark.parametrize(
@@ -325,8 +342,8 @@ def test_on_a_line_nothing_leaves_it() -> None:
     told = chaos(catalogue.build("galperin:n=2"), ["single", "double"])
     assert [(h.low.event, h.expected.event, h.high.event) for h in told.horizons] == [(None, None, None)] * 2
     assert [h.seen.verdict for h in told.horizons if h.seen is not None] == ["agree", "agree"]
-    assert {row[2] for row in horizon_rows(told)} == {"beyond 313"}
-    assert any(sentence.startswith("The events foreseen hold where") for sentence in sentences(told))
+    assert {row[2] for row in horizon_rows(told)} == {"after 313"}
+    assert any(sentence.startswith("The predictions hold where") for sentence in sentences(told))
 
 
 @pytest.mark.parametrize(("memory", "fixed"), [(0.0, 0.98), (0.5, 0.95), (0.8, 0.90)])

@@ -149,12 +149,13 @@ def test_run_that_cannot_decide_says_so(truebreak: Any) -> None:
 
 
 def test_compare_leads_with_the_verdict(truebreak: Any) -> None:
-    said = truebreak("compare", "near-tie:k=40", "--engines", "double")
+    said = truebreak("compare", "near-tie:k=40", "--engines", "double", "-v")
     lines = said.out.splitlines()
-    assert lines[0] == (
-        "Floating point changed what happened (input rounding): double first differs at event 0 (t = 1): circle middle "
-        "meets left and right at once where it should meet left, then right."
-    )
+    assert lines[0] == "Floating point changed what happened: double diverges at event 0 of 4."
+    assert (
+        "double first differs at event 0 (t = 1): circle middle meets left and right at once where it should meet "
+        "left, then right."
+    ) in lines
     assert "margin: in the exact motion, had the first not happened, the second came 1e-40 later" in said.out
     assert "\x1b" not in said.out
 

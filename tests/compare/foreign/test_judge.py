@@ -60,7 +60,7 @@ def test_csv_says_the_same(gas: Trajectory, tmp_path: Path, capsys: pytest.Captu
     assert LogEngine.of(path, gas.scene).last.events == LogEngine.of(triples(gas), gas.scene).last.events
     code, out, _ = said(capsys, "judge", "gas", str(path), "--events", "180")
     assert code == 1
-    assert "first differs at event 161" in " ".join(out.split())
+    assert "diverges at event 161" in " ".join(out.split())
 
 
 def test_csv_has_states_and_an_end(tmp_path: Path) -> None:
@@ -87,7 +87,7 @@ def _what_is_enough(far: int, path: str, gas: Trajectory, tmp_path: Path, capsys
     code, out, _ = said(capsys, "judge", "gas", path, "--events", str(far))
     assert code == 4
     end, enough = float(gas.events[40].time) - 1e-3, float(gas.events[far - 1].time)
-    assert f"Not settled: the runs at hand do not tell whether {path} leaves the exact run near its end" in " ".join(
+    assert f"Not settled: these runs do not show whether {path} leaves the exact run near its end" in " ".join(
         out.replace("\n", " ").split()
     )
     assert f"is known up to t = {end:.9g} only: record it farther" in " ".join(out.split())

@@ -16,7 +16,7 @@ from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, Wall
 WORK = 100_000
 
 BELOW_DOUBLES = ("raft", "pocket_rafts", "on_rim", "pressed", "entry_ties", "holes", "rim_instant", "neighbours")
-"""Kinds with pockets and contacts that differ by less than doubles tell, where a log of doubles does say otherwise."""
+"""Kinds with pockets and contacts that differ by less than double resolution, where a log of doubles says otherwise."""
 
 PLAYED = tuple(kind for kind in PLAIN if kind not in (*BELOW_DOUBLES, "wedged"))
 """The others, but for one in which a circle may strike two walls without end before the double of a time is over."""

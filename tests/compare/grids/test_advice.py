@@ -20,8 +20,8 @@ from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal
 from truebreak.compare.grids.scene_family import nudged
 from truebreak.compare.grids.setting_ladder import RunSize, ladder
 from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, SearchEnd, advise
-from truebreak.compare.report.advice_text import advice_json, sentences
 from truebreak.compare.report.schema import schema
+from truebreak.compare.report.search_text import advice_json, advice_sentences
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
@@ -152,7 +152,7 @@ def test_a_long_run_is_given_room_in_its_own_text() -> None:
 def test_luck_is_told() -> None:
     told = advise(catalogue.build("near-tie:k=3"), OutcomeGoal("who_hit_whom"))
     assert told.lucky
-    assert any(sentence.startswith("Not monotone") for sentence in sentences(told))
+    assert any(sentence.startswith("Not monotone") for sentence in advice_sentences(told))
     for tried in told.lucky:
         assert is_right(told.scene, told.goal, tried.setting.text)
         assert not is_right(scene_of(told, tried.wrong[0]), told.goal, tried.setting.text)
@@ -229,14 +229,14 @@ def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeyp
     assert told.left_out == (2,)
     assert [one.seed for one in told.instances] == [None, 1, 3]
     assert told.end is SearchEnd.FOUND
-    assert sentences(told)[-1] == "Left out, as their certified run is not decided: perturbed 2."
+    assert advice_sentences(told)[-1] == "Left out, as their certified run is not decided: perturbed 2."
 
 
 def test_without_scenes_beside_it_the_scene_alone_decides() -> None:
     told = advise(catalogue.build("gas:n=4"), HistoryGoal(3), perturbed=0)
     assert told.end is SearchEnd.FOUND
-    assert "on gas:n=4 alone" in sentences(told)[0]
-    assert sentences(told)[1] == "One scene says nothing of others like it."
+    assert "on gas:n=4 alone" in advice_sentences(told)[0]
+    assert advice_sentences(told)[1] == "One scene says nothing of others like it."
 
 
 def test_digits_are_bounded_from_above_by_the_worst_that_an_enclosure_holds() -> None:
@@ -361,7 +361,7 @@ def test_where_all_is_predicted_to_be_wrong_only_the_cheap_settings_are_run(
     assert stop.value.code == 4
     told = " ".join(capsys.readouterr().out.split())
     assert "No setting of pymunk is predicted to get the first 60 events right" in told
-    assert "double is right there, on 3 of 3." in told
+    assert "Take double instead: it is right on all 3 scenes." in told
     assert is_right(scene, HistoryGoal(60), "double")
     data = advice_json(advise(scene, HistoryGoal(60), perturbed=2))
     jsonschema.Draft202012Validator(schema("advice-2")).validate(data)

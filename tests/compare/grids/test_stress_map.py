@@ -21,9 +21,9 @@ from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 from truebreak.compare.grids.stress_map import COLUMNS, Ladder, MapMark, StressJob, StressMap, ladders
 from truebreak.compare.grids.stress_map import stress_plan as plan
+from truebreak.compare.report.grid_tables import exact_sentence
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.report.schema import schema
-from truebreak.compare.report.stress_text import exact_sentence
 from truebreak.scenarios import Scene, SceneError
 
 FULL = plan()

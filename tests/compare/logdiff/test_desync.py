@@ -412,3 +412,14 @@ def test_a_field_that_differs_by_far_more_than_the_states_is_not_of_their_roundi
     assert compared(told, other).verdict.name is Finding.GREW
     found = compared(told, [{**line, "rng": drawn} if line["step"] > 19 else line for line in other])
     assert found.verdict.name is Finding.OPEN and "rng differs by more than that, first at step 20" in found.line
+
+
+@pytest.mark.parametrize("times", [(1.0, 2.1), (1.0, 2.1, 3.0), (1.1, 2.0), (1.1, 2.0, 3.0)])
+def test_one_time_that_differs_is_no_other_start_of_a_clock(times: tuple[float, ...], compared: Any) -> None:
+    """The clock of a log may have been started at another time; where another contact has the same time, it was not."""
+    pairs = (("a", "b"), ("a", "c"), ("a", "d"))
+    one = [{"time": k + 1.0, "contact": [*pair]} for k, pair in zip(range(len(times)), pairs, strict=False)]
+    other = [{**line, "time": time} for line, time in zip(one, times, strict=True)]
+    assert compared(one, other).verdict.name is not Finding.IDENTICAL
+    later = [{**line, "time": line["time"] + 0.5} for line in one]
+    assert compared(one, later).verdict.name is Finding.IDENTICAL

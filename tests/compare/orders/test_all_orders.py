@@ -146,7 +146,7 @@ def test_the_outcomes_are_those_of_every_sequence_for_masses_drawn_from_a_seed(s
     naive, sequences = every_sequence(scene, events=1)
     tree = all_orders(ENGINE, scene, events=1)
     assert set(found(tree)) == naive
-    assert len(tree.outcomes) + tree.merged + tree.swapped <= sequences
+    assert len(tree.outcomes) + tree.merged + tree.reordered <= sequences
 
 
 def test_sequences_that_only_swap_independent_contacts_are_followed_once() -> None:

@@ -214,7 +214,7 @@ def test_every_report_says_up_to_where(tmp_path: Path, capsys: pytest.CaptureFix
     path.write_text("".join(json.dumps({"time": t, "contact": [a, b]}) + "\n" for t, a, b in HITS[:120]), "utf-8")
     code, out, _ = said(capsys, "judge", "gas:n=4", str(path), "--events", "200")
     assert code == 1
-    assert f"{told}: 120 collisions instead of 111" in " ".join(out.split())
+    assert f"U{told[1:]}: 120 collisions instead of 111" in " ".join(out.split())
     with pytest.raises(CheckFailed, match=f"known: +{told}; what lies beyond is not settled"):
         check(logged(HITS[:120]), GAS, events=200)
 

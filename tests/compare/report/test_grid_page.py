@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from truebreak.compare.report.grid_page import grid_page
 
 HERE = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
+AXE = Path(__file__).parent / "node_modules" / "axe-core" / "axe.min.js"
 EVIL = "</script><img src=x onerror=alert(1)>"
 
 
@@ -48,6 +51,13 @@ def test_scenes_are_filtered_and_sorted(browser: Browser, page: Path) -> None:
     browser.ask("(state.value = 'diverged', state.dispatchEvent(new Event('input')), 0)")
     assert shown(browser) == [f"gas:n=3,seed={k}" for k in (2, *range(20, 30)) if k % 3]
     assert browser.ask("count.textContent") == "8 of 30 scenes"
+    browser.ask("(engine.value = 'pymunk:dt=1/64', engine.dispatchEvent(new Event('input')), 0)")
+    assert shown(browser) == [], "it diverges nowhere"
+    browser.ask("(state.value = '', state.dispatchEvent(new Event('input')), 0)")
+    assert len(shown(browser)) == 11
+    assert browser.ask("document.querySelectorAll('#grid tbody tr:first-child td').length") == 1
+    browser.ask("(engine.value = '', engine.dispatchEvent(new Event('input')), 0)")
+    browser.ask("(state.value = 'diverged', state.dispatchEvent(new Event('input')), 0)")
     for expected in (1, -1):
         browser.click("#grid thead button[data-engine=single]")
         assert shown(browser) == [f"gas:n=3,seed={k}" for k in (2, *range(20, 30)) if k % 3][::expected]
@@ -59,9 +69,10 @@ def test_a_row_is_one_click_away(browser: Browser, page: Path) -> None:
     told = rows(4)
     page.write_text(grid_page("Gases", told, links={told[2].pair: "page-reports/1-single.html"}), "utf-8")
     browser.open(page)
+    assert browser.ask("document.querySelector('tbody td a').getAttribute('href')") == "page-reports/1-single.html"
     browser.click("tbody tr:nth-child(2) td button")
     text = browser.ask("document.querySelector('dialog[open]').innerText")
-    assert "event\n1" in text and "expected\ntop" in text
+    assert "differs at event\n1" in text and "should meet\ntop" in text
     assert browser.ask("document.querySelector('dialog a').getAttribute('href')") == "page-reports/1-single.html"
     browser.click("dialog form button")
     browser.click("tbody tr:nth-child(3) td button")
@@ -97,6 +108,35 @@ def test_a_thousand_rows_are_drawn_within_a_few_of_ten(browser: Browser, page: P
 
 
 @HERE
+@pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/compare/report")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+def test_axe_finds_nothing_and_no_text_is_small(browser: Browser, page: Path, scheme: str, width: int) -> None:
+    told = rows(12)
+    page.write_text(grid_page("Gases", told, links={told[2].pair: "r.html"}, changes={told[0].pair: "is new"}), "utf-8")
+    browser.media(prefers_color_scheme=scheme)
+    browser.size(width)
+    browser.open(page)
+    browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+    browser.ask(AXE.read_text(encoding="utf-8") + "; 0")
+    told_by_axe = browser.ask("axe.run().then((found) => JSON.stringify(found.violations.map((rule) => rule.id)))")
+    assert json.loads(told_by_axe) == []
+    sizes = "[...document.querySelectorAll('body *')].map((e) => parseFloat(getComputedStyle(e).fontSize))"
+    assert min(browser.ask(sizes)) >= 9
+
+
+@HERE
+def test_each_heading_is_explained_in_two_sentences(browser: Browser, page: Path) -> None:
+    page.write_text(grid_page("Gases", rows(3)), "utf-8")
+    browser.open(page)
+    told = browser.ask(
+        "[...document.querySelectorAll('h2')].map((h) => h.parentElement.querySelector('.help p')?.textContent)"
+    )
+    assert len(told) == 2
+    assert all(len(re.findall(r"[.](?: |$)", text or "")) == 2 for text in told)
+
+
+@HERE
 def test_what_a_scene_is_called_runs_nowhere(browser: Browser, page: Path) -> None:
     page.write_text(grid_page(EVIL, [Row(0, EVIL, EVIL, "diverged", note=EVIL)], changes={(EVIL, EVIL): EVIL}), "utf-8")
     browser.open(page)
@@ -124,6 +164,12 @@ def test_the_page_needs_nothing_else_and_says_its_figures() -> None:
     assert "<td>10: 33.3% (17.3% to 52.8%)</td>" in text, "Clopper and Pearson, for 10 of 30"
     assert "<td>30: 100.0% (88.4% to 100.0%)</td>" in text
     assert "<td>not reached</td>" in text
+
+
+@pytest.mark.parametrize("laws", [None, {"kept": None, "told": "not determined"}])
+def test_an_engine_of_which_no_law_is_known_has_its_row(laws: dict[str, object] | None) -> None:
+    text = grid_page("One", [Row(0, "lee", "box2d", "diverged", event=0, agreed=0, events=1, laws=laws)])
+    assert "1 scene, 1 engine: 0 of 1 row agree, 1 diverged." in text
 
 
 def test_a_suite_writes_its_page_and_the_reports_beside_it(

@@ -1,16 +1,16 @@
-"""Plain tables are those of rich, character by character; nothing in a cell is read as anything but text."""
+"""Tables and lines are as wide as the output, nothing in them is cut, and a cell is nothing but text."""
 
 from __future__ import annotations
 
 import io
+import re
 import sys
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console
 
-from truebreak.compare.report.output import PLAIN_WIDTH, TextTable, Tinted, console, grid, say
+from truebreak.compare.report.output import TextTable, Tinted, console, grid, say, wrapped
 
 TEXT = st.text("ab 1-:[]/\\.", max_size=9).map(str.strip)
 
@@ -28,33 +28,56 @@ def tables(draw: st.DrawFn) -> TextTable:
     return table
 
 
-def by_rich(table: TextTable, width: int = PLAIN_WIDTH) -> str:
-    out = io.StringIO()
-    Console(file=out, width=width, highlight=False, force_terminal=False).print(table.rich())
-    return out.getvalue()
+@given(tables(), st.integers(20, 90))
+def test_nothing_in_a_table_is_cut_and_no_line_is_longer_than_the_width(table: TextTable, width: int) -> None:
+    lines = table.lines(width)
+    cells = [*table.headings, *(cell.text for cells, _ in table.rows for cell in cells)]
+    assert max(map(len, lines)) <= max(width, table.least() if width >= table.least() else 0)
+    if width >= table.least():
+        assert sum(len("".join(cell.split())) for cell in [*cells, table.title or ""]) == sum(
+            len("".join(line.replace("\u2500", "").split())) for line in lines
+        )
 
 
 @given(tables())
-def test_a_plain_table_is_what_rich_makes_of_it(table: TextTable) -> None:
-    lines = table.lines(PLAIN_WIDTH)
-    if lines is not None:
-        assert "".join(f"{line}\n" for line in lines) == by_rich(table)
-    else:
-        assert len(table.title or "") > max(map(len, by_rich(table).splitlines())) - 2
+def test_where_there_is_room_each_line_of_a_cell_is_one_line(table: TextTable) -> None:
+    """Columns begin where their heading does, three apart."""
+    lines = table.lines(500)
+    height = max(heading.count("\n") for heading in table.headings) + 1
+    assert len(lines) == len(table.rows) + height + 3 + bool(table.title)
+    place = 1
+    for heading, cells in zip(table.headings, zip(*(cells for cells, _ in table.rows), strict=True), strict=False):
+        wide = max(len(line) for text in (heading, *(cell.text for cell in cells)) for line in text.split("\n"))
+        shown = [line[place : place + wide].strip() for line in lines[-1 - len(table.rows) : -1]]
+        assert shown == [cell.text for cell in cells]
+        place += wide + 3
 
 
-def test_what_does_not_fit_is_left_to_rich(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+SETTINGS = "pymunk:dt=1/1024,iterations=10,max_steps=300000"
+
+
+@pytest.mark.parametrize("width", [90, 60, 40])
+def test_settings_are_never_parted_inside_a_word(width: int) -> None:
+    """In a table, in a list of few columns, and in a line."""
+    table = grid("setting", "right on", "first failure")
+    table.add_row(SETTINGS, "9 of 9", f"{SETTINGS} differs at event 51")
+    for lines in (table.lines(width), wrapped(f"No setting, such as {SETTINGS}, is right.", width)):
+        assert max(map(len, lines)) <= width
+        words = {word for line in lines for word in re.split(r"[\s:=,/]+", line)}
+        assert words >= {"pymunk", "dt", "1024", "iterations", "10", "max_steps", "300000"}
+
+
+def test_further_lines_keep_the_indent(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
-    table = grid("one", "two")
-    table.add_row("a" * 30, "b " * 20)
-    assert table.lines(40) is None
-    assert table.lines(79) is not None
-    console().print(table)
-    told = capsys.readouterr().out
-    assert told == by_rich(table, 40)
-    assert (told.count("a"), told.count("b")) == (30, 20)
-    say(console(), "word " * 20 + "end")
-    assert [len(line) <= 40 for line in capsys.readouterr().out.splitlines()] == [True] * 3
+    say(console(), "  " + "word " * 20 + "end")
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) > 2
+    assert all(len(line) <= 40 and re.match(r"  \S", line) for line in lines)
+    say(console(), "word " * 20 + "end", label="where  ")
+    first, *others = capsys.readouterr().out.splitlines()
+    assert first.startswith("where  word")
+    assert others
+    assert all(len(line) <= 40 and re.match(r" {7}\S", line) for line in others)
 
 
 def test_with_too_few_columns_each_row_is_a_list(

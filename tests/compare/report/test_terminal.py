@@ -18,9 +18,9 @@ from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import loads_json, loads_toml
 
 
-def printed(kind: str, capsys: pytest.CaptureFixture[str]) -> str:
+def printed(kind: str, capsys: pytest.CaptureFixture[str], *, verbose: bool = False) -> str:
     """What the terminal says of a comparison."""
-    print_comparison(comparison(kind))
+    print_comparison(comparison(kind), verbose=verbose)
     return capsys.readouterr().out
 
 
@@ -34,13 +34,14 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return told.err
 
 
+@pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("width", [80, 40])
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "rack", "reversal", "hostile", "many-engines"])
 def test_nothing_is_cut_at_80_columns_nor_at_40(
-    kind: str, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    kind: str, width: int, verbose: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    told = printed(kind, capsys)
+    told = printed(kind, capsys, verbose=verbose)
     assert max(map(len, told.splitlines())) <= width
     assert "…" not in told
     joined = "".join(told.split())
@@ -67,12 +68,36 @@ def test_piped_output_is_as_wide_as_columns_says_and_plain(
     assert "\x1b" not in told + wide
 
 
+def test_the_report_is_twelve_lines_and_the_rest_comes_when_asked_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Verdict, scene, a table of an engine a line, and four answers."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    lines = printed("gas", capsys).splitlines()
+    assert len(lines) == 5 + len(comparison("gas").candidates) + 4 == 12
+    assert [line[:10].strip() for line in lines[-4:]] == ["where", "why", "so what", "what now"]
+    assert "pymunk diverges at event 22" in lines[0]
+    whole = printed("gas", capsys, verbose=True)
+    assert "kind of error" in whole
+    assert "kind of error" not in "\n".join(lines)
+
+
+def test_who_agrees_gets_the_verdict_and_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
+    print_comparison(compare(catalogue.build("cradle"), ["double"], events=6, causes=False))
+    told = capsys.readouterr().out
+    assert "did not change what happened" in told
+    assert "what now" in told
+    assert not any(word in told for word in ("where  ", "so what"))
+
+
 def test_changed_outcomes_stand_below_the_table(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
     candidate = comparison("gas")["pymunk"]
-    (line,) = [line for line in printed("gas", capsys).splitlines() if line.startswith("pymunk changed: ")]
+    (line,) = [
+        line for line in printed("gas", capsys, verbose=True).splitlines() if line.startswith("pymunk changed: ")
+    ]
     assert all(name.replace("_", " ") in line for name in candidate.changed)
 
 
@@ -157,7 +182,7 @@ def test_a_page_of_outcomes_says_nothing_in_the_words_of_python() -> None:
     [("21/2", "(reached the time limit 21/2)"), ("6127674000886021/140737488355328", "(reached the time limit)")],
 )
 def test_a_time_limit_is_told_where_it_can_be_read(until: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    print_comparison(compare(catalogue.build("gas"), ["double"], until=until, causes=False))
+    print_comparison(compare(catalogue.build("gas"), ["double"], until=until, causes=False), verbose=True)
     assert told in capsys.readouterr().out
 
 
@@ -166,5 +191,5 @@ def test_a_contact_that_a_run_lacks_is_said_to_be_lacking_as_far_as_it_goes(caps
     scene = Scene(
         [Circle(0, "2-10**-30", 1, vx=1, id="b"), Circle(4, 2, 1, id="d")], [Wall(0, 3, 1, 3, id="w")], until=5
     )
-    print_comparison(compare(scene, ["double"], causes=False))
+    print_comparison(compare(scene, ["double"], causes=False), verbose=True)
     assert "circle d does not meet wall w by t = 10." in capsys.readouterr().out.replace("\n", " ")

@@ -13,7 +13,7 @@ from flint import arb
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.report.schema import schema
-from truebreak.compare.report.shadow_text import at_most
+from truebreak.compare.report.search_text import at_most
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
 from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, recorded, refined, segments, shortest
 from truebreak.compare.shadowing.shadows import longest, shadow
@@ -249,7 +249,7 @@ def test_the_command_proves_and_writes_the_start(capsys: pytest.CaptureFixture[s
     near = tmp_path / "near.toml"
     assert call(["shadow", "gas:n=3", "--events", "120", "--write", str(near)]) == 0
     out = capsys.readouterr().out
-    assert "Proved: a start within" in out and "leaves the certified history" in out
+    assert "Proved: a start within" in out and "diverges from the certified history" in out
     assert call(["run", str(near), "--events", "120", "--json"]) == 0
     history = [e["impulses"] for e in json.loads(capsys.readouterr().out)["events"]]
     assert call(["run", "gas:n=3", "--engine", "double", "--events", "120", "--json"]) == 0

@@ -80,7 +80,7 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
             "E *CheckFailed: double first differs at event 0 (t = 1): circle middle meets left and right at once *",
             "E * expected: middle meets left then right at t = 1",
             "E * got: *middle meets left + right at t = 1.0",
-            "E * decision: margin 1e-40 beside an error of less than doubles tell; *",
+            "E * decision: margin 1e-40 beside an error of less than double resolution; *",
             "E * digits: *15 expected of 53 bits, 15 left of places by then",
             "E * cause: *input rounding: *",
             "E * required: 2 events; 0 agree",

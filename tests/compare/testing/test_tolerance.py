@@ -227,7 +227,7 @@ def test_permitted_histories() -> None:
     assert "audited" in told
     told = str(check("pymunk:dt=1/64", "rack:rows=3", permitted=True))
     assert "up to event" in told
-    assert "honest errors may have grown to" in told
+    assert "errors allowed by the rounding model may have grown to" in told
 
 
 def test_a_history_of_mixed_ties_is_permitted() -> None:

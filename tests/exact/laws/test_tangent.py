@@ -224,7 +224,7 @@ def test_the_growth_of_errors_in_the_gas() -> None:
     run = ExactEngine().run(catalogue.build("gas"), events=161)
     rate = error_growth(run, 161)
     assert rate is not None
-    assert 161 * rate == pytest.approx(53, abs=2)  # doubles leave the history at event 161
+    assert 161 * rate == pytest.approx(53, abs=2)  # doubles diverge at event 161
     assert error_growth(run, 40) is not None
 
 

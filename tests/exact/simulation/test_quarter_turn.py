@@ -102,4 +102,4 @@ def test_a_cradle_against_a_wall_costs_the_same_along_both_axes(k: int) -> None:
     assert one.plan["bits"] == other.plan["bits"]
     if k == 8:  # 31,415 impulses
         assert one.stop.reason.name == "BUDGET"
-        assert "10000 rounds of impulses at one instant" in one.stop.message
+        assert "10000 passes of impulses at one instant" in one.stop.message

@@ -161,7 +161,7 @@ def test_signs_that_contradict_each_other_end_with_a_word(told: int) -> None:
     def ask(question: Question) -> int:
         return -1 if type(question).__name__ in ("Slack", "Strength") else told
 
-    with pytest.raises(BudgetSpent, match=r"rounds without end.* which of 3 contacts"):
+    with pytest.raises(BudgetSpent, match=r"passes without end.* which of 3 contacts"):
         pushing_contacts([Pair(0, 1), Pair(1, 2), Pair(2, 3)], ask)
 
 

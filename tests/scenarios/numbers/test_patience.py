@@ -14,7 +14,7 @@ def test_a_number_that_takes_too_much_work_is_refused_and_with_enough_it_is_not(
 ) -> None:
     text = "sqrt(5 + 2*sqrt(6)) - sqrt(2) - sqrt(3)"
     monkeypatch.setattr(quantity, "PATIENCE", 1_000)
-    with pytest.raises(SceneError, match=r"too close to zero to be told from it within 1,000 units of work$"):
+    with pytest.raises(SceneError, match=r"too close to zero to be distinguished from it within 1,000 units of work$"):
         Quantity.of(text).sign()
     monkeypatch.setattr(quantity, "PATIENCE", 10_000)
     assert Quantity.of(text).sign() == 0

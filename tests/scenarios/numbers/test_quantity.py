@@ -175,7 +175,7 @@ def test_a_number_that_cannot_be_told_from_zero_is_refused() -> None:
     primes = list(sympy.primerange(80))
     product = "*".join(f"(1+sqrt({p}))" for p in primes)
     backwards = "*".join(f"(1+sqrt({p}))" for p in reversed(primes))
-    with pytest.raises(SceneError, match="too close to zero to be told from it"):
+    with pytest.raises(SceneError, match="too close to zero to be distinguished from it"):
         (Quantity.of(product) - Quantity.of(backwards)).sign()
 
 
