@@ -31,7 +31,7 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Entry, Flight, Pair
+from ...exact.replay.contact import AtWall, Entry, Flight, Pair, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
@@ -572,7 +572,7 @@ def bounce(state: ReplayState[arb], link: Pair | AtWall, rows: Mapping[int, Row]
         rows: the flights of those that can move.
         here: where they are now, along their line of centres, however long it is.
     """
-    if isinstance(link, AtWall):
+    if is_flat(link):
         t, x, y, vx, vy = rows[link.circle]
         line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
         wait = t - t
