@@ -394,8 +394,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
         earlier, free = None, ""
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            if flips and not _changes_freely(lab):
-                flips, free = None, "; run freely, it does not"
+            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
+                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if free:
@@ -442,14 +442,9 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     return found
 
 
-def _changes_freely(lab: Laboratory) -> bool:
-    """Whether the exact run of the scene as the engine is given it does not pass the decision either.
-
-    The two in question may touch too late to matter; and off an instant, several contacts are not what they are on it.
-    """
-    if any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event]):
-        return _given_does(lab)
-    return lab.given is None or lab.given_alignment.divergence is not None or lab.given_alignment.unsettled
+def _several_before(lab: Laboratory) -> bool:
+    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
+    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
 
 
 def _audited(lab: Laboratory) -> bool:
@@ -516,7 +511,7 @@ def _left_before(lab: Laboratory) -> int | None:
     """The event at which the exact run of the scene as the engine is given it lacks what leads to the decision."""
     if lab.given is None or lab.given.digest == lab.study.scene.digest or not lab.pairings:
         return None
-    found = lab.given_alignment
+    found = align(lab.reference, lab.given_run, span=lab.span, instants=False)
     reader = RunReader(lab.given_run, found.walks)
     if found.divergence is None or all(reader.follows(pairing) for pairing in lab.pairings):
         return None

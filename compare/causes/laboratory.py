@@ -12,7 +12,7 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ..alignment.align import Span, align
+from ..alignment.align import Span
 from ..alignment.instants import DOUBLE_BITS, Kind
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory
-    from ..alignment.align import Alignment
     from ..candidate import Candidate
     from ..study import Study
     from .budget import Account
@@ -138,11 +137,6 @@ class Laboratory:
         """The reference's engine on the scene as the candidate is given it."""
         assert self.given is not None
         return self.run(self.study.truth, self.given, self.until(None))
-
-    @cached_property
-    def given_alignment(self) -> Alignment:
-        """How that run has the reference's contacts, up to the divergence."""
-        return align(self.reference, self.given_run, span=self.span)
 
     @property
     def tied(self) -> bool:
