@@ -79,7 +79,7 @@ sdist:
 
 # Writes docs/report.png, the README's picture, from a report made now; needs chromium.
 picture: .venv/ready
-	$(BIN)/truebreak compare gas --html report.html --exit-zero
+	SOURCE_DATE_EPOCH=0 $(BIN)/truebreak compare gas --html report.html --exit-zero
 	$(BIN)/python tests/compare/report/browser.py report.html docs/report.png 1000 980
 
 # Runs all stress families, and writes the map into docs/stress.md and docs/stress.svg; a test checks some of its places.

@@ -15,6 +15,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS, not_measured, return_miss, separation
 from .alignment.instants import follows_the_law
+from .alternatives import Alternative, alternatives_of
 from .audit.audit import audit_run
 from .audit.transcript import Transcript
 from .candidate import Candidate
@@ -66,6 +67,7 @@ class Comparison:
         cut: what was left out as the user's seconds were over.
         certain: whether the reference counts in numbers that prove their decisions: exact ones, or enclosures.
         certificate: of the reference's run, checked, where it was asked for.
+        alternatives: engines and settings that were run in place of those that diverged.
     """
 
     scene: Scene
@@ -80,6 +82,7 @@ class Comparison:
     cut: tuple[str, ...] = ()
     certain: bool = True
     certificate: Certified | None = field(default=None, repr=False)
+    alternatives: tuple[Alternative, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -135,6 +138,7 @@ def compare(
     bits: bool = False,
     sampled: bool = True,
     audited: bool = True,
+    alternatives: bool = True,
     max_seconds: float | None = None,
     progress: OnProgress | None = None,
 ) -> Comparison:
@@ -152,6 +156,8 @@ def compare(
         bits: whether to find out how many bits lead an engine to the end that cannot decide with those that it has.
         sampled: whether to measure how far apart the runs are over the time.
         audited: whether the steps of an engine's run are audited where its history agrees.
+        alternatives: whether to run wider numbers, or a finer step, in place of an engine that diverged; only with
+            `causes`.
         max_seconds: ends the whole comparison after about so many seconds; half of them at most are the
             reference's. What each run has by then is compared.
         progress: called now and then with how far a run is.
@@ -179,6 +185,7 @@ def compare(
     found = outcomes_of(told, outcomes)
     cut: list[str] = []
     results = []
+    instead: list[Alternative] = []
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
         result = candidate_of(
@@ -195,6 +202,8 @@ def compare(
                 cut.append(f"why {label}")
         elif causes and result.verdict != "agree":
             cut.append(f"why {label}")
+        if causes and alternatives and not watch.over:
+            instead += alternatives_of(study, result, engine, _noted(progress, f"in place of {label}"))
         results.append(result)
     permitted = None
     if causes and told.stop.reason not in UNKNOWING:
@@ -226,6 +235,7 @@ def compare(
         study.processor,
         tuple(cut),
         not truth.rounds_input,
+        alternatives=tuple(instead),
     )
 
 

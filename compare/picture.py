@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..scenarios.pictures import HEIGHT, WIDTH, DrawnDisc, View, draw, scene_picture, view_of
+from ..scenarios.pictures import DrawnDisc, View, draw, scene_picture, view_of
+from ..scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
+    from .alignment.instants import Divergence
     from .candidate import Candidate
 
 REFERENCE_HUE, APART = 211.0, 24.0
@@ -113,19 +116,196 @@ def plain_css(names: Sequence[str]) -> str:
 # ----------------------------------------
 # Pictures of two runs at the moment at which they part, as SVG.
 
+FRAME_WIDTH, FRAME_HEIGHT = 320.0, 240.0
+"""Pixels of one frame."""
 
-def divergence_picture(reference: Trajectory, candidate: Candidate, number: int = 0) -> str:
-    """Both runs at the time of the first divergence: the reference solid, the candidate in the style of its place.
+RADII = 4.0
+"""Radii that the circles in question fly, at most, between the frame before and the moment itself."""
 
-    Where the circles in question are small, a close-up of them follows.
+EVENTS_AFTER = 3
+"""Events of the engine that lie between the moment and the last frame, where the other meeting is not later."""
+
+ONE_INSTANT = 1e-9
+"""Share of the time by which two meetings may lie apart and still be shown as one instant."""
+
+LENS, LENS_GAP, SMALL_GAP = 44.0, 14.0, 9.0
+"""Pixels: radius of the lens, of the gap in it, and below which a gap is shown through it."""
+
+
+class MomentFrame(NamedTuple):
+    """One picture of a moment, and what it says."""
+
+    caption: str
+    picture: str
+
+
+def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) -> list[MomentFrame]:
+    """Both runs before the first divergence, at it, and some events after: the reference solid, the engine dashed.
+
+    All frames show the same part of the plane. Where the gap that decides is too small to be seen, a lens enlarges it.
     """
-    discs, marked, title = _parting(reference, candidate, number)
-    whole = view_of(discs, reference.scene)
-    close = view_near([d for d in discs if "marked" in d.classes], whole)
-    if close is not None:
-        near = draw(reference.scene, discs, f"{title}, close up", marked=marked, view=close)
-        return draw(reference.scene, discs, title, marked=marked) + near
-    return draw(reference.scene, discs, title, marked=marked)
+    parted, run = candidate.alignment.divergence, candidate.trajectory
+    assert parted is not None
+    names = names_of((parted.body, parted.expected, parted.got))
+    at, known = instant_of(parted), [t for t in (parted.expected_time, parted.got_time) if t is not None]
+    times = [_before(reference, run, names, at), at, _after(reference, run, at, max(known, default=at))]
+    shown = [_discs_at(reference, run, time, names, number) for time in times]
+    view = _frame_view([[d for d in discs if d.id in names] for discs in shown], [d for row in shown for d in row],
+                       reference)  # fmt: skip
+    digits = next((d for d in range(6, 17) if len({f"{t:.{d}g}" for t in times}) == len({*times})), 17)
+    lens = _lens(candidate, shown[1], view, number)
+    told = ("Before", f"Event {parted.event:,}", "After")
+    return [
+        MomentFrame(
+            f"{word}: t = {time:.{digits}g}",
+            draw(
+                reference.scene,
+                discs,
+                f"{word}, time {time:.{digits}g}: {reference.engine} solid, {candidate.engine} dashed",
+                marked=names,
+                view=view,
+                over=lens if k == 1 else "",
+            ),
+        )
+        for k, (word, time, discs) in enumerate(zip(told, times, shown, strict=True))
+    ]
+
+
+def instant_of(parted: Divergence) -> float:
+    """The time to show a divergence at: the earlier meeting; where the two are one instant but for rounding, the later.
+
+    So the contact that is first of the two is in the picture.
+    """
+    ends = [t for t in (parted.expected_time, parted.got_time) if t is not None]
+    later = max(ends, default=parted.time)
+    return later if later - parted.time <= ONE_INSTANT * later else parted.time
+
+
+def _before(reference: Trajectory, run: Trajectory, names: Sequence[str], at: float) -> float:
+    """A time before the moment: soon after the last meeting of those in question, or `RADII` of flight earlier."""
+    circles = [c for c in reference.scene.circles if str(c.id) in names]
+    last = max(
+        (
+            float(event.time)
+            for each in (reference, run)
+            for event in each.events
+            if float(event.time) < at * (1 - ONE_INSTANT)
+            and any(str(n) in names for pair in event.impulses for n in pair)
+        ),
+        default=0.0,
+    )
+    row = reference.sample([min(at, float(reference.final_time)) * (1 - 2**-40)])[0]
+    places = {str(c.id): k for k, c in enumerate(reference.scene.circles)}
+    speed = max((math.hypot(*row[places[str(c.id)]][2:]) for c in circles), default=0.0)
+    radius = max((float(c.r) for c in circles), default=0.0)
+    flown = RADII * radius / speed if speed > 0 and radius > 0 else math.inf
+    return max(last + (at - last) / 8, at - flown)
+
+
+def _after(reference: Trajectory, run: Trajectory, at: float, other: float) -> float:
+    """A time after it: of the other meeting, or a few events later."""
+    if other > at * (1 + ONE_INSTANT):
+        return other
+    later = [t for event in run.events if (t := float(event.time)) > at * (1 + ONE_INSTANT)][:EVENTS_AFTER]
+    if later:
+        return later[-1]
+    ends = [float(each.final_time) for each in (reference, run) if each.stop.reason is not StopReason.QUIET]
+    return min([at * 1.25, *ends])
+
+
+def states_at(run: Trajectory, time: float) -> list[list[float]]:
+    """x, y, vx, vy of each circle; of a run in which nothing is left to happen also after its last event."""
+    final = float(run.final_time)
+    if time < final:
+        return run.sample([time])[0].tolist()
+    flown = time - final if run.stop.reason is StopReason.QUIET else 0.0
+    return [[x + vx * flown, y + vy * flown, vx, vy] for x, y, vx, vy in run.final.array().tolist()]
+
+
+def _discs_at(
+    reference: Trajectory, run: Trajectory, time: float, names: Sequence[str], number: int
+) -> list[DrawnDisc]:
+    """The circles of both runs just before a time, those in question marked."""
+    discs: list[DrawnDisc] = []
+    for trajectory, kind in ((reference, "circle"), (run, f"other e{number}")):
+        for circle, row in zip(trajectory.scene.circles, states_at(trajectory, time * (1 - 2**-40)), strict=True):
+            if circle.fixed and kind != "circle":
+                continue
+            classes = f"{'fixed' if circle.fixed else kind}{' marked' if str(circle.id) in names else ''}"
+            x, y, vx, vy = row
+            discs.append(DrawnDisc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
+    return discs
+
+
+NEAR = 3.0
+"""Room around the circles in question, in radii of the largest."""
+
+
+def _frame_view(near: Sequence[Sequence[DrawnDisc]], every: Sequence[DrawnDisc], reference: Trajectory) -> View:
+    """One view for all frames: the circles in question with room around them, or all where that is as much."""
+    whole = view_of(every, reference.scene)
+    discs = [disc for row in near for disc in row]
+    left, bottom, width, height = whole.left, whole.bottom, whole.width, whole.height
+    if discs:
+        room = max(NEAR * max(d.r for d in discs), 1e-3 * whole.width)
+        left, right = min(d.x for d in discs) - room, max(d.x for d in discs) + room
+        bottom, top = min(d.y for d in discs) - room, max(d.y for d in discs) + room
+        width, height = right - left, top - bottom
+        if max(width / whole.width, height / whole.height) > 1:
+            left, bottom, width, height = whole.left, whole.bottom, whole.width, whole.height
+    size = max(width / FRAME_WIDTH, height / FRAME_HEIGHT)
+    across, up = size * FRAME_WIDTH, size * FRAME_HEIGHT
+    return View(left + (width - across) / 2, bottom + (height - up) / 2, across, up, FRAME_WIDTH, FRAME_HEIGHT)
+
+
+def gap_values(candidate: Candidate) -> tuple[float, float | None] | None:
+    """The gap that decides in the exact motion, and as the engine has it; None where the decision is no hit or miss.
+
+    Above zero is a miss, below a hit.
+    """
+    margin, found = candidate.margin, candidate.diagnosis
+    if margin is None or margin.gap is not None or margin.distance is None:
+        return None
+    exact = margin.distance[0] + (margin.distance[1] - margin.distance[0]) / 2
+    shift = None if found is None or not found.closed else found.displacement
+    return exact, None if shift is None else exact + shift
+
+
+def _lens(candidate: Candidate, discs: Sequence[DrawnDisc], view: View, number: int) -> str:
+    """The gap that decides, enlarged in a corner of the picture; empty where it can be seen, or is exactly zero.
+
+    A line for the surface of the circle, one for the reference's partner, and a dashed one for the engine's.
+    """
+    values, parted = gap_values(candidate), candidate.alignment.divergence
+    if values is None or parted is None or not values[0] or abs(values[0]) * view.scale >= SMALL_GAP:
+        return ""
+    exact, own = values
+    partner = parted.got if exact > 0 else parted.expected
+    solid = {d.id: d for d in discs if d.label}
+    body, other = solid.get(parted.body), solid.get(partner or "")
+    nx, ny = (1.0, 0.0) if body is None or other is None else (other.x - body.x, body.y - other.y)
+    size = math.hypot(nx, ny) or 1.0
+    nx, ny = nx / size, ny / size
+    times = LENS_GAP / (abs(exact) * view.scale)
+    cx, cy = FRAME_WIDTH - LENS - 8, FRAME_HEIGHT - LENS - 22
+
+    def edge(kind: str, along: float) -> str:
+        x, y, half = cx + nx * along, cy + ny * along, math.sqrt(LENS**2 - along**2)
+        ends = f'x1="{x - ny * half:.1f}" y1="{y + nx * half:.1f}" x2="{x + ny * half:.1f}" y2="{y - nx * half:.1f}"'
+        return f'<line class="{kind}" {ends}/>'
+
+    start, limit = -LENS_GAP / 2, LENS - 6
+    lines = [edge("circle", start), edge("circle", max(-limit, min(limit, start + exact * times * view.scale)))]
+    if own is not None:
+        lines.append(edge(f"other e{number}", max(-limit, min(limit, start + own * times * view.scale))))
+    told = f"{times:,.0f}" if times < 1e6 else f"{times:.1g}"
+    return "".join(
+        [
+            f'<circle class="lens" cx="{cx}" cy="{cy}" r="{LENS}"/>',
+            *lines,
+            f'<text class="name" x="{cx}" y="{FRAME_HEIGHT - 10}">gap, {told} times</text>',
+        ]
+    )
 
 
 def notebook_picture(reference: Trajectory, candidates: Sequence[Candidate]) -> str:
@@ -134,55 +314,18 @@ def notebook_picture(reference: Trajectory, candidates: Sequence[Candidate]) -> 
     if not parted:
         return scene_picture(reference.scene, standalone=True)
     _, number = min(parted)
-    discs, marked, title = _parting(reference, candidates[number], number)
-    style = engine_css([c.engine for c in candidates[: number + 1]])
-    return draw(reference.scene, discs, title, marked=marked, standalone=True, style=style)
-
-
-def _parting(reference: Trajectory, candidate: Candidate, number: int) -> tuple[list[DrawnDisc], set[str], str]:
-    """The circles of both runs at the time of the first divergence, the names of those in question, and a title."""
-    divergence = candidate.alignment.divergence
+    divergence = candidates[number].alignment.divergence
     assert divergence is not None
-    marked = _names((divergence.body, divergence.expected, divergence.got))
-    run = candidate.trajectory
-    ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
-    time = min(max(ends), float(reference.final_time) * (1 - 2**-50), float(run.final_time) * (1 - 2**-50))
-    discs = []
-    for trajectory, kind in ((reference, "circle"), (run, f"other e{number}")):
-        for circle, row in zip(trajectory.scene.circles, trajectory.sample([time])[0], strict=True):
-            if circle.fixed and kind != "circle":
-                continue
-            classes = f"{'fixed' if circle.fixed else kind}{' marked' if circle.id in marked else ''}"
-            x, y, vx, vy = (float(v) for v in row)
-            discs.append(DrawnDisc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
-    return discs, marked, f"{reference.engine} (solid) and {candidate.engine} (dashed) at time {time:.9g}"
+    names, time = names_of((divergence.body, divergence.expected, divergence.got)), instant_of(divergence)
+    discs = _discs_at(reference, candidates[number].trajectory, time, names, number)
+    title = f"{reference.engine} (solid) and {candidates[number].engine} (dashed) at time {time:.9g}"
+    style = engine_css([c.engine for c in candidates[: number + 1]])
+    return draw(reference.scene, discs, title, marked=names, standalone=True, style=style)
 
 
-CLOSE_UP_FROM = 20.0
-"""Radius in pixels below which the circles that matter are drawn once more, close up."""
-
-CLOSE_UP_REACH = 6.0
-"""Size of a close-up, in radii beyond the circles that matter."""
-
-
-def view_near(discs: Sequence[DrawnDisc], whole: View) -> View | None:
-    """A view of a few discs alone; None if the whole shows them as large, or nearly so."""
-    radius = max((d.r for d in discs), default=0.0)
-    if radius <= 0 or radius * whole.scale >= CLOSE_UP_FROM:
-        return None
-    room = CLOSE_UP_REACH * radius
-    left, right = min(d.x for d in discs) - room, max(d.x for d in discs) + room
-    bottom, top = min(d.y for d in discs) - room, max(d.y for d in discs) + room
-    size = max((right - left) / WIDTH, (top - bottom) / HEIGHT)
-    if 1 / size < 1.5 * whole.scale:
-        return None
-    width, height = size * WIDTH, size * HEIGHT
-    return View((left + right - width) / 2, (bottom + top - height) / 2, width, height)
-
-
-def _names(marked: Iterable[str | None]) -> set[str]:
-    """The ids among the partners of a divergence; those of a tie are joined by + or then."""
-    return {name for text in marked if text for name in text.replace(" then ", " + ").split(" + ")}
+def names_of(partners: Iterable[str | None]) -> list[str]:
+    """The ids among the partners of a divergence, each once; those of a tie are joined by + or then."""
+    return list(dict.fromkeys(n for text in partners if text for n in text.replace(" then ", " + ").split(" + ")))
 
 
 def svg_path(name: str) -> Path:

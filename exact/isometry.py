@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from ..scenarios.scene import Scene
 from .numbers.ball import Field, FieldNumber, field_sign
-from .replay.contact import AtWall, Entry, Link, Pair
+from .replay.contact import AtWall, Entry, Link, Pair, can_push, is_flat, is_pair
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
@@ -38,24 +38,24 @@ class SceneData:
 
     def kind_of(self, link: Link) -> tuple[object, ...]:
         """What of a contact an isometry leaves as it is."""
-        if isinstance(link, Pair):
+        if is_pair(link):
             return Pair, self.kinds[link.a], self.kinds[link.b]
-        return type(link), self.kinds[link.circle], self.pockets[link.pocket][1] if isinstance(link, Entry) else None
+        return type(link), self.kinds[link.circle], self.pockets[link.pocket][1] if not can_push(link) else None
 
     def vectors(self, link: Link) -> list[Vector]:
         """What of a contact an isometry turns: the velocities of its circles, and the way from the first on."""
         first = self.speeds[link[0]]
-        if isinstance(link, AtWall):
+        if is_flat(link):
             return [first, self.foot(*link[:2])]
-        if isinstance(link, Entry):
+        if not can_push(link):
             return [first, minus(self.pockets[link.pocket][0], self.places[link.circle])]
         return [first, minus(self.places[link.b], self.places[link.a]), self.speeds[link.b]]
 
     def one_of(self, link: Link) -> Link:
         """The contact with the wall that stands for all on one line, or the pocket for all at one place."""
-        if self.alone or isinstance(link, Pair):
+        if self.alone or is_pair(link):
             return link
-        if isinstance(link, AtWall):
+        if is_flat(link):
             return AtWall(link.circle, self.wall_of[line_key(*self.walls[link.wall])])
         place, r = self.pockets[link.pocket]
         return Entry(link.circle, self.pocket_of[*place, r])
@@ -143,13 +143,13 @@ class Isometry:
         a = self.circle(link[0])
         if a is None:
             return None
-        if isinstance(link, Entry):
+        if not can_push(link):
             k = self.pocket(link.pocket)
             return None if k is None else Entry(a, k)
-        b = self.wall(link.wall) if isinstance(link, AtWall) else self.circle(link.b)
+        b = self.wall(link.wall) if is_flat(link) else self.circle(link.b)
         if b is None:
             return None
-        return AtWall(a, b) if isinstance(link, AtWall) else Pair(min(a, b), max(a, b))
+        return AtWall(a, b) if is_flat(link) else Pair(min(a, b), max(a, b))
 
 
 def from_vectors(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterator[Matrix]:

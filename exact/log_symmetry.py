@@ -15,7 +15,7 @@ from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, 
 from .laws.formulas import wall_mirror
 from .numbers.ball import LeavesField, field_ball
 from .question import BeforeTime, Discriminant, Moment, Question, Sooner
-from .replay.contact import AtWall, Body, Entry, Link, Pair, Touch
+from .replay.contact import Body, Link, Pair, Touch, can_push, is_flat, is_pair
 from .replay.refinable import Projection
 from .replay.state import Flip, Go, Kick, Step, Take
 
@@ -234,7 +234,7 @@ class Retrace:
     def _parted(self, moment: Moment) -> int | None:
         """The instant of the way out at which the two of a contact, on their flights of now, stood at gap zero."""
         link = moment.link
-        if isinstance(link, Entry):
+        if not can_push(link):
             return None
         latest, met = 0, self._gathered[0]
         for i in link.circles:
@@ -357,9 +357,9 @@ class LogSymmetry:
 
     def alike(self, link: Link) -> bool:
         """See `Form`."""
-        if isinstance(link, Pair):
+        if is_pair(link):
             return self._fixes(IDENTITY, link.a, link.b)
-        return isinstance(link, AtWall) and self._along(link.circle, link.wall)
+        return is_flat(link) and self._along(link.circle, link.wall)
 
     def _along(self, i: int, wall: int) -> bool:
         """Whether the mirror parallel to a wall through a circle's centre keeps the circle and its past."""
@@ -379,7 +379,7 @@ class LogSymmetry:
     def _between(self, first: Link, second: Link) -> list[Isometry]:
         """The few isometries that map the data of one meeting to those of another."""
         found = self._mapping(first, second)
-        if isinstance(second, Pair):
+        if is_pair(second):
             found += self._mapping(first, Pair(second.b, second.a))
         return found
 

@@ -8,8 +8,9 @@ from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
+from .laws.formulas import speed_change
 from .numbers.system import N, solve_positive
-from .replay.contact import AtWall, Entry, Link, Round, Touch
+from .replay.contact import Entry, Link, Round, Touch, is_flat
 from .replay.state import ReplayState
 
 # -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
@@ -201,7 +202,7 @@ class Moment:
 
     def wait(self, state: ReplayState[N]) -> tuple[N, N]:
         """The clock from which it is reckoned, and the time from that."""
-        if self.graze and not isinstance(self.link, AtWall):
+        if self.graze and not is_flat(self.link):
             return state.graze(self.link)
         return self.link.hit(state)
 
@@ -292,7 +293,7 @@ class Strength(RootFree):
 
     def _strengths(self, state: ReplayState[N]) -> list[N]:
         matrix, speeds = state.contact_system(self.basis)
-        return solve_positive(matrix, [-(u + u) for u in speeds])
+        return solve_positive(matrix, [-speed_change(u) for u in speeds])
 
     def value(self, state: ReplayState[N]) -> N:
         return self._strengths(state)[self.basis.index(self.link)]
@@ -312,8 +313,8 @@ class Slack(Strength):
     def value(self, state: ReplayState[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
-        strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
-        slack = speeds[-1] + speeds[-1]
+        strengths = solve_positive(inner, [-speed_change(u) for u in speeds[:-1]])
+        slack = speed_change(speeds[-1])
         for entry, strength in zip(matrix[-1][:-1], strengths, strict=True):
             slack = slack + entry * strength
         return slack

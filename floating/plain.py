@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, name_of
+from ..exact.replay.contact import Body, Entry, Link, NamedContacts, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -244,11 +244,11 @@ class PlainMeetings(Generic[M]):
         """
         if self._ask(Approach(link)) >= 0:
             return None
-        disc = 1 if isinstance(link, AtWall) else self._ask(Discriminant(link))
+        disc = 1 if is_flat(link) else self._ask(Discriminant(link))
         if disc < 0:
             return None
         if self._ask(Gap(link)) <= 0:
-            if isinstance(link, Entry) or disc == 0:
+            if not link.pushes or disc == 0:
                 return None
             return link.later(self._state).flight.t, False
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from itertools import islice
 from typing import TYPE_CHECKING, Protocol
@@ -59,11 +59,13 @@ class View:
     bottom: float
     width: float
     height: float
+    across: float = WIDTH
+    up: float = HEIGHT
 
     @property
     def scale(self) -> float:
-        """Pixels to a unit."""
-        return min(WIDTH / self.width, HEIGHT / self.height)
+        """Pixels to a unit, so that it is no larger than `across` by `up` pixels."""
+        return min(self.across / self.width, self.up / self.height)
 
     def x(self, x: float) -> float:
         """Pixels from the left."""
@@ -134,19 +136,22 @@ PICTURED_CIRCLES = 500
 """A scene of more circles is not drawn: the picture would say nothing."""
 
 
-def scene_picture(scene: Pictured, *, standalone: bool = False) -> str:
-    """The scene at time 0, with arrows for velocities."""
+def scene_picture(scene: Pictured, *, standalone: bool = False, across: float = WIDTH) -> str:
+    """The scene at time 0, with arrows for velocities, at most so many pixels wide."""
     rows = [tuple(float(value) for value in (c.x, c.y, c.vx, c.vy)) for c in scene.circles]
-    return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone)
+    return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone, across=across)
 
 
-def state_picture(scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False) -> str:
+def state_picture(
+    scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False, across: float = WIDTH
+) -> str:
     """The scene with its circles at x, y, vx, vy, with arrows for velocities."""
     discs = [
         DrawnDisc(str(c.id), x, y, float(c.r), vx, vy, "fixed" if c.fixed else "circle")
         for c, (x, y, vx, vy) in zip(scene.circles, rows, strict=True)
     ]
-    return draw(scene, discs, title, standalone=standalone)
+    view = replace(view_of(discs, scene), across=across, up=across * HEIGHT / WIDTH) if discs else None
+    return draw(scene, discs, title, standalone=standalone, view=view)
 
 
 def image(picture: str, title: str) -> str:
@@ -167,11 +172,13 @@ def draw(
     standalone: bool = False,
     style: str = "",
     view: View | None = None,
+    over: str = "",
 ) -> str:
     """Discs and walls as one SVG element, all of them or what a view shows.
 
     Args:
-        marked: ids of circles and walls to be drawn heavy.
+        marked: ids of circles and walls to be drawn heavy; such a circle has its name beside it where it is small.
+        over: what lies over them, in pixels.
         standalone: whether it is a file of its own, with its style sheet in it; `style` is added to that.
     """
     view = view or view_of(discs, scene)
@@ -196,10 +203,12 @@ def draw(
             kind = disc.classes.replace("other", "othervelocity") if "other" in disc.classes else "velocity"
             start = view.x(disc.x), view.y(disc.y)
             parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
-        if disc.label and disc.r * view.scale >= 3 * len(disc.id) + 2:
-            place = f'x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}"'
+        large = disc.r * view.scale >= 3 * len(disc.id) + 2
+        if disc.label and (large or disc.id in names):
+            above = 0.0 if large else disc.r * view.scale + 8
+            place = f'x="{view.x(disc.x):.2f}" y="{view.y(disc.y) - above:.2f}"'
             labels.append(f'<text class="name" {place}>{escape(disc.id)}</text>')
-    return "\n".join([*parts, *labels, "</svg>"]) + "\n"
+    return "\n".join([*parts, *labels, *([over] if over else []), "</svg>"]) + "\n"
 
 
 def _round(classes: str, view: View, x: float, y: float, r: float) -> str:

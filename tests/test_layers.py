@@ -227,7 +227,7 @@ COMPARE_FLOORS = (
     "alignment tangent picture orders",
     "outcomes study",
     "audit causes tolerances candidate",
-    "comparison",
+    "alternatives comparison",
     "chaos shadowing certificate",
     "grids",
     "reduction logdiff",

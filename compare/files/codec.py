@@ -20,7 +20,7 @@ from mpmath.libmp import MPZ
 
 from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
-from ...exact.replay.contact import AtWall, Entry, Link, Pair, Touch
+from ...exact.replay.contact import KINDS, Link, Touch, can_push
 from ...exact.replay.state import Flip, Go, Kick, Step, Take
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
@@ -188,7 +188,7 @@ def links_data(links: Sequence[Link]) -> Written:
 
 def links_of(data: Written) -> tuple[Touch, ...]:
     """What `links_data` wrote."""
-    return tuple(link for link in map(link_of, data) if not isinstance(link, Entry))
+    return tuple(link for link in map(link_of, data) if can_push(link))
 
 
 def link_of(data: Written) -> Link:
@@ -198,12 +198,10 @@ def link_of(data: Written) -> Link:
         ValueError: for what is none.
     """
     match data:
-        case [int(a), int(b)]:
-            return Pair(a, b)
-        case [int(circle), int(wall), "wall"]:
-            return AtWall(circle, wall)
-        case [int(circle), int(pocket), "pocket"]:
-            return Entry(circle, pocket)
+        case [int(first), int(second)]:
+            return KINDS[""](first, second)
+        case [int(first), int(second), str(kind)] if kind and kind in KINDS:
+            return KINDS[kind](first, second)
         case _:
             raise ValueError(f"{data} is no contact")
 
@@ -220,6 +218,7 @@ CLASSES = (
     "compare.alignment.align:Separation",
     "compare.alignment.walk:Mismatch",
     "compare.alignment.walk:Walk",
+    "compare.alternatives:Alternative",
     "compare.audit.audit:Audit",
     "compare.audit.audit:Violation",
     "compare.audit.fits:Fit",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
 from ...exact.exact_motion import ExactMotion, ExactValue, RunLog, TimeFormula, time_of
-from ...exact.replay.contact import Entry
+from ...exact.replay.contact import Entry, can_push
 from ...exact.simulation.decider import Limits, Mark
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
@@ -358,7 +358,7 @@ def contacts_of(data: Any) -> tuple[Contact, ...]:
 
 def entries_of(data: Written) -> tuple[Entry, ...]:
     """Entries into pockets."""
-    return tuple(link for link in map(link_of, data) if isinstance(link, Entry))
+    return tuple(link for link in map(link_of, data) if not can_push(link))
 
 
 # -- Going on.

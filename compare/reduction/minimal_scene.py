@@ -287,7 +287,8 @@ class _Search:
             self.progress(Reducing(self.runs, self.limit, SceneSize.of(self.best if self.runs else self.original)))
         self.runs += 1
         try:
-            return compare(scene, [self.engine], causes=self.same_cause, max_seconds=self.watch.left())
+            left = self.watch.left()
+            return compare(scene, [self.engine], causes=self.same_cause, alternatives=False, max_seconds=left)
         except OutOfTime:
             if self.runs == 1:
                 raise
@@ -298,7 +299,7 @@ class _Search:
         if self.watch.over:
             return
         try:
-            explained = compare(self.best, [self.engine], max_seconds=self.watch.left())
+            explained = compare(self.best, [self.engine], alternatives=False, max_seconds=self.watch.left())
         except (OutOfTime, KeyboardInterrupt):
             return
         if explained.candidates[0].verdict == "diverged":

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..files.amounts import counted
-from .curves import Band, Curve, plot
+from .charts import NARROW, WIDE, Band, Curve, plot
 from .documents import chaos_json
 from .listing import laid_out
 from .output import console, grid, say
 from .page import Download, download, file_name, limits_of, provenance_of, rendered, scene_file, stem_of
 from .player import played
-from .plot import NARROW, WIDE
 from .sentences import listed
 
 if TYPE_CHECKING:

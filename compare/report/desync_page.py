@@ -12,8 +12,8 @@ from markupsafe import Markup
 from ..logdiff.desync import Desync, gravest, report_json
 from ..logdiff.log_format import LogRecord
 from ..logdiff.sides import Side
-from .curves import Curve as Line
-from .curves import plot
+from .charts import Curve as Line
+from .charts import plot
 from .listing import laid_out
 from .page import day, download, rendered, versions
 

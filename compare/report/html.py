@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
-import math
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
 from ...scenarios.pictures import PICTURED_CIRCLES, scene_picture
+from ..causes.diagnosis import CauseName
 from ..chaos.foreseen import foreseen
 from ..outcomes.outcome import room_of, same_outcome
-from ..picture import divergence_picture
+from ..picture import gap_values, moment_frames
+from .answers import all_run, answers, cost_words, right_to, subject, tone, verdict_line
+from .charts import NARROW, WIDE, error_plot, error_words, predictions
 from .orders_page import gallery
 from .page import COMPARED, minimise_command, provenance, rendered
 from .player import recording
-from .plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
-    about,
     account_rows,
-    consequence_phrase,
     counted,
-    divergence_phrase,
     ended_phrase,
-    margin_phrase,
-    middle,
-    off,
     pattern_phrase,
     proof_phrase,
     short,
     span_phrase,
     until_phrase,
-    verdict_sentence,
 )
 from .terminal import side_by_side
 
@@ -43,33 +38,33 @@ if TYPE_CHECKING:
 
 
 def foreseen_phrase(found: Foreseen | None, number: int) -> str:
-    """Between which events the engine at a place was to be expected to leave; empty where nothing is foreseen of it.
+    """Between which events the engine at a place is predicted to diverge; empty where nothing is predicted of it.
 
     >>> from truebreak.compare import compare
     >>> from truebreak.compare.chaos.foreseen import foreseen
     >>> from truebreak.scenarios import catalogue
     >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
     >>> foreseen_phrase(found, 0)
-    'foreseen to leave between event 25 and event 33, half of such engines by event 26'
+    'predicted to diverge between event 25 and 33, half by 26'
     >>> foreseen_phrase(found, 1)
-    'foreseen to keep the history in the 60 events looked at, by the growth of errors alone'
+    'predicted to be right in the 60 events looked at'
     >>> near = foreseen(compare(catalogue.build("near-tie:k=40"), ["interval"]))
     >>> foreseen_phrase(near, 0)
-    'foreseen to leave at event 0'
+    'predicted to diverge at event 0'
     """
     horizon = None if found is None else found.horizons[number]
     if found is None or horizon is None:
         return ""
     if horizon.low.event is None:
-        return f"foreseen to keep the history in the {found.events:,} events looked at, by the growth of errors alone"
+        return f"predicted to be right in the {found.events:,} events looked at"
     if horizon.high.event is None:
-        half = "" if horizon.expected.event is None else f", half of such engines by event {horizon.expected.event:,}"
-        return f"foreseen to leave from event {horizon.low.event:,} on{half}"
+        half = "" if horizon.expected.event is None else f", half by {horizon.expected.event:,}"
+        return f"predicted to diverge from event {horizon.low.event:,} on{half}"
     if horizon.low.event == horizon.high.event:
-        return f"foreseen to leave at event {horizon.low.event:,}"
+        return f"predicted to diverge at event {horizon.low.event:,}"
     return (
-        f"foreseen to leave between event {horizon.low.event:,} and event {horizon.high.event:,}, "
-        f"half of such engines by event {horizon.expected.event:,}"
+        f"predicted to diverge between event {horizon.low.event:,} and {horizon.high.event:,}, "
+        f"half by {horizon.expected.event:,}"
     )
 
 
@@ -78,106 +73,13 @@ def not_foreseen_phrase(found: Foreseen | None) -> str:
 
     >>> from truebreak.compare.chaos.foreseen import Foreseen
     >>> not_foreseen_phrase(Foreseen(7, 2.5, (), "the run turns back after 7 events"))
-    'Foreseen only so far: the run turns back after 7 events'
+    'Predicted only so far: the run turns back after 7 events'
     >>> not_foreseen_phrase(Foreseen(0, 0.0, (), "a and b touch from the start on"))
-    'No horizon is foreseen: a and b touch from the start on'
+    'Nothing is predicted: a and b touch from the start on'
     """
     if found is None or not found.reason:
         return ""
-    return f"{'Foreseen only so far' if found.events else 'No horizon is foreseen'}: {found.reason}"
-
-
-# ----------------------------------------
-# Why an engine left: how close the decision was beside how far off it was, and what would have been enough.
-
-LINEAR, LEAST_SHARE, DECADES = 100.0, 0.02, 20
-"""Ratio up to which bars are to scale, and go by powers of ten beyond; length of the shortest, as a share of the
-longest; and the most powers of ten that they span."""
-
-
-@dataclass(frozen=True)
-class Amount:
-    """One amount with a bar, on a scale that it shares with the others.
-
-    Attributes:
-        name: what it is.
-        text: its value in words.
-        share: length of its bar, from 0 to 1, by `shares`; 0 for none.
-        own: whether it is the engine's, not the decision's.
-    """
-
-    name: str
-    text: str
-    share: float
-    own: bool = False
-
-
-def amounts(candidate: Candidate) -> list[Amount]:
-    """The margin of the decision beside the engine's error by then.
-
-    Empty where one of them is not known.
-    """
-    margin = candidate.margin
-    if margin is None or margin.distance is None or margin.error is None:
-        return []
-    close, far = shares(abs(middle(margin.distance)), margin.error)
-    told = "exactly 0" if margin.distance == (0.0, 0.0) else about(margin.distance)
-    name = "how close it was" if margin.gap is None else "how close it was, as a distance"
-    return [
-        Amount(name, told, close),
-        Amount(f"how far off {candidate.engine} was by then", off(margin.error), far, own=True),
-    ]
-
-
-def shares(*values: float) -> list[float]:
-    """Lengths of bars: to scale, or by powers of ten where that would leave one too short to be seen.
-
-    >>> shares(1.0, 2.0), shares(1e-10, 1.0), shares(0.0, 3.0)
-    ([0.5, 1.0], [0.02, 1.0], [0.0, 1.0])
-    """
-    sizes = [value for value in values if value > 0 and math.isfinite(value)]
-    if not sizes:
-        return [0.0 for _ in values]
-    top = max(sizes)
-    low = max(min(sizes), top * 10.0**-DECADES)
-    if top / low <= LINEAR:
-        return [value / top if value in sizes else 0.0 for value in values]
-    powers = math.log(top / low)
-    return [
-        LEAST_SHARE + (1 - LEAST_SHARE) * math.log(max(value, low) / low) / powers if value in sizes else 0.0
-        for value in values
-    ]
-
-
-def enough(candidate: Candidate) -> list[tuple[str, str]]:
-    """What would have been enough: bits by the growth of errors, and the settings that were run."""
-    rows: list[tuple[str, str]] = []
-    margin, divergence = candidate.margin, candidate.alignment.divergence
-    if margin is not None and divergence is not None and not candidate.stepped:
-        foreseen = foreseen_bits(margin.growth, divergence.expected_event, margin.distance, candidate.separation.scale)
-        if foreseen is not None:
-            told = f"about {foreseen:,}: {margin.growth:.3g} bits an event over {divergence.expected_event:,} events"
-            rows.append(("bits, foreseen", told))
-    if candidate.diagnosis is not None:
-        rows += [(e.cause.value, e.result) for e in candidate.diagnosis.experiments if e.cause.entry.settings]
-    return rows
-
-
-def foreseen_bits(growth: float | None, events: int, distance: tuple[float, float] | None, scale: float) -> int | None:
-    """Bits with which a rounding at the start would not have grown to the margin by the decision.
-
-    A rounding of 2**-bits of the scene's size grows by `growth` bits at each of the `events`; it stays below the margin
-    if bits > growth * events + log2(scale / margin). None where any of it is not known.
-
-    >>> foreseen_bits(0.325, 161, (0.0395, 0.0397), 20.0)
-    62
-    """
-    if growth is None or growth <= 0 or distance is None or not scale > 0:
-        return None
-    close = abs(middle(distance))
-    if close == 0:
-        return None
-    return max(1, math.ceil(growth * events + math.log2(scale / close)))
+    return f"{'Predicted only so far' if found.events else 'Nothing is predicted'}: {found.reason}"
 
 
 # ----------------------------------------
@@ -185,9 +87,6 @@ def foreseen_bits(growth: float | None, events: int, distance: tuple[float, floa
 
 SHOWN_ROWS = 400
 """Most rows of one outcome's table; the JSON has them all."""
-
-OPEN_ROWS = 6
-"""An outcome with at most so many rows is not folded."""
 
 SHOWN_LETTERS = 300
 """Longest text of a cell; the JSON has it all."""
@@ -219,11 +118,6 @@ class ChangedOutcome:
     rows: tuple[OutcomeRow, ...]
     total: int
     summary: str
-
-    @property
-    def open(self) -> bool:
-        """Whether it is short enough to be shown at once."""
-        return len(self.rows) <= OPEN_ROWS
 
 
 def changed(comparison: Comparison) -> list[ChangedOutcome]:
@@ -269,7 +163,11 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
         for candidate, count in zip(comparison.candidates, counts, strict=True)
         if count
     ]
-    summary = "; ".join(told) if len(keys) > 1 else ""
+    summary = "; ".join(told)
+    if len(keys) == 1 and rows:
+        named = zip(comparison.candidates, rows[0].got, strict=True)
+        values = [f"{c.engine} {value}" for c, value in named if value not in (SAME, UNTOLD)]
+        summary = f"{comparison.reference.engine} {rows[0].expected}; {', '.join(values)}"
     return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
 
 
@@ -343,42 +241,76 @@ def _cut(text: str) -> str:
 # ----------------------------------------
 # A comparison as one HTML file that needs no network.
 
+ABOUT = {
+    "Where": "The first event at which the engine's history is another than the reference's. Events are numbered from "
+    "0, by the reference, everywhere on this page.",
+    "Why": "What moved the number that decides this event, and how close it was. The account below adds up to the "
+    "whole shift.",
+    "So what": "What the divergence changed of the outcomes. The first value is the engine's, the second the "
+    "reference's.",
+    "What now": "What was run, and is right where the engine is not. A prediction is made from the exact run alone: "
+    "nine in ten such engines are right at least so long.",
+    "The moment": "Both runs just before the first divergence, at it, and after. Solid is the reference, dashed the "
+    "engine; the circles in question are heavy, arrows are velocities.",
+    "Error over time": "How far the circle farthest off is from its place: a straight rise on this logarithmic scale "
+    "is chaos, and below the floor places as doubles tell nothing. A dot is the first divergence; a band, where 90 in "
+    "100 such engines diverge, as the exact run alone predicts.",
+    "Engines": "Every engine that was compared, and the reference. Swaps are independent events in another order: they "
+    "change nothing.",
+    "The account": "What each kind of error adds to the number that decides, signed; the parts add up. Alone says "
+    "whether this kind, and no other, changes the event.",
+    "What was run in its place": "Other engines and settings on the same scene, and to which event they are right. "
+    "Cost is a multiple of this engine's: in time steps for a finer step, else in processor time, measured once.",
+    "Who meets whom": "The meetings of the circle that diverges, in both runs, row by row. The first row that differs "
+    "is marked.",
+    "Outcomes": "What the histories come to: counts, partners, velocities, patterns. Only what some engine changed is "
+    "shown; the rest is folded.",
+}
+"""What the mark beside a heading says: two sentences each."""
+
+SILENT = ("-", "0%", "no")
+
 
 def html_report(comparison: Comparison, *, command: str = "") -> str:
-    """The report as one page: verdict, player, engines, why each of them left, outcomes, provenance.
+    """The report as one page: verdict, the four answers, the moment, player, errors, engines, outcomes, provenance.
 
     Args:
         command: the command line that the comparison came from, to be told in the page.
     """
-    reference = comparison.reference
+    comparison = _repeatable(comparison)
     horizons = foreseen(comparison)
-    bands = horizon_bands(comparison, horizons)
+    bands = predictions(comparison, horizons)
+    lead = subject(comparison)
+    blocks = [
+        _block(comparison, number, candidate, horizons, lead)
+        for number, candidate in enumerate(comparison.candidates)
+        if candidate.verdict != "agree" or candidate.lawless
+    ]
     return rendered(
         "report.html.jinja",
-        recording=recording(comparison),
+        recording=recording(comparison, horizons),
         engines=[candidate.engine for candidate in comparison.candidates],
         title=f"{comparison.scene.name}: truebreak",
-        sentence=verdict_sentence(comparison),
+        sentence=verdict_line(comparison),
+        tone=tone(comparison),
+        answers=answers(comparison, lead, horizons),
+        about=ABOUT,
+        warnings=_warnings(comparison),
         comparison=comparison,
-        lawless=any(candidate.lawless for candidate in comparison.candidates),
-        reference=reference,
+        reference=comparison.reference,
         scene=comparison.scene,
-        facts=_facts(comparison),
+        grounds=_facts(comparison),
         rows=[
-            _row(number, candidate) | {"foreseen": foreseen_phrase(horizons, number)}
+            _row(comparison, number, candidate) | {"foreseen": foreseen_phrase(horizons, number)}
             for number, candidate in enumerate(comparison.candidates)
         ],
         bands=bands,
         not_foreseen=not_foreseen_phrase(horizons),
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
-        plots=[Markup(separation_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
-        picture=Markup(scene_picture(comparison.scene)) if _drawn(comparison) else "",
-        divergences=[
-            _divergence(comparison, number, c)
-            for number, c in enumerate(comparison.candidates)
-            if c.alignment.divergence
-        ],
+        plots=[Markup(error_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
+        picture=Markup(scene_picture(comparison.scene, across=340)) if _drawn(comparison) else "",
+        blocks=sorted(blocks, key=lambda block: not block["lead"]),
         gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
@@ -386,6 +318,18 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         provenance=provenance(comparison, command),
         player=COMPARED,
         footnote="Solid and blue: the reference.",
+    )
+
+
+def _repeatable(comparison: Comparison) -> Comparison:
+    """Without what a machine measured, where a page is wanted that can be made again letter for letter."""
+    if not os.environ.get("SOURCE_DATE_EPOCH", "").isdecimal():
+        return comparison
+    return replace(
+        comparison,
+        processor=0.0,
+        candidates=tuple(replace(c, processor=0.0) for c in comparison.candidates),
+        alternatives=tuple(replace(a, processor=0.0) for a in comparison.alternatives),
     )
 
 
@@ -399,75 +343,88 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     if scene.pockets:
         things.append(counted(len(scene.pockets), "pocket"))
     facts = [
-        ("Scene", f"{scene.name} ({', '.join(things)})"),
-        (
-            "Reference",
-            f"{reference.engine}: {counted(len(reference.events), 'event')}, "
-            f"{counted(reference.collisions, 'collision')}",
-        ),
+        ("Scene", ", ".join(things)),
+        ("Reference", f"{reference.engine}, {counted(len(reference.events), 'event')}"),
         ("Compared", f"{span_phrase(comparison)}; {ended_phrase(reference)}"),
         ("Proof", proof_phrase(comparison)),
     ]
     if comparison.certificate is not None:
         facts.append(("Certificate", comparison.certificate.told))
-    facts += [("Not proved", str(assumption)) for assumption in reference.assumptions[:1]]
-    facts += [("Note", note) for note in reference.notes]
-    if comparison.cut:
-        facts.append(("Left out", f"{', '.join(comparison.cut)}: the time was up"))
-    return facts
+    return facts + [("Note", note) for note in reference.notes]
 
 
-def _row(number: int, candidate: Candidate) -> dict[str, Any]:
+def _warnings(comparison: Comparison) -> list[str]:
+    """What a reader has to know before the answers are taken for whole."""
+    found = [str(assumption) for assumption in comparison.reference.assumptions[:1]]
+    return found + ([f"Left out, as the time was up: {', '.join(comparison.cut)}"] if comparison.cut else [])
+
+
+def _row(comparison: Comparison, number: int, candidate: Candidate) -> dict[str, Any]:
     divergence = candidate.alignment.divergence
     return {
         "number": number,
         "engine": candidate.engine,
         "verdict": candidate.verdict,
-        **_law(candidate),
+        "law": "-"
+        if candidate.laws is None or candidate.laws.kept is None
+        else ("kept", "not kept")[candidate.lawless],
         "agreed": f"{candidate.alignment.agreed:,}",
         "event": f"{divergence.event:,}" if divergence else "",
-        "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
-        "finding": candidate.diagnosis.finding if candidate.diagnosis else "",
         "swaps": candidate.alignment.harmless_swaps,
-        "error": short(candidate.separation.maximum),
+        "error": error_words(comparison, candidate),
         "miss": short(candidate.return_miss),
-        "stop": candidate.trajectory.stop.message,
+        "linked": candidate.verdict != "agree" or candidate.lawless,
     }
 
 
-def _law(candidate: Candidate) -> dict[str, str]:
-    """Whether an engine keeps the law, in a sentence."""
-    laws = candidate.laws
-    if laws is None:
-        return {"law_told": ""}
-    return {"law_told": laws.sentence}
-
-
-def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> dict[str, Any]:
+def _block(
+    comparison: Comparison, number: int, candidate: Candidate, horizons: Foreseen | None, lead: Candidate
+) -> dict[str, Any]:
+    """What the page says of an engine that does not agree."""
+    divergence = candidate.alignment.divergence
+    account = account_rows(candidate)
+    told = [
+        row for row in account if row[3] == "changes it" or (row[2] not in SILENT and not row[4].startswith("not "))
+    ]
+    drawn = _drawn(comparison) and divergence is not None
+    pattern, said = pattern_phrase(comparison, candidate), answers(comparison, candidate, horizons)
+    place = f"event {divergence.event:,}" if divergence else f"after {candidate.alignment.agreed:,} events"
     return {
         "number": number,
         "engine": candidate.engine,
-        "phrase": divergence_phrase(comparison, candidate),
-        "body": candidate.alignment.divergence.body if candidate.alignment.divergence else "",
-        "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
-        "finding": sentence_case(candidate.diagnosis.finding) if candidate.diagnosis else "",
-        "pattern": pattern_phrase(comparison, candidate),
-        "consequence": sentence_case(consequence_phrase(comparison, candidate) or ""),
-        "margin": sentence_case(margin_phrase(candidate) or ""),
-        "amounts": amounts(candidate),
-        "enough": enough(candidate),
-        "experiments": account_rows(candidate),
-        "minimise": minimise_command(comparison, candidate),
-        "rows": side_by_side(comparison, candidate),
-        "picture": Markup(divergence_picture(comparison.reference, candidate, number)) if _drawn(comparison) else "",
+        "verdict": candidate.verdict,
+        "summary": f"{place}, {candidate.diagnosis}" if candidate.diagnosis else place,
+        "lead": candidate is lead,
+        "body": divergence.body if divergence else "",
+        "event": f"{divergence.event:,}" if divergence else "",
+        "answers": said,
+        "law": candidate.laws.sentence if candidate.laws and not candidate.laws.kept else "",
+        "frames": moment_frames(comparison.reference, candidate, number) if drawn else [],
+        "gap": _gap_words(candidate),
+        "rows": side_by_side(comparison, candidate) if divergence else [],
+        "account": [row[:4] for row in told if row[1] != "-"],
+        "runs": [(row[0], row[4]) for row in told if row[1] == "-" and row[4] not in said.why],
+        "silent": [(row[0], row[4]) for row in account if row not in told and row[4] not in said.why],
+        "pattern": pattern,
+        "minimise": minimise_command(comparison, candidate) if divergence else None,
+        "alternatives": [
+            (a.engine, right_to(comparison, a), cost_words(a, candidate) or "not measured")
+            for a in all_run(comparison, candidate)
+        ],
+        "width": candidate.diagnosis is not None and candidate.diagnosis.name is CauseName["WIDTH"],
     }
 
 
-def sentence_case(text: str) -> str:
-    """The text with a capital first letter.
+def _gap_words(candidate: Candidate) -> str:
+    """The gap that decides, in both runs, in words."""
+    values = gap_values(candidate)
+    if values is None:
+        return ""
+    exact, own = values
 
-    >>> sentence_case("with a step")
-    'With a step'
-    """
-    return text[:1].upper() + text[1:]
+    def said(value: float) -> str:
+        return f"{value:+.3g} (a {'miss' if value > 0 else 'hit'})" if value else "exactly 0 (a touch)"
+
+    told = f"exact {said(exact)}"
+    return told if own is None else f"{told}, {candidate.engine} {said(own)}"

@@ -24,15 +24,14 @@ from markupsafe import Markup, escape
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, dump_toml
 from ...scenarios.pictures import STYLE
-from ...scenarios.trajectory import StopReason
 from ..engines import ENGINES
 from ..picture import engine_css
+from .answers import limits_of, stem_of
 from .documents import comparison_json
 from .listing import laid_out
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
     from ..comparison import Comparison
 
@@ -143,9 +142,9 @@ def longest_word(text: str) -> int:
 COMPARED = {
     "title": "What happened, side by side",
     "choice": "engine",
-    "note": "Solid outlines in the engine's pane are the reference's circles; the circles of the first divergence are "
-    "ringed. With sound, the left ear hears the reference, the right one the engine. Events are numbered from 0 in "
-    "each run; a divergence bears the number that its event has, or would have, in the reference.",
+    "note": "Both runs on one clock; outlines in the engine's pane are the reference's circles, tied to the engine's "
+    "by a line where they are apart. The circles of the first divergence are ringed; past it the engine is in another "
+    "history.",
 }
 """What the player says of itself where an engine is held against a reference."""
 
@@ -291,25 +290,6 @@ def minimise_command(comparison: Comparison, candidate: Candidate) -> str | None
         return None
     words = ["truebreak", "minimise", file_name(comparison.scene), "--engine", candidate.engine]
     return shlex.join([*words, *limits_of(comparison.reference)])
-
-
-def limits_of(reference: Trajectory) -> list[str]:
-    """The options that end a run where this one ended."""
-    if reference.stop.reason is StopReason.EVENTS:
-        return ["--events", str(len(reference.events))]
-    if reference.stop.reason is StopReason.HORIZON:
-        return ["--until", reference.final_time.text() or repr(float(reference.final_time))]
-    return []
-
-
-def stem_of(scene: Scene) -> str:
-    """The scene's name as the name of a file.
-
-    >>> from truebreak.scenarios import catalogue
-    >>> stem_of(catalogue.build("rack:rows=2"))
-    'rack-rows-2'
-    """
-    return re.sub(r"[^A-Za-z0-9]+", "-", scene.name).strip("-")[:60] or "scene"
 
 
 def scene_file(scene: Scene) -> Download | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 from ...scenarios.errors import SceneError
 from ...scenarios.pictures import DrawnDisc, view_of, wall_line
 from ...scenarios.trajectory import StopReason
+from ..picture import instant_of, names_of
+from .charts import COASTING, errors_shown, predictions
 from .page import COMPARED, provenance, rendered
 from .sentences import headline
 from .terminal import later
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Event, Trajectory
     from ..alignment.instants import Divergence
     from ..candidate import Candidate
+    from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
 
 MOST_EVENTS = 2_400
@@ -28,9 +31,6 @@ MOST_EVENTS = 2_400
 
 MOST_STATES = 100_000
 """States, of circles times events, that are computed for one run: a second or two of the exact engine's time."""
-
-COASTING = 0.25
-"""How much longer than its events a run is shown in which nothing is left to happen, as a share."""
 
 BEFORE = 0.75
 """Share of the events shown that lies before the first divergence, where not all can be shown."""
@@ -40,10 +40,6 @@ VIEW_REACH = 1.5
 
 JUMP = 1e-6
 """Share of the scene's size by which a place must differ from straight flight to be told anew: below what one sees."""
-
-
-ONE_INSTANT = 1e-9
-"""Share of the time by which two meetings may lie apart and still be shown as one instant."""
 
 
 @dataclass(frozen=True)
@@ -66,18 +62,28 @@ class Played:
     parted: float | None = None
 
 
-def recording(comparison: Comparison) -> dict[str, Any] | None:
-    """The runs of a comparison as plain data for the player; None where there is nothing to play."""
+def recording(comparison: Comparison, foreseen: Foreseen | None = None) -> dict[str, Any] | None:
+    """The runs of a comparison as plain data for the player; None where there is nothing to play.
+
+    Args:
+        foreseen: when each engine is predicted to diverge.
+    """
     shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
     if not shown:
         return None
+    bands = {band.number: [band.low, band.high] for band in predictions(comparison, foreseen)}
     others = [
-        Played(number, c.engine, c.trajectory, _told(comparison.scene, c), _parted(c.alignment.divergence))
+        Played(number, c.engine, c.trajectory, _told(comparison, c, bands.get(number)), _parted(c.alignment.divergence))
         for number, c in shown
     ]
     lead = next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1)
     name = comparison.reference.engine
-    return played(comparison.scene, comparison.reference, others, name=name, title=f"{name} (reference)", lead=lead)
+    title = f"{name} (reference)"
+    data = played(comparison.scene, comparison.reference, others, name=name, title=title, lead=lead)
+    if data is not None:
+        for (_, c), run in zip(shown, data["runs"][1:], strict=True):
+            run["matches"] = _matches(comparison.reference, c, data["begin"], data["runs"][0]["end"])
+    return data
 
 
 def played(
@@ -180,7 +186,7 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
                 continue
             back = middle - begin
             known[i] = (begin, x - vx * back, y - vy * back, vx, vy)
-            knots.append([k, i, *known[i][1:]])
+            knots.append([k, i, *(float(f"{value:.9g}") for value in known[i][1:])])
     return knots
 
 
@@ -192,26 +198,27 @@ def _follows(knot: tuple[float, ...], time: float, state: tuple[float, ...], roo
     return same and math.hypot(x + vx * flown - state[0], y + vy * flown - state[1]) <= room
 
 
-def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
-    """What else is told of an engine: its error, and where it leaves the reference."""
+def _told(comparison: Comparison, candidate: Candidate, predicted: list[float] | None) -> dict[str, Any]:
+    """What else is told of an engine: its error, and where it leaves the reference, or was to be expected to."""
+    scene = comparison.scene
     places = {str(c.id): k for k, c in enumerate(scene.circles)}
-    separation, divergence = candidate.separation, candidate.alignment.divergence
+    separation, divergence = errors_shown(comparison, candidate), candidate.alignment.divergence
     told: dict[str, Any] = {
         "errors": [
             [float(f"{t:.9g}"), float(f"{e:.4g}") if math.isfinite(e) else None]
             for t, e in zip(separation.times, separation.largest, strict=True)
         ],
         "scale": separation.scale or 1.0,
-        "growth": candidate.margin.growth if candidate.margin else None,
+        "predicted": predicted,
         "divergence": None,
         "verdict": candidate.verdict,
     }
     if candidate.verdict in ("undecided", "unsettled"):
         told["stopped"] = float(candidate.trajectory.final_time)
     if divergence is not None:
-        names = _names((divergence.body, divergence.expected, divergence.got))
+        names = names_of((divergence.body, divergence.expected, divergence.got))
         told["divergence"] = {
-            "time": _instant(divergence),
+            "time": instant_of(divergence),
             "expected": divergence.expected_event if divergence.expected is not None else None,
             "got": divergence.candidate_event,
             "bodies": [places[name] for name in names if name in places],
@@ -220,31 +227,40 @@ def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
     return told
 
 
-def _instant(divergence: Divergence) -> float:
-    """The time to show it at: the earlier meeting; where the two are one instant but for rounding, the later."""
-    ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
-    later = max(ends, default=divergence.time)
-    return later if later - divergence.time <= ONE_INSTANT * later else divergence.time
+def _matches(reference: Trajectory, candidate: Candidate, begin: float, end: float) -> list[int]:
+    """For each event of the reference in the times shown, the engine's event that it is; -1 for none.
 
-
-def _names(partners: Iterable[str | None]) -> list[str]:
-    """The ids among the partners of a divergence; those of a tie are joined by + or then."""
-    return [name for text in partners if text for name in text.replace(" then ", " + ").split(" + ")]
+    The two events of the divergence stand in one row.
+    """
+    known: dict[int, int] = {}
+    for walk in candidate.alignment.walks.values():
+        for mine, theirs in walk.pairs:
+            known.setdefault(mine, theirs)
+    parted = candidate.alignment.divergence
+    if parted is not None and parted.expected is not None and parted.candidate_event is not None:
+        known[parted.expected_event] = parted.candidate_event
+    return [known.get(event.index, -1) for event in reference.events if begin <= float(event.time) <= end]
 
 
 def _view(scene: Scene, knots: list[list[float]]) -> list[float]:
     """Left, bottom, width and height of what is shown: where circles go, as far as they stay near."""
-
-    def disc(i: int, x: float, y: float) -> DrawnDisc:
-        return DrawnDisc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
-
-    start = view_of([disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles)], scene)
+    start = view_of([_disc(i, float(c.x), float(c.y), scene) for i, c in enumerate(scene.circles)], scene)
     reach = VIEW_REACH * max(start.width, start.height)
     left, right = start.left - reach, start.left + start.width + reach
     bottom, top = start.bottom - reach, start.bottom + start.height + reach
-    went = [disc(int(i), min(max(x, left), right), min(max(y, bottom), top)) for _, i, x, y, _, _ in knots]
-    view = view_of([*went, *(disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles))], scene)
+    places: dict[int, list[tuple[float, float]]] = {}
+    for _, i, x, y, _, _ in knots:
+        places.setdefault(int(i), []).append((min(max(x, left), right), min(max(y, bottom), top)))
+    went = [_disc(i, float(c.x), float(c.y), scene) for i, c in enumerate(scene.circles)]
+    for i, row in places.items():
+        xs, ys = zip(*row, strict=True)
+        went += [_disc(i, x, y, scene) for x in (min(xs), max(xs)) for y in (min(ys), max(ys))]
+    view = view_of(went, scene)
     return [view.left, view.bottom, view.width, view.height]
+
+
+def _disc(i: int, x: float, y: float, scene: Scene) -> DrawnDisc:
+    return DrawnDisc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
 
 
 # ----------------------------------------

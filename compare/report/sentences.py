@@ -41,7 +41,7 @@ def verdict_sentence(comparison: Comparison) -> str:
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
         others = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in lawless if c is not first)
         law = f"{law_phrase(first)}; " if first.lawless else ""
-        return f"{_head(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
+        return f"{head_phrase(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
     if lawless and by_verdict["agree"] and lawless[0].verdict == "agree":
         first = lawless[0]
         spared = [c.engine for c in by_verdict["agree"] if not c.lawless]
@@ -103,7 +103,8 @@ def _is_rounding(candidate: Candidate) -> bool:
     return not candidate.stepped if known is None else known
 
 
-def _head(candidate: Candidate) -> str:
+def head_phrase(candidate: Candidate) -> str:
+    """What changed what happened, as far as is known."""
     if candidate.lawless:
         return f"{candidate.engine} does not keep the law"
     if _is_rounding(candidate):

@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Flight, Pair, Touch
+from ...exact.replay.contact import AtWall, Flight, Pair, Touch, is_flat
 from ...exact.replay.state import Go, Kick, ReplayState
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, NoTangentMap, check_start, moving
@@ -199,7 +199,7 @@ def _impact(state: ReplayState[arb], link: Touch) -> Impact:
     """The impact that is about to push."""
     i = link.circles[0]
     flight = state.bodies[i].flight
-    if isinstance(link, AtWall):
+    if is_flat(link):
         line = state.line(link.circle, link.wall)
         return Impact(
             state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero

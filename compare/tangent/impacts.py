@@ -15,7 +15,7 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import AtWall, Touch
+from ...exact.replay.contact import Touch, is_flat
 from ...exact.replay.state import Go, Kick
 
 if TYPE_CHECKING:
@@ -342,7 +342,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
     for link in links:
         i, j, *_ = link
         ux, uy = speeds[i]
-        if isinstance(link, AtWall):
+        if is_flat(link):
             line = state.line(link.circle, link.wall)
             yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
             if not together:

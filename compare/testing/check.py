@@ -532,6 +532,7 @@ class _Case:
             reference=self.truth,
             sampled=False,
             audited=False,
+            alternatives=False,
             **limits,
         )
 

@@ -23,7 +23,7 @@ import averages
 from truebreak.compare.chaos.spectrum import spectrum
 from truebreak.compare.engines import engine as engine_named
 from truebreak.compare.foreign.guard import run_guarded
-from truebreak.compare.report.curves import Curve, plot
+from truebreak.compare.report.charts import Curve, plot
 from truebreak.compare.report.pictures.sweep_plots import standalone
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts
 from truebreak.compare.writing import write_whole

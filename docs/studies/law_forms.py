@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sympy import Add, Expr, Mul, Pow, Symbol, fraction, symbols
+from sympy import Add, Expr, Integer, Mul, Pow, Symbol, fraction, symbols
 
 x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R, wa, wb")
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
@@ -20,6 +20,12 @@ share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, wait, mx, my, weight, turn, push, shift = symbols("e, tau, wait, mx, my, weight, turn, push, shift")
 c, slope, bxx, bxy, byy, spin = symbols("c, slope, bxx, bxy, byy, spin")
+
+
+CHANGE = 1 + Integer(1)
+"""The law of impacts: 1 + e, by which the speed of approach is multiplied to change it; e, the restitution, is 1.
+
+Forms that hold for this e alone, as that of a mirror, do not pass their proof at another."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +137,7 @@ FORMS = (
         "pair_strength",
         (root, R, wa, wb),
         (),
-        (2 * root / (R**2 * (wa + wb)),),
+        (CHANGE * root / (R**2 * (wa + wb)),),
         """The impulse on b of an elastic collision, as a multiple of d at contact.
 
         `root` is -d.v then, as `pair_meeting` has it. Equals `pair_impulse` there.""",
@@ -140,7 +146,7 @@ FORMS = (
     StableForm(
         "pair_impulse",
         (dx, dy, vx, vy, R, wa, wb),
-        ((approach, dx * vx + dy * vy), (scale, -2 * approach / (R**2 * (wa + wb)))),
+        ((approach, dx * vx + dy * vy), (scale, -CHANGE * approach / (R**2 * (wa + wb)))),
         (scale * dx, scale * dy),
         """The impulse on b of an elastic collision; a takes the opposite one.
 
@@ -153,8 +159,8 @@ FORMS = (
         "pair_mix",
         (dx, dy, R, wa, wb),
         (
-            (share_a, 2 * wa / (wa + wb)),
-            (share_b, 2 * wb / (wa + wb)),
+            (share_a, CHANGE * wa / (wa + wb)),
+            (share_b, CHANGE * wb / (wa + wb)),
             (xx, dx**2 / R**2),
             (xy, dx * dy / R**2),
             (yy, dy**2 / R**2),
@@ -206,7 +212,7 @@ FORMS = (
     StableForm(
         "wall_bounce",
         (vx, vy, nx, ny, nn),
-        ((approach, vx * nx + vy * ny), (scale, 2 * approach / nn)),
+        ((approach, vx * nx + vy * ny), (scale, CHANGE * approach / nn)),
         (vx - scale * nx, vy - scale * ny),
         """The velocity after a bounce off a wall; nn is |n|^2.
 
@@ -216,13 +222,23 @@ FORMS = (
     StableForm(
         "wall_mirror",
         (nx, ny, nn),
-        ((xx, (ny**2 - nx**2) / nn), (xy, -2 * nx * ny / nn)),
+        ((xx, (nx**2 + ny**2 - CHANGE * nx**2) / nn), (xy, -CHANGE * nx * ny / nn)),
         (xx, xy, -xx),
         """The bounce off a wall as a symmetric matrix (xx, xy, yy): v' = H v, H = I - 2 n n^T / |n|^2.
 
         The line on which the circle flies is mirrored too: its point p at any one time becomes
         H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `derivation.wall_velocities`.""",
         ("wall_mirror(Q(0), Q(2), Q(4))", "(Fraction(1, 1), Fraction(0, 1), Fraction(-1, 1))"),
+    ),
+    StableForm(
+        "speed_change",
+        (approach,),
+        (),
+        (CHANGE * approach,),
+        """(1 + e) u: by how much an impact changes a speed u of approach; e, the restitution, is 1.
+
+        The law of every contact, wherever its form does not have it written out: from u < 0 it makes -e u.""",
+        ("speed_change(Q(-3))", "Fraction(-6, 1)"),
     ),
     StableForm(
         "advance",
@@ -246,9 +262,9 @@ TANGENT_FORMS = (
             (mx, px + vx * wait),
             (my, py + vy * wait),
             (weight, R * R * (wa + wb)),
-            (push, -2 * approach / weight),
-            (turn, -2 * (mx * vx + my * vy + dx * qx + dy * qy) / weight),
-            (shift, -2 * (dx * px + dy * py) / weight),
+            (push, -CHANGE * approach / weight),
+            (turn, -CHANGE * (mx * vx + my * vy + dx * qx + dy * qy) / weight),
+            (shift, -CHANGE * (dx * px + dy * py) / weight),
         ),
         (dx * shift, dy * shift, mx * push + dx * turn, my * push + dy * turn),
         """What a collision does to a displacement (p, q) of b's position and velocity less a's.

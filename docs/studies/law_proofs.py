@@ -232,8 +232,11 @@ def _wall_speed(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
 
 def _wall_velocities(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     normal = (w_y0 - w_y1, w_x1 - w_x0)
-    ours = formulas["wall_bounce"](a_vx, a_vy, *normal, normal[0] ** 2 + normal[1] ** 2)
-    return tuple(a - b for a, b in zip(ours, wall_velocities(), strict=True))
+    square = normal[0] ** 2 + normal[1] ** 2
+    ours = formulas["wall_bounce"](a_vx, a_vy, *normal, square)
+    change = formulas["speed_change"](formulas["wall_approach"](a_vx, a_vy, *normal))
+    written = (a_vx - change * normal[0] / square, a_vy - change * normal[1] / square)
+    return tuple(mine - law for side in (ours, written) for mine, law in zip(side, wall_velocities(), strict=True))
 
 
 def _wall_mirrored(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:

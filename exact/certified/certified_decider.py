@@ -16,7 +16,7 @@ from ..numbers import ball
 from ..numbers.ball import Known, field_ball, field_text
 from ..numbers.system import BudgetSpent, Undecided
 from ..question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
-from ..replay.contact import AtWall, Body, Entry, Link, Touch, name_of
+from ..replay.contact import Body, Entry, Link, Touch, can_push, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, Record
@@ -227,7 +227,7 @@ class CertifiedMeetings:
         self._plan["doubtful settled"] += 1
         if self._judge.decide(Approach(link)).sign >= 0:
             return None
-        disc = 1 if isinstance(link, AtWall) else self._judge.decide(Discriminant(link)).sign
+        disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
         if disc < 0:
             return None
         time = self._meeting(link, disc)
@@ -288,11 +288,11 @@ class CertifiedMeetings:
                 return
             gap = self._judge.decide(Gap(link)).sign
         if gap <= 0:
-            if isinstance(link, Entry) and gap < 0:
+            if not link.pushes and gap < 0:
                 return
             who, when = self._judge.name(link), self._precision.where()
             raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
-        disc = 1 if isinstance(link, AtWall) else self._sign(Discriminant(link))
+        disc = 1 if is_flat(link) else self._sign(Discriminant(link))
         if disc is not None and disc < 0:
             return
         ball.use_bits(self._state.bits)
@@ -575,7 +575,7 @@ class CertifiedDecider:
 
     def gathered(self, links: Iterable[Link]) -> None:
         """Notes the contacts at gap zero, for the way back."""
-        self.retrace.gathered(self._instant, (link for link in links if not isinstance(link, Entry)))
+        self.retrace.gathered(self._instant, filter(can_push, links))
 
     def refresh(self, bodies: Iterable[Body[arb]]) -> None:
         """Short copies of the states, with more bits first if the last instant is not accurate enough."""

@@ -233,6 +233,18 @@ def wall_mirror(nx: N, ny: N, nn: N) -> tuple[N, N, N]:
     return xx, xy, -xx
 
 
+def speed_change(approach: N) -> N:
+    """(1 + e) u: by how much an impact changes a speed u of approach; e, the restitution, is 1.
+
+    The law of every contact, wherever its form does not have it written out: from u < 0 it makes -e u.
+
+    >>> from fractions import Fraction as Q
+    >>> speed_change(Q(-3))
+    Fraction(-6, 1)
+    """
+    return approach + approach
+
+
 def advance(x: N, v: N, dt: N) -> N:
     """A coordinate after a flight of duration dt.
 

@@ -13,13 +13,14 @@ from ..laws.formulas import (
     pair_meeting,
     pair_mix,
     pair_strength,
+    speed_change,
     wall_approach,
     wall_gap,
     wall_hit_time,
     wall_mirror,
 )
 from ..numbers import ball
-from .contact import AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, new_flight
+from .contact import AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_flat, is_pair, new_flight
 from .state import ReplayState
 
 # -- A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
@@ -67,7 +68,7 @@ class BallState(ReplayState[arb]):
 
     def _hit_from_base(self, source: Link) -> tuple[arb, arb]:
         """The time of the hit, and for two circles their d at it."""
-        if isinstance(source, AtWall):
+        if is_flat(source):
             return source.hit(self)
         t, wait, dx, dy, root = self._meeting(source)
         self._told, self._root, self._straight = (source, dx, dy), root, root is None
@@ -219,7 +220,7 @@ class BallState(ReplayState[arb]):
         x, y, vx, vy, t, instant, late, last, rest = body.flight
         if self.late is not None:
             offset = line.nx * line.x0 + line.ny * line.y0 + body.r * line.length
-            shift = (offset + offset) / line.nn
+            shift = speed_change(offset) / line.nn
             x, y = xx * x + xy * y + shift * line.nx, xy * x + yy * y + shift * line.ny
         body.flight = Flight(x, y, xx * vx + xy * vy, xy * vx + yy * vy, t, instant, late, last, rest)
 
@@ -327,7 +328,7 @@ class Unchanging:
             reach = self._state.reach(a, b)
             square = reach * reach
             whole = square * (a.w + b.w)
-            shares = (a.w + a.w) / whole, (b.w + b.w) / whole
+            shares = speed_change(a.w) / whole, speed_change(b.w) / whole
             found = self._alike[kinds] = Partners(square, *shares, self._are_alike(a, b))
         self._partners[link] = found
         return found
@@ -343,7 +344,7 @@ class Unchanging:
         ball.use_bits(self._bits)
         a, b = link.ends(self._state)
         whole, one = a.w + b.w, self._state.one
-        share_a, share_b = (a.w + a.w) / whole, (b.w + b.w) / whole
+        share_a, share_b = speed_change(a.w) / whole, speed_change(b.w) / whole
         found = self._shares[link] = Shares(self._state.reach(a, b), share_a, share_b, one - share_a, one - share_b)
         return found
 
@@ -360,11 +361,11 @@ class Unchanging:
             sign = ball.sign_of(across)
             if along.is_zero() and sign:
                 touch = start + r if sign > 0 else start - r
-                found = self._walls[link] = Upright(touch, touch + touch, level)
+                found = self._walls[link] = Upright(touch, speed_change(touch), level)
                 return found
         offset = r * length
         shift = nx * x0 + ny * y0 + offset
-        shift = (shift + shift) / nn
+        shift = speed_change(shift) / nn
         mirror = self._state.mirror_of(link)
         found = self._walls[link] = Oblique(x0, y0, nx, ny, offset, *mirror, shift * nx, shift * ny)
         return found
@@ -411,7 +412,7 @@ class LoneContacts:
             How many bits of the instant are known.
         """
         self._known.at(bits)
-        return self._bounce(link, bits, done + 1) if isinstance(link, Pair) else self._rebound(link, bits, done + 1)
+        return self._bounce(link, bits, done + 1) if is_pair(link) else self._rebound(link, bits, done + 1)
 
     def _bounce(self, link: Pair, bits: int, step: int) -> int | None:
         """Two circles."""

@@ -11,7 +11,7 @@ from ...scenarios.scene import Scene
 from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import SPARE_BITS, BallState, LoneContacts, Oblique, Told, Unchanging
-from .contact import AtWall, Body, Entry, Flight, Landed, Link, Midpoints, Pair, Touch, new_flight
+from .contact import AtWall, Body, Flight, Landed, Link, Midpoints, Pair, Touch, can_push, is_flat, is_pair, new_flight
 from .deviations import Carried, Deviations, Moved, Numbers, carry_pair, carry_wall, is_finite, numbers_of
 from .error_bounds import Collision, Spent
 
@@ -92,7 +92,7 @@ class CentredState(BallState):
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
         """As `State.go`."""
         self._land()
-        if isinstance(source, (int, Quantity, Entry)) or not self._ordinary(source, bodies):
+        if isinstance(source, (int, Quantity)) or not can_push(source) or not self._ordinary(source, bodies):
             self.loosen()
             super().go(source, bodies)
             return
@@ -159,7 +159,7 @@ class CentredState(BallState):
     def _carried(self, held: Deviations, pending: Pending, movers: list[Body[arb]]) -> bool:
         """Carries the deviations through an impulse; whether that could be done."""
         link = pending.link
-        if isinstance(link, AtWall):
+        if is_flat(link):
             return held.mirror(held.face(self, link), movers[0])
         assert pending.hit is not None
         return held.meet(link, movers, pending.hit)
@@ -219,7 +219,7 @@ class CentredState(BallState):
         if held is None:
             return None
         carried = held.carried
-        if link[0] in carried and (link[1] in carried or isinstance(link, AtWall)):
+        if link[0] in carried and (link.flat or link[1] in carried):
             return held  # nearly always
         for i in link.circles:
             if i not in carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
@@ -283,7 +283,7 @@ class LoneCentred:
             return None
         self._known.at(bits)
         try:
-            if isinstance(link, Pair):
+            if is_pair(link):
                 return self._bounce(held, link, bits, done + 1)
             return self._rebound(held, link, bits, done + 1)
         except (Spent, OverflowError):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
-from typing import Any, Generic, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias
 
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Contact
 from ..numbers.system import N
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
 
 # -- One circle as it flies.
 
@@ -124,8 +127,16 @@ Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
 
 # -- Contacts by index, typed: two circles, a circle and a wall, the centre of a circle and the rim of a pocket.
 #
-# Each kind knows which circles it is between and which formulas of a state are its own. The gap of the first and the
-# last is quadratic in time, that of a wall linear; the last is no obstacle, but reckoned like one.
+# Each kind knows which circles it is between, which formulas of a state are its own, and what else sets it apart; what
+# works with contacts asks them, and `KINDS` lists them. Of each kind:
+#
+# - its gap is a polynomial of the time: `flat`, of degree 1, which falls for good or never, and touches without
+#   approach only along a whole flight; else of degree 2, |d|^2 - R^2, whose discriminant tells a hit, the earlier
+#   zero, from a graze and a miss;
+# - whether it `pushes`; what does not is no obstacle, but reckoned like one: a flight may begin inside of it;
+# - `rank`: its place among contacts of one circle;
+# - what remains of the gap after a contact: its zero at the instant is never looked for again, as contacts at gap
+#   zero are known by name (`Instant.standing`) and left out of the next prediction, whatever rounding makes of it.
 
 
 def _gap(link: Round, state: Formulas[N]) -> N:
@@ -160,7 +171,8 @@ class Pair(NamedTuple):
     b: int
 
     pushes = True
-    grazes = True
+    flat = False
+    rank = 0
     gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 
     @property
@@ -193,7 +205,8 @@ class AtWall(NamedTuple):
     kind: str = "wall"
 
     pushes = True
-    grazes = False
+    flat = True
+    rank = 1
 
     @property
     def circles(self) -> tuple[int, ...]:
@@ -242,7 +255,8 @@ class Entry(NamedTuple):
     kind: str = "pocket"
 
     pushes = False
-    grazes = True
+    flat = False
+    rank = 2
     gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 
     @property
@@ -267,6 +281,24 @@ Round: TypeAlias = Pair | Entry
 
 Link: TypeAlias = Pair | AtWall | Entry
 """Any of them."""
+
+KINDS: Mapping[str, Callable[[int, int], Link]] = {"": Pair, "wall": AtWall, "pocket": Entry}
+"""How each kind is written beside its two indices, and what makes it."""
+
+
+def can_push(link: Link | None) -> TypeIs[Touch]:
+    """Whether an impulse can pass through a contact, if there is one."""
+    return link is not None and link.pushes
+
+
+def is_flat(link: Link) -> TypeIs[AtWall]:
+    """Whether the gap of a contact is linear in time."""
+    return link.flat
+
+
+def is_pair(link: Link) -> TypeIs[Pair]:
+    """Whether a contact is between circles alone, which may both move."""
+    return link.rank == 0
 
 
 class Bodies(Protocol[N]):
@@ -304,8 +336,7 @@ def scene_order(link: Link) -> tuple[int, int, int]:
     >>> sorted([AtWall(0, 0), Pair(1, 2), Pair(0, 3)], key=scene_order)
     [Pair(a=0, b=3), AtWall(circle=0, wall=0, kind='wall'), Pair(a=1, b=2)]
     """
-    rank = 0 if isinstance(link, Pair) else 1 if isinstance(link, AtWall) else 2
-    return link[0], rank, link[1]
+    return link[0], link.rank, link[1]
 
 
 def touch_of(scene: Scene, i: int, j: int) -> Touch:
@@ -321,7 +352,7 @@ def touch_of(scene: Scene, i: int, j: int) -> Touch:
 
 def places_of(scene: Scene, link: Touch) -> tuple[int, int]:
     """A contact by places in `scene.ids`, as `touch_of` reads them."""
-    return (link.a, link.b) if isinstance(link, Pair) else (link.circle, len(scene.circles) + link.wall)
+    return link[0], len(scene.circles) + link[1] if link.flat else link[1]
 
 
 def contact_of(scene: Scene, link: Touch) -> Contact:
@@ -356,7 +387,7 @@ def name_of(scene: Scene, link: Link) -> str:
     >>> name_of(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), Pair(0, 1))
     'a and b'
     """
-    if isinstance(link, Entry):
+    if not can_push(link):
         pocket = str(scene.pockets[link.pocket].id)
         return f"{scene.ids[link.circle]} and {'' if pocket.startswith('pocket') else 'pocket '}{pocket}"
     return " and ".join(contact_of(scene, link))

@@ -9,9 +9,10 @@ from typing import NamedTuple, TypeAlias
 from flint import arb
 
 from ..compiled import steps
+from ..laws.formulas import speed_change
 from ..numbers import ball
 from .ball_state import BallState, Told
-from .contact import FAINT, AtWall, Body, Doubles, Flight, Link, Midpoints, Pair, Round, new_flight
+from .contact import FAINT, AtWall, Body, Doubles, Flight, Link, Midpoints, Pair, Round, is_flat, new_flight
 from .error_bounds import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, pair_derivative, scaled, wall_steepness
 
 # -- The deviations of bodies from their midpoints: what `ErrorSet` counts in doubles, in the bodies' own numbers.
@@ -147,7 +148,7 @@ class Deviations:
             for i, lag in lags:
                 self.errors.fly(self.place[i], ldexp(lag, -self.time_power))
                 self.errors.power_of(self.errors.bounds.place[self.place[i]])
-            if isinstance(link, AtWall):
+            if is_flat(link):
                 return self._to_wall(state, link)
             return None if told is None or root is None else self._to_pair(state, *told, root)
         except (Spent, OverflowError):
@@ -231,7 +232,7 @@ class Deviations:
             reach = ball.as_double(state.reach(a, b))
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
-            found = self._strengths[link] = -2.0 / weight if known else 0.0
+            found = self._strengths[link] = -speed_change(1.0) / weight if known else 0.0
         return found
 
     def face(self, state: BallState, link: AtWall) -> Face:

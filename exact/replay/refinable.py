@@ -18,7 +18,7 @@ from ..numbers import ball
 from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
 from .ball_state import SPARE_BITS
 from .centred_state import CentredState, lone_contacts
-from .contact import AtWall, Body, Flight, Pair, Touch
+from .contact import Body, Flight, Touch, can_push, is_pair
 from .state import Flip, Go, Kick, ReplayState, Step, circles_of
 
 FIELD_BITS = 768
@@ -175,7 +175,7 @@ class RefinableState:
         bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
         if len(exact) == len(bodies):
-            if self.field is None or self.numbers.tower.depth or not isinstance(link, Pair):
+            if self.field is None or self.numbers.tower.depth or not is_pair(link):
                 return False
             if not self.numbers.leaves(self.field.discriminant(link)):
                 return False
@@ -297,7 +297,8 @@ class RefinableState:
             return None
         step = self.steps[k]
         assert isinstance(step, Go)
-        assert isinstance(step.source, Pair | AtWall)
+        assert isinstance(step.source, tuple)
+        assert can_push(step.source)
         return step.source
 
     def _again(self, state: CentredState, k: int, bits: int) -> None:

@@ -18,6 +18,7 @@ from ..laws.formulas import (
     pair_hit_time,
     pair_impulse,
     pair_nearest_time,
+    speed_change,
     wall_approach,
     wall_bounce,
     wall_gap,
@@ -496,7 +497,7 @@ class ReplayState(Flights[N]):
 
     def _kick_together(self, links: tuple[Touch, ...]) -> None:
         matrix, approaches = self.contact_system(links)
-        strengths = solve_positive(matrix, [-(u + u) for u in approaches])
+        strengths = solve_positive(matrix, [-speed_change(u) for u in approaches])
         for link, strength in zip(links, strengths, strict=True):
             for index, jx, jy in link.arms(self):
                 self.push(self.bodies[index], strength * jx, strength * jy)

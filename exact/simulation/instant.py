@@ -12,7 +12,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N
 from ..question import BeforeTime, Closing, Coupling, Decision, Moment, RelativeSpeed, Rim
-from ..replay.contact import AtWall, Entry, Link, Pair, Touch, contact_of, scene_order
+from ..replay.contact import Entry, Link, Touch, can_push, contact_of, is_pair, scene_order
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .policies import Lasting, Policy, Rounds, components, settle
@@ -208,7 +208,7 @@ class Resolver(Generic[N, K]):
     def _lasts(self, link: Touch) -> bool:
         """Whether two at gap zero that neither approach nor part stay there: nothing but straight flight together
         keeps two circles at gap zero, and any flight along a wall does."""
-        return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0
+        return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0
 
     def _coupled(self, rounds: Rounds) -> bool:
         """Whether the order of an instant's impulses could matter; where that is not known, it could."""
@@ -286,9 +286,9 @@ class Resolver(Generic[N, K]):
         self.decider.do(Go(source, tuple(range(self.n))))
         self.decider.do(Flip())
         touches = {link: -sign for link, sign in instant.touches.items() if self.gone.isdisjoint(link.circles)}
-        touches.update((link, -sign) for link, sign in before.standing.items() if not isinstance(link, Entry))
+        touches.update((link, -sign) for link, sign in before.standing.items() if can_push(link))
         hits = [link for link, sign in touches.items() if sign < 0]
-        rims = instant.rims | {link for link in before.standing if isinstance(link, Entry)}
+        rims = instant.rims | {link for link in before.standing if not can_push(link)}
         self._contacts(hits, {link: sign for link, sign in touches.items() if sign >= 0}, instant, done)
         if self.scene.pockets:
             self._entries((), rims, done)
@@ -423,7 +423,7 @@ class Gatherer(Generic[N, K]):
         self, chosen: list[Arrival[N]], touches: list[Arrival[N]], ties: list[Tie], moment: Quantity | None
     ) -> Instant:
         first = chosen[0].link if chosen else None
-        if len(chosen) == 1 and not touches and moment is None and isinstance(first, (Pair, AtWall)):
+        if len(chosen) == 1 and not touches and moment is None and can_push(first):
             return Instant(self._last + 2, hits=(first,), clock=first)
         entries = _entries(chosen)
         return Instant(
@@ -485,7 +485,7 @@ class Gatherer(Generic[N, K]):
         return meetings.order(timed, first)
 
     def _tie(self, first: Arrival[N], second: Arrival[N], decision: Decision) -> Tie:
-        contacts = [contact_of(self.scene, a.link) for a in (first, second) if not isinstance(a.link, Entry)]
+        contacts = [contact_of(self.scene, a.link) for a in (first, second) if can_push(a.link)]
         return Tie(tuple(contacts), decision.proof, decision.bound)
 
     def _reached(self, bodies: set[int]) -> set[int]:
@@ -564,9 +564,9 @@ class Gatherer(Generic[N, K]):
 
 def _touches(arrivals: list[Arrival[N]]) -> list[Touch]:
     """Those of the contacts through which an impulse can pass, in scene order."""
-    return sorted([a.link for a in arrivals if not isinstance(a.link, Entry)], key=scene_order)
+    return sorted([a.link for a in arrivals if can_push(a.link)], key=scene_order)
 
 
 def _entries(arrivals: list[Arrival[N]]) -> list[Entry]:
     """The entries among the contacts."""
-    return [a.link for a in arrivals if isinstance(a.link, Entry)]
+    return [a.link for a in arrivals if not can_push(a.link)]

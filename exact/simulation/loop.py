@@ -17,7 +17,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
 from ..question import Closing
-from ..replay.contact import AtWall, Body, Link, Pair, Touch
+from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push
 from .decider import Decider, History, K, Limits, Ordinary
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Policy, policy_for
@@ -79,11 +79,7 @@ class Tape:
         Where strides may be taken a contact is what one carried out, so that it is carried out again like that.
         """
         link = instant.clock
-        if (
-            not whole
-            and isinstance(link, Pair | AtWall)
-            and instant == Instant(instant.number, hits=(link,), clock=link)
-        ):
+        if not whole and can_push(link) and instant == Instant(instant.number, hits=(link,), clock=link):
             self.found.append(link)
         else:
             self.found.append(instant)

@@ -22,7 +22,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, touch_of
+from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_flat, is_pair, touch_of
 from ..replay.state import ReplayState
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
@@ -203,14 +203,14 @@ class ArrivalQueue(Generic[N]):
         a = self._bodies[link[0]]
         if low > a.until:
             return
-        if isinstance(link, Pair):
+        if is_pair(link):
             b = self._bodies[link.b]
             if low > b.until:
                 return
             serials = (a.serial, b.serial)
         else:
             serials = (a.serial,)
-            if high < a.until and isinstance(link, AtWall):
+            if high < a.until and link.flat:
                 a.until = high
         self._order += 1
         heappush(self._heap, Arrival(low, self._order, high, certain, time, link, serials, graze))
@@ -252,7 +252,7 @@ class ArrivalQueue(Generic[N]):
                     heappop(heap)
                     continue
                 low, _, high, certain, _, link, _, graze = first
-                if graze or not certain or isinstance(link, Entry):
+                if graze or not certain or not can_push(link):
                     return None
             else:
                 low, _, high, i, j, si, sj = first
@@ -546,7 +546,7 @@ class Predictor(Generic[M]):
         if pair_approach(gx, gy, vx, vy) >= zero:
             return
         link = link_of(a, b)
-        if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):
+        if link in standing or (link.pushes and a.index in self.points and b.index in self.points):
             return
         reach = self.reach(a, b)
         disc = pair_discriminant(dx, dy, vx, vy, reach)
@@ -609,7 +609,7 @@ def link_of(a: Body[M], b: Body[M]) -> Round:
 def earliest_possible(state: ReplayState[M], link: Link, bounds: Callable[[M], tuple[float, float]]) -> float:
     """A double before which a doubtful meeting cannot come: the gap over the greatest closing speed; inf: never."""
     t, gap = link.later(state).flight.instant, link.gap(state)
-    if isinstance(link, AtWall):
+    if is_flat(link):
         speed = -link.approach(state)
     else:
         _, dx, dy, vx, vy, reach = state.relation(link)

@@ -93,7 +93,7 @@ class FlatFlights:
 
     def places(self, link: Link) -> tuple[int, int]:
         """The places of a contact."""
-        return (link[0], self.n + link[1]) if isinstance(link, AtWall) else (link[0], link[1])
+        return (link[0], self.n + link[1]) if link.flat else (link[0], link[1])
 
     def stale(self, entry: Queued) -> bool:
         """Whether an arrival rests on flights that are over."""
@@ -164,7 +164,7 @@ class FlatQueue(ArrivalQueue[float]):
         i, j = f.places(link)
         if low > f.until[i] or low > f.until[j]:
             return
-        if high < f.until[i] and isinstance(link, AtWall):
+        if high < f.until[i] and link.flat:
             f.until[i] = high
         heappush(f.heap, (low, f.tick(), i, j, f.serial[i], f.serial[j], None, graze))
 

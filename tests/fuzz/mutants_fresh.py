@@ -37,14 +37,14 @@ CONTACTS = (
     ),
     Mutant(
         "every_touch_lasts", INSTANT,
-        "return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0",
+        "return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0",
         "return True",
         "a graze is taken for a lasting contact",
     ),
     Mutant(
         "no_wall_lasts", INSTANT,
-        "return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0",
-        "return isinstance(link, Pair) and self.decider.ask(RelativeSpeed(link)) == 0",
+        "return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0",
+        "return is_pair(link) and self.decider.ask(RelativeSpeed(link)) == 0",
         "a circle that slides along a wall is forgotten to touch it",
     ),
     Mutant(
@@ -130,7 +130,7 @@ CONTACTS = (
     ),
     Mutant(
         "slack_above_zero", "exact/question.py",
-        "        slack = speeds[-1] + speeds[-1]\n",
+        "        slack = speed_change(speeds[-1])\n",
         "        slack = speeds[-1]\n",
         "whether a contact separates fast enough is held against half its speed",
     ),
@@ -294,20 +294,20 @@ GATHERING = (
     ),
     Mutant(
         "points_meet", PREDICTION,
-        "if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):",
+        "if link in standing or (link.pushes and a.index in self.points and b.index in self.points):",
         "if link in standing:",
         "two points meet",
     ),
     Mutant(
         "points_pass_pockets", PREDICTION,
-        "(isinstance(link, Pair) and a.index in self.points and b.index in self.points)",
+        "(link.pushes and a.index in self.points and b.index in self.points)",
         "(a.index in self.points and b.index in self.points)",
         "a point does not come to a pocket whose number is that of a point",
     ),
     Mutant(
         "standing_predicted", PREDICTION,
-        "if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):",
-        "if isinstance(link, Pair) and a.index in self.points and b.index in self.points:",
+        "if link in standing or (link.pushes and a.index in self.points and b.index in self.points):",
+        "if link.pushes and a.index in self.points and b.index in self.points:",
         "contacts that stand at gap zero are predicted",
     ),
     Mutant(
@@ -358,7 +358,7 @@ ENTRIES = (
     ),
     Mutant(
         "rims_forgotten_by_reversal", INSTANT,
-        "rims = instant.rims | {link for link in before.standing if isinstance(link, Entry)}",
+        "rims = instant.rims | {link for link in before.standing if not can_push(link)}",
         "rims = instant.rims",
         "a reversal forgets the rims at which the contacts before it left centres",
         why_it_survives="costs time: a reversal moves every circle, so every rim is looked at anew",
@@ -388,8 +388,8 @@ REVERSAL = (
     ),
     Mutant(
         "reversal_forgets_parted", INSTANT,
-        "touches.update((link, -sign) for link, sign in before.standing.items() if not isinstance(link, Entry))",
-        "touches.update((link, sign) for link, sign in before.standing.items() if not isinstance(link, Entry))",
+        "touches.update((link, -sign) for link, sign in before.standing.items() if can_push(link))",
+        "touches.update((link, sign) for link, sign in before.standing.items() if can_push(link))",
         "a reversal does not send back what has just parted",
     ),
     Mutant(
@@ -527,8 +527,8 @@ SYMMETRY = (
     ),
     Mutant(
         "walls_to_themselves", ISOMETRY,
-        "b = self.wall(link.wall) if isinstance(link, AtWall) else self.circle(link.b)",
-        "b = link.wall if isinstance(link, AtWall) else self.circle(link.b)",
+        "b = self.wall(link.wall) if is_flat(link) else self.circle(link.b)",
+        "b = link.wall if is_flat(link) else self.circle(link.b)",
         "every wall is its own image",
     ),
     Mutant(
@@ -575,9 +575,9 @@ SYMMETRY = (
     ),
     Mutant(
         "walls_all_one", ISOMETRY,
-        "        if self.alone or isinstance(link, Pair):\n",
-        "        if isinstance(link, AtWall):\n            return AtWall(link.circle, 0)\n"
-        "        if isinstance(link, Pair):\n",
+        "        if self.alone or is_pair(link):\n",
+        "        if is_flat(link):\n            return AtWall(link.circle, 0)\n"
+        "        if is_pair(link):\n",
         "any two walls are one",
     ),
     Mutant(

@@ -27,8 +27,8 @@ QUESTIONS = (
     Mutant(
         "graze_wait_is_the_hit",
         HITS,
-        "if self.graze and not isinstance(self.link, AtWall):",
-        "if self.graze and isinstance(self.link, AtWall):",
+        "if self.graze and not is_flat(self.link):",
+        "if self.graze and is_flat(self.link):",
         "the time of a graze is that of a hit",
         why_it_survives="the formula of a hit, at a discriminant of zero, gives the time of the graze, less sharply: only more bits are asked for",
     ),
@@ -106,7 +106,7 @@ QUESTIONS = (
     Mutant(
         "strength_of_single_speed",
         IMPULSES,
-        "return solve_positive(matrix, [-(u + u) for u in speeds])",
+        "return solve_positive(matrix, [-speed_change(u) for u in speeds])",
         "return solve_positive(matrix, [-u for u in speeds])",
         "impulses asked about are half as strong",
         why_it_survives="only the signs of strengths are asked, and half of each has the same sign",
@@ -128,7 +128,7 @@ QUESTIONS = (
     Mutant(
         "slack_of_single_speed",
         IMPULSES,
-        "slack = speeds[-1] + speeds[-1]",
+        "slack = speed_change(speeds[-1])",
         "slack = speeds[-1]",
         "a contact outside of those that push need only stop",
     ),
@@ -249,8 +249,8 @@ CERTIFIED = (
     Mutant(
         "unsure_inside_enters",
         MEETINGS,
-        "            if isinstance(link, Entry) and gap < 0:\n                return\n",
-        "            if isinstance(link, Entry):\n                return\n",
+        "            if not link.pushes and gap < 0:\n                return\n",
+        "            if not can_push(link):\n                return\n",
         "a centre on a rim is taken to be inside",
         why_it_survives="a gap of zero does not come there: what stands on a rim at an instant was gathered for it",
     ),
@@ -502,7 +502,7 @@ LOOPS = (
     Mutant(
         "alone_with_a_reversal",
         GATHERING,
-        "if len(chosen) == 1 and not touches and moment is None and isinstance(first, (Pair, AtWall)):",
+        "if len(chosen) == 1 and not touches and moment is None and can_push(first):",
         "if len(chosen) == 1 and not touches and isinstance(first, (Pair, AtWall)):",
         "a contact at a set reversal hides it",
     ),

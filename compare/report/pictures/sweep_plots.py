@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from ...picture import REFERENCE, plain_css
-from ..curves import Curve, plot
+from ..charts import Curve, plot
 
 if TYPE_CHECKING:
     from ...grids.row import Row

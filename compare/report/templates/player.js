@@ -9,8 +9,9 @@ const ONE_INSTANT = 1e-9; // share of the time by which two events may lie apart
 const SECONDS = 30; // a whole run at speed 1
 const alone = data.runs.length === 1;
 const SMALL = 9; // radius in pixels below which the bodies of the divergence are shown close up at first
-// `picked`: of several events at one time, the one that was meant, on each side.
-const state = { time: data.begin, playing: false, chosen: alone ? 0 : 1, last: 0, sound: null, close: false, picked: {} };
+// `picked`: of several stops at one time, the one that was meant.
+const state = { time: data.begin, playing: false, chosen: alone ? 0 : 1, last: 0, sound: null, close: false, picked: -1 };
+let [rows, stops] = [[], []]; // the list, and the instants in it: [time, row]
 
 const sides = alone ? ["truth"] : ["truth", "engine"];
 const candidate = () => data.runs[state.chosen];
@@ -30,6 +31,35 @@ function when(events, k) {
   return later ? `${later} later` : `t = ${time}`;
 }
 
+// Both lists of events, row by row: each of the reference with the engine's that it is, those of the engine alone between.
+function aligned() {
+  const [mine, theirs] = [motions[0].run.events, alone ? [] : candidate().events];
+  const left = divergence();
+  const places = new Map(theirs.map((event, k) => [event[0], k]));
+  const alike = (k) => theirs[k] && (!left || mine[k][0] < left.expected) && pairs(theirs[k]) === pairs(mine[k]);
+  const twin = (k) => candidate().matches ? places.get(candidate().matches[k]) : left?.expected === mine[k][0] ? places.get(left.got) : alike(k) ? k : undefined;
+  const taken = new Set();
+  const found = mine.map((event, k) => {
+    const other = alone ? undefined : twin(k);
+    const own = taken.has(other) ? undefined : other;
+    taken.add(own);
+    return { truth: k, own, time: event[1], first: left?.expected === event[0] };
+  });
+  theirs.forEach((event, k) => { if (!taken.has(k)) found.push({ own: k, time: event[1], first: Boolean(left) && left.expected === null && left.got === event[0] }); });
+  return found.sort((one, other) => one.time - other.time);
+}
+
+// The instants of the list in order, each with its row; the two of a row that are one but for rounding, once.
+function instants() {
+  const found = [];
+  rows.forEach((row, k) => {
+    const times = [row.truth === undefined ? null : motions[0].run.events[row.truth][1], row.own === undefined ? null : candidate().events[row.own][1]].filter((t) => t !== null);
+    if (times.length === 2 && near(...times)) times.pop();
+    for (const time of times) found.push([time, k]);
+  });
+  return found.sort((one, other) => one[0] - other[0] || one[1] - other[1]);
+}
+
 function look(element, dashed) {
   const style = getComputedStyle(element);
   const colour = (name) => style.getPropertyValue(name).trim();
@@ -45,6 +75,7 @@ function look(element, dashed) {
 function draw() {
   panes.truth.draw(motions[0], state.time, look(player, false));
   if (!alone) panes.engine.draw(motions[state.chosen], state.time, look(part("engine-figure"), true));
+  drawStrip();
 }
 
 // The error at a time, between samples by its logarithm, or by the larger of two if one is zero; null beyond them.
@@ -58,7 +89,13 @@ function errorAt(time) {
   return rows[k][1] * (rows[k + 1][1] / rows[k][1]) ** share;
 }
 
+// Past the divergence places are those of another history: no digits of this one are left.
+function parted(time) {
+  return Boolean(divergence()) && time > divergence().time && !near(time, divergence().time);
+}
+
 function digitsLeft(time) {
+  if (parted(time)) return 0;
   const error = errorAt(time);
   return error === null ? null : error === 0 ? Infinity : Math.max(0, -Math.log10(error / candidate().scale));
 }
@@ -69,23 +106,12 @@ function show() {
   scrubber.setAttribute("aria-valuetext", `time ${shown(state.time)}`);
   part("clock").textContent = shown(state.time);
   const digits = digitsLeft(state.time);
-  part("digits").textContent = digits === null ? "–" : digits === Infinity ? "all" : digits.toFixed(1);
+  part("digits").textContent = parted(state.time) ? "none: another history" : digits === null ? "–" : digits === Infinity ? "all" : digits.toFixed(1);
   part("digit-bar").firstElementChild.style.width = `${Math.min(100, (100 * (digits ?? 0)) / 16)}%`;
-  for (const side of sides) follow(side);
+  follow();
   for (const plot of document.querySelectorAll("#errors svg")) moveCursor(plot);
   draw();
   if (data.embedded) parent.postMessage({ truebreakTime: state.time }, "*");
-}
-
-function motionOf(side) {
-  return side === "truth" ? motions[0] : motions[state.chosen];
-}
-
-// The place in a side's list: of the event that was picked, if it is of this time but for rounding, else of the last
-// one by now.
-function placeOf(side) {
-  const [motion, picked] = [motionOf(side), state.picked[side]];
-  return near(motion.eventTimes[picked], state.time) ? picked : motion.eventAt(state.time);
 }
 
 // Whether two times are one instant but for rounding.
@@ -93,39 +119,51 @@ function near(one, other) {
   return Math.abs(one - other) <= ONE_INSTANT * Math.abs(other);
 }
 
-function follow(side) {
-  const list = part(`list-${side}`);
-  const place = placeOf(side);
-  const now = list.children[place];
+// The place among the stops: the one that was picked, if it is of this time, else the last by now; -1 before the first.
+function placeNow() {
+  if (state.picked >= 0 && near(stops[state.picked][0], state.time)) return state.picked;
+  return lastNotAfter(stops, state.time, (stop) => stop[0]);
+}
+
+function follow() {
+  const [list, place] = [part("list"), placeNow()];
+  const now = place < 0 ? null : list.children[stops[place][1]];
   const before = list.querySelector("[aria-selected=true]");
-  if (before === (now ?? null)) return;
+  if (before === now) return;
   before?.setAttribute("aria-selected", "false");
   if (!now) { list.removeAttribute("aria-activedescendant"); list.scrollTop = 0; return; }
   now.setAttribute("aria-selected", "true");
   list.setAttribute("aria-activedescendant", now.id);
-  reveal(side);
+  reveal();
 }
 
-function reveal(side) {
-  const list = part(`list-${side}`);
+function reveal() {
+  const list = part("list");
   const now = list.querySelector("[aria-selected=true]");
   if (now) list.scrollTop = now.offsetTop - list.clientHeight / 2;
 }
 
-// Says where the clock stands, for the eye and for a screen reader; not while it runs.
-function tell() {
-  const told = sides.map((side) => {
-    const motion = motionOf(side);
-    const event = motion.run.events[placeOf(side)];
-    const ended = state.time > motion.run.end || candidate().stopped === state.time && side === "engine" ? ` (its run ends at t = ${shown(motion.run.end)}: ${motion.run.stop})` : "";
-    return `${motion.run.name}: ${event ? `event ${event[0]}, ${pairs(event)}` : "nothing yet"}${ended}`;
-  });
-  const left = divergence();
-  const first = left && Math.abs(left.time - state.time) <= 1e-12 * Math.abs(left.time) ? ". The first divergence." : "";
-  part("told").textContent = `t = ${shown(state.time)}; ${told.join("; ")}${first}`;
+function named(row) {
+  return row.truth === undefined ? `an event of ${candidate().name} alone` : `event ${motions[0].run.events[row.truth][0]}`;
 }
 
-function seek(time, silent = false, picked = {}) {
+// Says where the clock stands, for the eye and for a screen reader; not while it runs.
+function tell() {
+  const place = placeNow();
+  const row = place < 0 ? null : rows[stops[place][1]];
+  const cells = row ? [[motions[0], row.truth], ...(alone ? [] : [[motions[state.chosen], row.own]])] : [];
+  const what = cells.map(([motion, k]) => `${motion.run.name} ${k === undefined ? "has none" : pairs(motion.run.events[k])}`).join(", ");
+  const ends = sides.map((side) => motionOf(side)).filter((motion) => state.time > motion.run.end || (candidate().stopped === state.time && motion !== motions[0]));
+  const ended = ends.map((motion) => `; the run of ${motion.run.name} ends at t = ${shown(motion.run.end)}: ${motion.run.stop}`).join("");
+  const first = row?.first && stops[place][0] && near(state.time, stops[place][0]) ? ". The first divergence." : "";
+  part("told").textContent = `t = ${shown(state.time)}; ${row ? `${named(row)}: ${what}` : "nothing yet"}${ended}${first}`;
+}
+
+function motionOf(side) {
+  return side === "truth" ? motions[0] : motions[state.chosen];
+}
+
+function seek(time, silent = false, picked = -1) {
   state.time = Math.min(Math.max(time, data.begin), data.end);
   state.picked = picked;
   show();
@@ -177,46 +215,79 @@ function click(ear) {
   tone.stop(from + 0.05);
 }
 
-// To the event after or before, on any of the sides given; of several at one instant, one after the other.
-function step(way, among = sides) {
+// To the event after or before; of several at one instant, one after the other.
+function step(way) {
   if (state.playing) stop();
-  const [places, picked] = [Object.fromEntries(sides.map((side) => [side, placeOf(side)])), {}];
-  for (const side of among) {
-    const other = places[side] + way;
-    if (places[side] >= 0 && near(motionOf(side).eventTimes[other], state.time)) picked[side] = other;
-  }
-  if (Object.keys(picked).length) return seek(state.time, false, { ...places, ...picked });
-  const times = among.flatMap((side) => motionOf(side).eventTimes);
-  const ahead = times.filter((t) => !near(t, state.time) && (way > 0 ? t > state.time : t < state.time));
-  if (!ahead.length) return seek(way > 0 ? data.end : data.begin);
-  const time = way > 0 ? Math.min(...ahead) : Math.max(...ahead);
-  const first = way > 0 ? Object.fromEntries(sides.map((side) => [side, motionOf(side).eventTimes.findIndex((t) => near(t, time))])) : {};
-  return seek(time, false, first);
+  const place = placeNow();
+  const here = place >= 0 && near(stops[place][0], state.time);
+  const next = way > 0 || here ? place + way : place;
+  if (next < 0 || next >= stops.length) return seek(way > 0 ? data.end : data.begin);
+  return seek(stops[next][0], false, next);
 }
 
 // To the first divergence, or to where a run stopped that does not tell.
 function jump() {
   if (state.playing) stop();
-  const left = divergence();
-  const place = (side, index) => motionOf(side).run.events.findIndex((event) => event[0] === index);
-  seek(goal(), false, left ? { truth: place("truth", left.expected), engine: place("engine", left.got) } : {});
+  const row = rows.findIndex((each) => each.first);
+  seek(goal(), false, stops.findIndex(([time, k]) => k === row && near(time, goal())));
 }
 
-function fill(side) {
-  const [list, motion] = [part(`list-${side}`), motionOf(side)];
-  const left = divergence();
-  const first = left && (side === "truth" ? left.expected : left.got);
-  part(`list-title-${side}`).textContent = `${motion.run.name}: events`;
-  list.replaceChildren(...motion.run.events.map((event, k) => {
-    const row = document.createElement("li");
-    row.id = `${side}-${k}`;
-    row.setAttribute("role", "option");
-    row.setAttribute("aria-selected", "false");
-    row.textContent = `${event[0]}  ${when(motion.run.events, k)}  ${pairs(event)}`;
-    if (left && event[0] === first) { row.className = "first"; row.textContent += "  ◆ first divergence"; }
-    row.addEventListener("click", () => { if (state.playing) stop(); seek(event[1], false, { ...state.picked, [side]: k }); });
-    return row;
+function fill() {
+  [rows, state.picked] = [aligned(), -1];
+  stops = instants();
+  part("list-title-truth").textContent = motions[0].run.name;
+  part("list-title-engine").textContent = alone ? "" : candidate().name;
+  part("list").replaceChildren(...rows.map((row, k) => {
+    const line = document.createElement("li");
+    line.id = `row-${k}`;
+    line.setAttribute("role", "option");
+    line.setAttribute("aria-selected", "false");
+    const cell = (motion, place) => (place === undefined ? "–" : `${pairs(motion.run.events[place])}  ${when(motion.run.events, place)}`);
+    const texts = [row.truth === undefined ? "" : String(motions[0].run.events[row.truth][0]), cell(motions[0], row.truth)];
+    if (!alone) texts.push(cell(motions[state.chosen], row.own));
+    if (row.first) texts[0] += " ◆";
+    line.className = `${row.first ? "first" : ""}${!alone && (row.own === undefined || row.truth === undefined) ? " odd" : ""}`;
+    line.append(...texts.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
+    line.addEventListener("click", () => { if (state.playing) stop(); const to = stops.findIndex((each) => each[1] === k); seek(stops[to][0], false, to); });
+    return line;
   }));
+}
+
+const STRIP = 56; // pixels of the strip's height
+const FLOOR = 2 ** -53; // of the scale: below it doubles tell nothing
+
+// The strip of time: the error on a logarithmic scale, ticks of both runs, the predicted band, the divergence, the clock.
+function drawStrip() {
+  const [canvas, ratio] = [part("strip"), devicePixelRatio || 1];
+  const [width, run] = [canvas.clientWidth, candidate()];
+  if (canvas.width !== Math.round(width * ratio)) { canvas.width = Math.round(width * ratio); canvas.height = STRIP * ratio; }
+  const pen = canvas.getContext("2d");
+  const colours = look(alone ? player : part("engine-figure"), !alone);
+  const x = (time) => (width * (time - data.begin)) / (data.end - data.begin);
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.fillStyle = colours.frame;
+  pen.fillRect(0, 0, width, STRIP);
+  if (run.predicted) { pen.globalAlpha = 0.16; pen.fillStyle = colours.colour; pen.fillRect(x(run.predicted[0]), 0, Math.max(2, x(run.predicted[1]) - x(run.predicted[0])), STRIP); pen.globalAlpha = 1; }
+  const ticks = (motion, from, to, colour) => { pen.strokeStyle = colour; pen.lineWidth = 1; pen.globalAlpha = 0.6; pen.beginPath(); for (const t of motion.eventTimes) { pen.moveTo(x(t), from); pen.lineTo(x(t), to); } pen.stroke(); pen.globalAlpha = 1; };
+  ticks(motions[0], STRIP - 7, STRIP, colours.reference);
+  if (!alone) ticks(motions[state.chosen], 0, 7, colours.colour);
+  const errors = (run.errors ?? []).filter((row) => row[1] !== null);
+  if (errors.length) {
+    const [low, high] = [Math.log10(run.scale * FLOOR), Math.log10(Math.max(run.scale, ...errors.map((row) => row[1])))];
+    pen.strokeStyle = colours.colour;
+    pen.lineWidth = 1.6;
+    pen.beginPath();
+    errors.forEach(([t, e], k) => pen[k ? "lineTo" : "moveTo"](x(t), 10 + (STRIP - 20) * (1 - Math.max(0, (Math.log10(e || 1e-300) - low) / (high - low)))));
+    pen.stroke();
+  }
+  const left = divergence();
+  if (left) { pen.fillStyle = colours.text; pen.font = "13px system-ui, sans-serif"; pen.textAlign = "center"; pen.textBaseline = "middle"; pen.fillText("◆", Math.min(width - 7, Math.max(7, x(left.time))), STRIP / 2); }
+  pen.strokeStyle = colours.text;
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(x(state.time), 0);
+  pen.lineTo(x(state.time), STRIP);
+  pen.stroke();
 }
 
 function choose(number) {
@@ -230,9 +301,8 @@ function choose(number) {
   part("jump").textContent = run.divergence ? "To the first divergence" : "To where it stopped";
   const [whole, from] = [data.total, data.runs[0].events];
   const cut = from.length < whole && from.length ? `Shown are events ${from[0][0].toLocaleString("en")} to ${from.at(-1)[0].toLocaleString("en")} of the ${whole.toLocaleString("en")} of ${data.runs[0].name}. ` : "";
-  const grows = run.growth > 0 ? `A small error grows by ${run.growth.toPrecision(3)} bits an event: it uses up the 53 bits of a double in about ${Math.round(53 / run.growth)} events.` : "";
-  part("growth").textContent = cut + grows;
-  sides.forEach(fill);
+  part("window").textContent = cut;
+  fill();
   const close = closeView();
   part("close").hidden = !close;
   zoom(Boolean(close) && Math.max(...run.divergence.bodies.map((body) => data.bodies[body][1])) * panes.truth.scale < SMALL);
@@ -290,9 +360,9 @@ function meant(event) {
 
 document.addEventListener("keydown", (event) => {
   const list = event.target.closest("[role=listbox]");
-  const own = event.target.tagName === "SELECT" || (event.target.tagName === "BUTTON" && event.key === " ");
+  const own = ["SELECT", "SUMMARY"].includes(event.target.tagName) || (event.target.tagName === "BUTTON" && event.key === " ");
   const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
-  const act = list && way ? () => step(way, [list.id.slice(5)]) : KEYS[event.key];
+  const act = list && way ? () => step(way) : KEYS[event.key];
   if (!act || own || !meant(event) || event.altKey || event.ctrlKey || event.metaKey || event.shiftKey) return;
   event.preventDefault();
   act();
@@ -300,6 +370,11 @@ document.addEventListener("keydown", (event) => {
 
 Object.assign(part("scrubber"), { min: data.begin, max: data.end });
 part("scrubber").addEventListener("input", (event) => { if (state.playing) stop(); seek(Number(event.target.value)); });
+part("strip").addEventListener("click", (event) => {
+  if (state.playing) stop();
+  const box = part("strip").getBoundingClientRect();
+  seek(data.begin + ((data.end - data.begin) * (event.clientX - box.x)) / box.width);
+});
 part("play").addEventListener("click", () => (state.playing ? stop() : play()));
 part("back").addEventListener("click", () => step(-1));
 part("forth").addEventListener("click", () => step(1));
@@ -310,7 +385,7 @@ part("sound").addEventListener("click", (event) => {
   event.currentTarget.setAttribute("aria-pressed", String(Boolean(state.sound)));
 });
 player.classList.toggle("alone", alone);
-part("engine-figure").hidden = part("engine-events").hidden = alone;
+part("engine-figure").hidden = alone;
 part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option([run.name, run.verdict].filter(Boolean).join(": "), k + 1)));
 part("engine").addEventListener("change", (event) => choose(Number(event.target.value)));
 part("choice").hidden = data.runs.length < 3;
@@ -323,7 +398,7 @@ function quiet() {
 
 function resize() {
   fitAll();
-  sides.forEach(reveal); // a page that is laid out late, as in a notebook, had nothing to scroll before
+  reveal(); // a page that is laid out late, as in a notebook, had nothing to scroll before
   draw();
 }
 

@@ -31,9 +31,9 @@ for (const table of document.querySelectorAll("table.sortable")) {
   });
 }
 
-for (const button of document.querySelectorAll("[data-copy]")) {
+for (const button of document.querySelectorAll("[data-copy], [data-copy-text]")) {
   button.hidden = false;
-  const source = document.getElementById(button.dataset.copy);
+  const source = button.dataset.copy ? document.getElementById(button.dataset.copy) : button.previousElementSibling;
   button.addEventListener("click", async () => {
     try {
       await navigator.clipboard.writeText(source.textContent);
@@ -46,5 +46,13 @@ for (const button of document.querySelectorAll("[data-copy]")) {
 }
 
 addEventListener("beforeprint", () => {
-  for (const fold of document.querySelectorAll("details.outcome")) fold.open = true;
+  for (const fold of document.querySelectorAll("details:not(.help)")) fold.open = true;
 });
+
+// A link to what is folded opens it; of the marks "?" one is open at a time, and Escape closes it.
+const unfold = () => { const to = location.hash && document.getElementById(location.hash.slice(1)); if (to?.tagName === "DETAILS") to.open = true; };
+addEventListener("hashchange", unfold);
+unfold();
+const marks = [...document.querySelectorAll("details.help")];
+for (const mark of marks) mark.addEventListener("toggle", () => { if (mark.open) for (const other of marks) if (other !== mark) other.open = false; });
+addEventListener("keydown", (event) => { if (event.key === "Escape") for (const mark of marks) mark.open = false; });

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -196,14 +199,32 @@ class Browser:
 
 
 def main(page: str, picture: str, width: str = "1000", height: str = "0") -> None:
-    """Takes a picture of a page; a height of 0 is all of it.
+    """Takes a picture of a page, which says of what page it is; a height of 0 is all of it.
 
     `python tests/compare/report/browser.py PAGE PNG [WIDTH [HEIGHT]]`
     """
     with Browser() as browser:
         browser.size(int(width), int(height) or 900)
         browser.open(Path(page))
-        Path(picture).write_bytes(browser.picture(whole=height == "0"))
+        shot = browser.picture(whole=height == "0")
+    Path(picture).write_bytes(labelled(shot, shown_digest(Path(page).read_text("utf-8"))))
+
+
+def shown_digest(page: str) -> str:
+    """SHA-256 of what a report shows first, as text: verdict, answers, the moment's pictures and its table."""
+    first = page.partition('<p class="verdict')[2].partition('<section id="player"')[0]
+    return hashlib.sha256(first.encode()).hexdigest()
+
+
+LABEL = b"tEXtpage\0"
+"""Kind and keyword of the part of a PNG that says of what page it is."""
+
+
+def labelled(png: bytes, digest: str) -> bytes:
+    """A PNG with the digest of what the page shows first, before its end."""
+    told = LABEL + digest.encode()
+    part = struct.pack(">I", len(told) - 4) + told + struct.pack(">I", zlib.crc32(told))
+    return png[:-12] + part + png[-12:]
 
 
 if __name__ == "__main__":

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -11,8 +13,9 @@ from tags import tags
 from truebreak.compare import compare
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.picture import engine_styles
+from truebreak.compare.report.answers import verdict_line
+from truebreak.compare.report.charts import NARROW, WIDE, error_plot, errors_shown, ticks
 from truebreak.compare.report.html import html_report
-from truebreak.compare.report.plot import separation_plot, ticks
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.compare.report.terminal import side_by_side
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
@@ -29,7 +32,7 @@ def test_the_report_is_one_file_without_resources(gas: Comparison) -> None:
     assert tags(page).open == []
     assert tags(page).resources == []
     assert not re.search(r"@import|url\(", page)
-    assert verdict_sentence(gas) in page.replace("\N{NO-BREAK SPACE}", " ")
+    assert verdict_line(gas) in page.replace("\N{NO-BREAK SPACE}", " ")
     assert page.count("<svg") >= 1 + sum(c.verdict == "diverged" for c in gas.candidates)
 
 
@@ -55,11 +58,50 @@ def test_every_kind_of_scene_is_drawn(text: str) -> None:
 
 
 def test_the_plot_has_a_line_for_each_engine(gas: Comparison) -> None:
-    plot = ElementTree.fromstring(separation_plot(gas))
+    plot = ElementTree.fromstring(error_plot(gas))
     lines = [e for e in plot.iter() if e.tag.endswith("polyline")]
     assert len(lines) == 3
     assert [line.get("class") for line in lines] == [f"series e{k}" for k in range(3)]
     assert len({style.dash for style in engine_styles([c.engine for c in gas.candidates])}) == 3
+
+
+def test_the_plot_has_a_floor_a_line_at_one_radius_and_names_at_the_lines(gas: Comparison) -> None:
+    """No line falls to where the logarithm of zero would be; every text lies within the picture."""
+    for width in (WIDE, NARROW):
+        plot = ElementTree.fromstring(error_plot(gas, width))
+        (floor,) = [float(e.get("y1", "")) for e in plot.iter() if e.get("class") == "floor"]
+        (radius,) = [float(e.get("y1", "")) for e in plot.iter() if e.get("class") == "radius"]
+        heights = [
+            float(point.split(",")[1])
+            for e in plot.iter()
+            if e.tag.endswith("polyline")
+            for point in e.get("points", "").split()
+        ]
+        assert radius < floor
+        assert max(heights) <= floor + 0.06
+        assert 0.0 in gas["double"].separation.largest
+        names = [e.text for e in plot.iter() if e.tag.endswith("text") and e.text in {c.engine for c in gas.candidates}]
+        assert len(names) == (3 if width == WIDE else 0)
+
+
+def test_lines_that_lie_on_each_other_are_marked_and_share_a_name(gas: Comparison) -> None:
+    twin = replace(gas["double"], engine="twin")
+    plot = ElementTree.fromstring(error_plot(replace(gas, candidates=(gas["double"], twin))))
+    assert "double = twin" in [e.text for e in plot.iter() if e.tag.endswith("text")]
+    assert len([e for e in plot.iter() if e.tag.endswith("rect") and e.get("class") == "dot e1"]) > 3
+    alone = ElementTree.fromstring(error_plot(gas))
+    assert not [e for e in alone.iter() if e.tag.endswith("rect") and "dot" in e.get("class", "")]
+
+
+def test_errors_go_on_as_far_as_the_runs_are_shown() -> None:
+    """After the last event both runs fly on for ever, at other velocities: the error grows without a bound."""
+    found = compare(catalogue.build("near-tie"), ["double"])
+    errors = errors_shown(found, found["double"])
+    assert found["double"].separation.times[-1] <= 1 < errors.times[-1] == pytest.approx(1.25)
+    mine, theirs = (run.final.array()[:, 2:] for run in (found.reference, found["double"].trajectory))
+    apart = 0.25 * max(math.dist(a, b) for a, b in zip(mine, theirs, strict=True))
+    assert errors.final == pytest.approx(apart, rel=1e-9)
+    assert "growing" in html_report(found)
 
 
 def test_ticks_are_round() -> None:

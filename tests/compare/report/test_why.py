@@ -1,4 +1,4 @@
-"""Why, on the page: the margin beside the error, what would have been enough, the permitted patterns."""
+"""Why, on the page: the account, the gap that decides, the permitted patterns."""
 
 from __future__ import annotations
 
@@ -7,45 +7,35 @@ from xml.etree import ElementTree
 
 from pages import comparison, page
 
-from truebreak.compare.report.html import amounts, enough, foreseen_bits
+from truebreak.compare.picture import gap_values
 from truebreak.compare.report.orders_page import gallery, met
 from truebreak.compare.report.page import minimise_command
 from truebreak.compare.report.player import recording
 from truebreak.compare.report.sentences import headline, verdict_sentence
 
 
-def test_the_margin_stands_beside_the_error_on_one_scale() -> None:
+def test_the_account_of_the_page_adds_up_and_what_changes_nothing_is_folded() -> None:
+    text = page("gas")
+    section = text.partition('id="account"')[2].partition("</section>")[0]
+    told = comparison("gas")["pymunk"].diagnosis
+    assert told is not None
+    for kind in ("time step", "overlap", "lateness"):
+        assert kind in section
+    table, _, folded = section.partition("<details")
+    assert "tunnelling" not in table
+    assert "tunnelling" in folded
+
+
+def test_the_gap_that_decides_is_a_miss_in_one_run_and_a_hit_in_the_other() -> None:
     candidate = comparison("gas")["pymunk"]
-    close, off = amounts(candidate)
-    margin = candidate.margin
-    assert margin is not None
-    assert margin.distance is not None
-    assert margin.error is not None
-    assert off.share == 1.0
-    assert close.share == abs(sum(margin.distance)) / 2 / margin.error
-    assert (close.own, off.own) == (False, True)
-    assert f"{margin.error:.3g}" in off.text
-    assert off.name in page("gas")
-
-
-def test_a_near_tie_is_seen_on_a_scale_of_powers() -> None:
-    close, off = amounts(comparison("near-tie")["double"])
-    assert close.text == "1e-40"
-    assert off.text == "less than doubles tell"
-    assert off.share == 0
-
-
-def test_what_would_have_been_enough_is_told() -> None:
-    told = dict(enough(comparison("gas")["pymunk"]))
-    assert "agrees" in told["time step"]
-    assert "bits, foreseen" not in told
-
-
-def test_bits_are_foreseen_only_where_all_is_known() -> None:
-    assert foreseen_bits(1.0, 10, (0.25, 0.25), 1.0) == 12
-    assert foreseen_bits(None, 10, (0.25, 0.25), 1.0) is None
-    assert foreseen_bits(1.0, 10, (0.0, 0.0), 1.0) is None
-    assert foreseen_bits(1.0, 10, None, 1.0) is None
+    values = gap_values(candidate)
+    assert values is not None
+    exact, own = values
+    assert candidate.margin is not None and candidate.margin.distance is not None and own is not None
+    assert candidate.margin.distance[0] <= exact <= candidate.margin.distance[1]
+    assert exact > 0 > own
+    assert gap_values(comparison("near-tie")["double"]) is None, "an order of two meetings is no gap"
+    assert f"exact {exact:+.3g} (a miss), pymunk {own:+.3g} (a hit)" in page("gas")
 
 
 def test_permitted_patterns_are_drawn_with_the_engines_own_marked() -> None:

@@ -58,6 +58,7 @@ COSTS = {
     "wall_hit_time": 2,
     "wall_bounce": 9,
     "wall_mirror": 9,
+    "speed_change": 1,
     "advance": 2,
 }
 

@@ -1,0 +1,516 @@
+"""The four answers that every report leads with: where an engine diverges, why, so what, and what to do now."""
+
+from __future__ import annotations
+
+import math
+import re
+import shlex
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
+from ..alignment.instants import Kind
+from ..alternatives import Alternative
+from ..causes.diagnosis import SHARE_RANK, CauseName
+from .sentences import (
+    about,
+    account_rows,
+    counted,
+    head_phrase,
+    headline,
+    listed,
+    middle,
+    off,
+    tied,
+    until_phrase,
+    verdict_sentence,
+)
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+    from ..candidate import Candidate
+    from ..chaos.foreseen import Foreseen
+    from ..chaos.horizon import Horizon
+    from ..comparison import Comparison
+
+LARGE = 0.1
+"""Share of the shift from which on a kind of error is named."""
+
+MOST_SHARES = 3
+"""Kinds of error named at once."""
+
+MOST_OUTCOMES = 3
+"""Outcomes named at once."""
+
+
+CHAOS_BITS, CALM_BITS = 10.0, 3.0
+"""Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a report says of one engine under the verdict; each is one or two sentences.
+
+    Attributes:
+        engine: the engine that they are about.
+        where: the event at which it diverges: both bodies and both times.
+        why: the largest shares of the account, and the margin beside the error.
+        so_what: the outcomes that changed, after and before.
+        what_now: what was run and is right, and until which event the engine is predicted to be right.
+        command: a command that goes on from here.
+        read: a page of the documentation.
+    """
+
+    engine: str
+    where: str
+    why: str
+    so_what: str
+    what_now: str
+    command: str
+    read: str
+
+
+def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen: Foreseen | None = None) -> Answers:
+    """The answers about an engine; without one, about the engine that the verdict is about.
+
+    Args:
+        foreseen: what `chaos.foreseen` says of the comparison; without it nothing is predicted.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> found = answers(compare(catalogue.build("near-tie:k=20"), ["double"]))
+    >>> print(found.where.partition("; ")[0])
+    From the first event on (event 0) double lets middle hit left and right at once at t = 1
+    >>> print(found.so_what)
+    2 collisions instead of 4; middle ends with velocity (-1, 0) instead of (-0.32, 0); who hit whom changed too.
+    """
+    chosen = candidate or subject(comparison)
+    return Answers(
+        chosen.engine,
+        where(comparison, chosen),
+        why(comparison, chosen),
+        so_what(comparison, chosen),
+        what_now(comparison, chosen, foreseen),
+        command(comparison, chosen),
+        read(chosen),
+    )
+
+
+def subject(comparison: Comparison) -> Candidate:
+    """The engine that the verdict is about: one that diverges, one that breaks a law, one that agrees, or the first."""
+    lawless = [c for c in comparison.candidates if c.lawless]
+    agreeing = [c for c in comparison.candidates if c.verdict == "agree" and tone(comparison) == "agree"]
+    rest = sorted(comparison.candidates, key=lambda c: c.verdict == "agree")
+    return headline(comparison) or [*lawless, *agreeing, *rest][0]
+
+
+def verdict_line(comparison: Comparison) -> str:
+    """The verdict above the answers: what `verdict_sentence` says, without what they say.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> verdict_line(compare(catalogue.build("near-tie:k=40"), ["double", "quad"]))
+    'Floating point changed what happened: double diverges at event 0 of 4.'
+    """
+    first = headline(comparison)
+    if first is None or first.alignment.divergence is None:
+        return verdict_sentence(comparison)
+    head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
+    law = "does not keep the law, and diverges" if first.lawless else "diverges"
+    total = len(comparison.reference.events)
+    return f"{head}{first.engine} {law} at event {first.alignment.divergence.event:,} of {total:,}."
+
+
+def tone(comparison: Comparison) -> str:
+    """How the verdict is coloured: as what its sentence says."""
+    if any(c.lawless or c.verdict == "diverged" for c in comparison.candidates):
+        return "diverged"
+    verdicts = {c.verdict for c in comparison.candidates}
+    settled = "unsettled" not in verdicts and comparison.reference.stop.reason not in UNKNOWING
+    return "agree" if "agree" in verdicts and settled else "undecided"
+
+
+# -- Where.
+
+
+def where(comparison: Comparison, candidate: Candidate) -> str:
+    """The event at which the histories part, both bodies and both times."""
+    reference, parted = comparison.reference, candidate.alignment.divergence
+    name, events = candidate.engine, len(reference.events)
+    if candidate.unable:
+        return f"{name} cannot run this scene."
+    if parted is None:
+        if candidate.verdict == "agree":
+            whole = f"{name} has all {counted(events, 'event')} of the {reference.engine} run"
+            return f"Nowhere: {whole}." if events else "Nowhere: nothing happens in this span."
+        if candidate.verdict == "unsettled":
+            return (
+                f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
+            )
+        stops = f"{name} stops after {counted(candidate.alignment.agreed, 'agreed event')}"
+        return f"{stops}, at t = {float(candidate.trajectory.final_time):.6g}: it cannot tell what comes next."
+    first, other = _times(parted.got_time, parted.expected_time)
+    agreed = candidate.alignment.agreed
+    after = f"After {counted(agreed, 'agreed event')}" if agreed else "From the first event on"
+    body, got, expected = parted.body, parted.got, parted.expected
+    exact = f"in the {reference.engine} run"
+    event = f"{after} (event {parted.event:,})" if agreed != parted.event or not agreed else after
+    match parted.kind:
+        case Kind.TIE if got == expected:
+            return (
+                f"{event} {name} lets {body} hit {tied(got)}{first}, as it should, but with other velocities after it."
+            )
+        case Kind.TIE:
+            return f"{event} {name} lets {body} hit {tied(got)}{first}; {exact} {body} hits {tied(expected)}{other}."
+        case Kind.DIFFERENT:
+            mine, theirs = thing(comparison.scene, got), thing(comparison.scene, expected)
+            return f"{event} {name} lets {body} hit {mine}{first}; {exact} {body} hits {theirs}{other}."
+        case Kind.MISSING:
+            missed = thing(comparison.scene, expected)
+            return f"{event} {name} lets {body} miss {missed}; {exact} {body} hits {missed}{other}."
+        case Kind.EXTRA:
+            return f"{event} {name} lets {body} hit {thing(comparison.scene, got)}{first}; {exact} it does not."
+
+
+def thing(scene: Scene, name: str | None) -> str:
+    """A circle by its id, a wall as such.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> thing(catalogue.build("gas"), "bottom"), thing(catalogue.build("gas"), "c7")
+    ('wall bottom', 'c7')
+    """
+    if any(wall.id == name for wall in scene.walls):
+        return f"wall {name}"
+    return "nothing" if not name else name if name[0].isalpha() else f"circle {name}"
+
+
+def _times(*times: float | None) -> list[str]:
+    """Times with as many digits as it takes to tell them apart, ten at most."""
+    known = [t for t in times if t is not None]
+    digits = next((d for d in (6, 8, 10) if len({f"{t:.{d}g}" for t in known}) == len(set(known))), 10)
+    return ["" if t is None else f" at t = {t:.{digits}g}" for t in times]
+
+
+# -- Why.
+
+
+def why(comparison: Comparison, candidate: Candidate) -> str:
+    """The largest shares of the account in words; for an engine that does not keep the law, what it does instead."""
+    name, found = candidate.engine, candidate.diagnosis
+    if candidate.unable:
+        return f"{_capital(candidate.trajectory.stop.message)}."
+    if candidate.lawless and candidate.laws is not None:
+        return f"{name} does not keep the law: {candidate.laws.finding}."
+    if found is None:
+        if candidate.verdict == "agree":
+            kept = "" if candidate.laws is None else f"{name} {candidate.laws.sentence}."
+            return kept or f"Every error of {name} stays too small to change an event."
+        return f"Not looked into. {_capital(candidate.trajectory.stop.message)}."
+    if candidate.verdict != "diverged":
+        return f"{_capital(str(found))}: {found.finding}."
+    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), _growth_words(candidate)]))
+
+
+def _share_words(candidate: Candidate) -> str:
+    """What the kinds of error add to the number that decides; of a cause that a run shows, what was seen."""
+    found = candidate.diagnosis
+    assert found is not None
+    cause = _capital(str(found))
+    adds = {row[0]: row[1] for row in account_rows(candidate)}
+    large = [e for e in found.shares if abs(e.share or 0.0) >= LARGE][:MOST_SHARES]
+    pushes = [e.cause.value for e in large if (e.share or 0.0) > 0]
+    if not found.closed or not found.displacement or not pushes:
+        return f"{cause}: {found.finding}."
+    against = [e.cause.value for e in large if (e.share or 0.0) < 0]
+
+    def summed(causes: list[str]) -> str:
+        return listed([f"{cause} {adds[cause]}" for cause in causes])
+
+    back = f", against it {summed(against)}" if against else ""
+    if found.name.entry.rank < SHARE_RANK:
+        return f"{cause}: {found.finding}. Shifts of the margin: {summed(pushes)}{back}."
+    total = f"the margin by {found.displacement:+.3g}"
+    if pushes == [str(found)] and not against:
+        return f"{cause} shifts {total}."
+    named = summed(pushes) if pushes == [c.value for c in found.causes] else f"{cause}: {summed(pushes)}"
+    return f"{_capital(named)}{back}, shift {total}."
+
+
+def _margin_words(candidate: Candidate) -> str:
+    """How close the decision was, and how far off the engine was."""
+    margin, name = candidate.margin, candidate.engine
+    if margin is None or margin.error is None:
+        return ""
+    error = f"{name} was {off(margin.error)} off by then"
+    if not margin.error:
+        error = f"{name}'s places were off by {off(0.0)}"
+    if margin.gap is not None:
+        if margin.gap == (0.0, 0.0):
+            return f"The two fall on exactly one instant; {error}."
+        return f"The two are {about(margin.gap)} apart in time; {error}."
+    if margin.distance is None:
+        return ""
+    if margin.distance == (0.0, 0.0):
+        return f"The exact run touches without depth; {error}."
+    if margin.distance[0] <= 0 <= margin.distance[1]:
+        return f"The exact run passes within {about(margin.distance)} of a touch; {error}."
+    kind = "hits by a depth of" if middle(margin.distance) < 0 else "misses by"
+    return f"The exact run {kind} {about(margin.distance)}; {error}."
+
+
+def _growth_words(candidate: Candidate) -> str:
+    """Whether errors grew on the way to the divergence: chaos, or a close call."""
+    margin, parted = candidate.margin, candidate.alignment.divergence
+    if parted is not None and not parted.expected_event:
+        return "It is a close call, not chaos: nothing comes before it in which errors could grow."
+    if margin is None or margin.growth is None or parted is None:
+        return ""
+    bits = margin.growth * parted.expected_event
+    if _chaotic(candidate):
+        return f"It is chaos: errors grow by {margin.growth:.3g} bits an event."
+    return "It is a close call, not chaos: errors hardly grow on the way." if bits < CALM_BITS else ""
+
+
+def _chaotic(candidate: Candidate) -> bool:
+    margin, parted = candidate.margin, candidate.alignment.divergence
+    if margin is None or margin.growth is None or parted is None:
+        return False
+    return margin.growth * parted.expected_event >= CHAOS_BITS
+
+
+# -- So what.
+
+
+def so_what(comparison: Comparison, candidate: Candidate) -> str:
+    """The outcomes that changed, after and before."""
+    if candidate.verdict == "unsettled" or candidate.unable:
+        return "Nothing is known of its outcomes."
+    if candidate.verdict == "undecided":
+        return f"What comes after event {candidate.alignment.agreed:,} is open; up to there it is right."
+    if not candidate.changed:
+        if candidate.until is not None:
+            return f"No outcome is seen to change {until_phrase(candidate)}."
+        return "Every outcome is the same." if candidate.verdict == "agree" else "No outcome changed."
+    mine, theirs, parts, said = candidate.expected, candidate.outcomes, list[str](), set[str]()
+    if "collisions" in candidate.changed:
+        parts.append(f"{counted(theirs['collisions'], 'collision')} instead of {mine['collisions']:,}")
+        said |= {"collisions", "collisions_per_ball"}
+    if "final_velocities" in candidate.changed:
+        expected, got = mine["final_velocities"], theirs["final_velocities"]
+        name = max(expected, key=lambda circle: math.dist(expected[circle], got[circle]))
+        pairs = [f"({vx:.3g}, {vy:.3g})" for vx, vy in (got[name], expected[name])]
+        verb = "ends with" if candidate.until is None else "then has"
+        parts.append(f"{name} {verb} velocity {pairs[0]} instead of {pairs[1]}")
+        said.add("final_velocities")
+    for key in candidate.changed:
+        before, after = mine.get(key), theirs.get(key)
+        if key not in said and len(parts) < MOST_OUTCOMES and _plain(before) and _plain(after):
+            parts.append(f"{key.replace('_', ' ')} {_value(after)} instead of {_value(before)}")
+            said.add(key)
+    rest = [key.replace("_", " ") for key in candidate.changed if key not in said]
+    if rest:
+        parts.append(f"{listed(rest)} changed{' too' if parts else ''}")
+    until = until_phrase(candidate)
+    return f"{_capital(f'{until}: ' if until else '')}{'; '.join(parts)}."
+
+
+def _plain(value: object) -> bool:
+    return value is None or isinstance(value, bool | int | float | str)
+
+
+def _value(value: object) -> str:
+    words = {None: "none", True: "yes", False: "no"}
+    if value is None or isinstance(value, bool):
+        return words[value]
+    return f"{value:.6g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
+
+
+# -- What now.
+
+
+def what_now(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None = None) -> str:
+    """The cheapest that was run and is right, its cost, and until when the engine is predicted to be right."""
+    told: list[str] = []
+    if candidate.lawless:
+        told.append(f"Correct {candidate.engine}: no setting mends a law.")
+    elif candidate.verdict == "agree":
+        told.append(f"Nothing to change: {candidate.engine} is right to the end{_cheaper(comparison, candidate)}.")
+    elif candidate.verdict == "unsettled":
+        told.append("Run it further.")
+    else:
+        told += _instead(comparison, candidate)
+    if candidate.verdict != "agree":
+        told += filter(None, [predicted(comparison, candidate, foreseen)])
+    return " ".join(told)
+
+
+def _instead(comparison: Comparison, candidate: Candidate) -> list[str]:
+    """What was run and is right to the end, the cheapest; and a setting of the engine itself that goes further."""
+    found = [a for a in all_run(comparison, candidate) if a.agreed > candidate.alignment.agreed]
+    right = [a for a in found if a.right][:1]
+    own = [a for a in found if a.beside == candidate.engine and a not in right and candidate.stepped]
+    told = [f"{_run_words(comparison, candidate, alternative)}." for alternative in right]
+    told += [f"As a setting, {_run_words(comparison, candidate, alternative)}." for alternative in own]
+    return told or ["Nothing that was run goes further."]
+
+
+def _run_words(comparison: Comparison, candidate: Candidate, alternative: Alternative) -> str:
+    cost = cost_words(alternative, candidate)
+    to = right_to(comparison, alternative)
+    return f"{alternative.engine} is {to}{f', at {cost}' if cost else ''}"
+
+
+def all_run(comparison: Comparison, candidate: Candidate) -> list[Alternative]:
+    """What was run and may stand in an engine's place: those right to the end first, the cheapest of them before.
+
+    These are the alternatives, the other engines compared that keep the law, and the reference itself, where its
+    decisions are proved.
+    """
+    found = [a for a in comparison.alternatives if a.beside == candidate.engine or a.steps is None]
+    found += [
+        Alternative(c.engine, "", c.alignment.agreed, c.right, c.alignment.divergence is None, c.processor)
+        for c in comparison.candidates
+        if c is not candidate and not c.unable and not c.lawless
+    ]
+    if comparison.certain:
+        reference = comparison.reference
+        found.append(Alternative(reference.engine, "", len(reference.events), True, True, comparison.processor))
+    once = {alternative.engine: alternative for alternative in found}.values()
+    return sorted(once, key=lambda a: (not a.right, (a.cost(candidate) or math.inf) if a.right else -a.agreed))
+
+
+def right_to(comparison: Comparison, alternative: Alternative) -> str:
+    """To which event what was run is right."""
+    if alternative.right:
+        return f"right in all {counted(len(comparison.reference.events), 'event')}"
+    last = f"right to event {alternative.agreed - 1:,}" if alternative.agreed else "right in no event"
+    return f"{last} (run no further)" if alternative.ended else last
+
+
+def cost_words(alternative: Alternative, candidate: Candidate) -> str:
+    """What it costs beside an engine; empty where that is not known.
+
+    Processor time is told to one digit, as it was measured once.
+    """
+    cost = alternative.cost(candidate)
+    if cost is None:
+        return ""
+    if alternative.steps is not None:
+        return f"{cost:.3g} times the steps"
+    if 0.75 < cost < 1.5:
+        return f"about the time of {candidate.engine}"
+    return f"about {_one_digit(cost)} times the time of {candidate.engine}"
+
+
+def _one_digit(ratio: float) -> str:
+    """A ratio that was measured once, to one digit.
+
+    >>> _one_digit(0.1234), _one_digit(2.87), _one_digit(96.0), _one_digit(1234.0)
+    ('0.1', '3', '100', '1,000')
+    """
+    return f"{ratio:.1g}" if ratio < 9.5 else f"{float(f'{ratio:.1g}'):,.0f}"
+
+
+def _cheaper(comparison: Comparison, candidate: Candidate) -> str:
+    """How much less it costs than the reference."""
+    mine, exact = candidate.processor, comparison.processor
+    if not mine > 0 or not exact > 0 or not comparison.certain:
+        return ""
+    return f", and {comparison.reference.engine} takes about {_one_digit(exact / mine)} times its time"
+
+
+def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None) -> str:
+    """Until which event the exact run alone predicts the engine to be right; empty where nothing is predicted."""
+    place = next(k for k, each in enumerate(comparison.candidates) if each is candidate)
+    horizon: Horizon | None = None if foreseen is None or not foreseen.horizons else foreseen.horizons[place]
+    if foreseen is None or horizon is None:
+        return ""
+    name = candidate.engine
+    if horizon.low.event is None:
+        seen = f"the {foreseen.events:,} events looked at"
+        return f"By the growth of errors alone {name} is predicted to be right in {seen}."
+    if not horizon.low.event:
+        return f"{name} is predicted to be wrong from the first event on."
+    half = (
+        "" if horizon.expected.event is None else f" (half of such engines leave by event {horizon.expected.event:,})"
+    )
+    return f"{name} is predicted to be right until event {horizon.low.event:,}{half}."
+
+
+# -- A command to copy, and a page to read.
+
+
+def command(comparison: Comparison, candidate: Candidate) -> str:
+    """A command that goes on from here."""
+    scene, limits = scene_word(comparison.scene), limits_of(comparison.reference)
+    known = re.fullmatch(r"[\w.:=,/+-]+", candidate.engine) is not None
+    if candidate.lawless or not known:
+        return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
+    if candidate.verdict == "agree":
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+    if candidate.verdict == "undecided":
+        return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
+    if candidate.stepped:
+        return shlex.join(["truebreak", "advise", scene, "--engine", candidate.engine, *limits])
+    if _chaotic(candidate):
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+    return shlex.join(["truebreak", "minimise", scene, "--engine", candidate.engine, *limits])
+
+
+def read(candidate: Candidate) -> str:
+    """The page of the documentation to go on with."""
+    if candidate.lawless:
+        return "docs/audit.md"
+    if candidate.verdict == "agree":
+        return "docs/chaos.md"
+    if candidate.verdict != "diverged" or candidate.diagnosis is None:
+        return "docs/engines.md"
+    if candidate.diagnosis.name is CauseName["TIE"]:
+        return "docs/policies.md"
+    if candidate.stepped:
+        return "docs/floating-point-or-bug.md"
+    return "docs/chaos.md" if _chaotic(candidate) else "docs/comparison.md"
+
+
+def scene_word(scene: Scene) -> str:
+    """The scene as a command takes it: its name in the catalogue, or a file.
+
+    >>> from truebreak.scenarios import Circle, Scene, catalogue
+    >>> scene_word(catalogue.build("near-tie:k=7")), scene_word(Scene([Circle(0, 0)], name="my own"))
+    ('near-tie:k=7', 'my-own.toml')
+    """
+    from ...scenarios import catalogue
+
+    if scene.name.partition(":")[0] in catalogue.names():
+        try:
+            if catalogue.build(scene.name).digest == scene.digest:
+                return scene.name
+        except SceneError:
+            pass
+    return f"{stem_of(scene)}.toml"
+
+
+def stem_of(scene: Scene) -> str:
+    """The scene's name as the name of a file.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> stem_of(catalogue.build("rack:rows=2"))
+    'rack-rows-2'
+    """
+    return re.sub(r"[^A-Za-z0-9]+", "-", scene.name).strip("-")[:60] or "scene"
+
+
+def limits_of(reference: Trajectory) -> list[str]:
+    """The options that end a run where this one ended."""
+    if reference.stop.reason is StopReason.EVENTS:
+        return ["--events", str(len(reference.events))]
+    if reference.stop.reason is StopReason.HORIZON:
+        return ["--until", reference.final_time.text() or repr(float(reference.final_time))]
+    return []
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,168 @@
+"""The four answers, and the engines and settings that are run for them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+from pages import comparison, page
+
+from truebreak.compare import compare, html_report
+from truebreak.compare.alternatives import Alternative
+from truebreak.compare.chaos.foreseen import foreseen
+from truebreak.compare.engines import engine
+from truebreak.compare.picture import instant_of, moment_frames, states_at
+from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line
+from truebreak.compare.report.sentences import verdict_sentence
+from truebreak.scenarios import Circle, Scene, catalogue
+
+TEXT = re.compile(r"<[^>]*>")
+
+
+def test_where_names_both_bodies_and_both_times() -> None:
+    found = comparison("gas")
+    parted = found["pymunk"].alignment.divergence
+    assert parted is not None and parted.got_time is not None and parted.expected_time is not None
+    told = answers(found).where
+    assert told.startswith(f"After {found['pymunk'].alignment.agreed} agreed events pymunk lets {parted.body} hit ")
+    assert f"t = {parted.got_time:.6g}; in the exact run {parted.body} hits " in told
+    assert told.endswith(f"t = {parted.expected_time:.6g}.")
+
+
+def test_a_missing_meeting_is_a_miss_and_a_stop_is_none() -> None:
+    assert " miss disc " in answers(comparison("pinball")).where
+    stopped = answers(comparison("undecided"))
+    assert "it cannot tell what comes next" in stopped.where
+    assert "up to there it is right" in stopped.so_what
+
+
+def test_why_names_the_shares_that_add_up_to_the_shift() -> None:
+    found = comparison("thirty")
+    candidate = subject(found)
+    assert candidate.diagnosis is not None and candidate.diagnosis.displacement is not None
+    told = answers(found).why
+    large = [e for e in candidate.diagnosis.shares if abs(e.share or 0) >= 0.1]
+    assert large
+    assert all(e.cause.value in told.lower() for e in large[:3])
+
+
+@pytest.mark.parametrize(("kind", "words"), [("gas", "It is chaos"), ("near-tie", "")])
+def test_chaos_is_said_where_errors_grew(kind: str, words: str) -> None:
+    found = comparison(kind)
+    candidate = subject(found)
+    assert candidate.margin is not None and candidate.alignment.divergence is not None
+    grown = (candidate.margin.growth or 0) * candidate.alignment.divergence.expected_event
+    assert ("It is chaos" in answers(found).why) == (grown >= 10) == bool(words)
+    assert bool(words) or "not chaos" in answers(found).why
+
+
+def test_what_was_run_is_right_as_far_as_a_comparison_finds_it() -> None:
+    """Each alternative is run again by hand: it agrees as far as the page says."""
+    found = comparison("thirty")
+    assert found.alternatives
+    for alternative in found.alternatives:
+        again = compare(found.scene, [alternative.engine], events=120, causes=False).candidates[0]
+        assert again.alignment.agreed == alternative.agreed or alternative.ended
+        assert again.alignment.agreed >= alternative.agreed
+        assert alternative.right <= again.right
+
+
+def test_a_finer_step_that_passes_the_divergence_is_run_and_named_as_a_setting() -> None:
+    found = compare(catalogue.build("gas"), ["pymunk"], events=40)
+    (finer,) = [a for a in found.alternatives if a.steps is not None]
+    candidate = found["pymunk"]
+    assert engine(finer.engine).step == 2**-8 / (finer.steps or 0)
+    assert finer.agreed > candidate.alignment.agreed
+    assert finer.cost(candidate) == finer.steps
+    assert f"As a setting, {finer.engine} is {right_to(found, finer)}" in answers(found).what_now
+
+
+def test_the_cheapest_that_is_right_comes_first_and_what_diverges_is_not_called_right() -> None:
+    found = comparison("gas")
+    slow = replace(found, processor=1e3)
+    candidate = slow["pymunk"]
+    first = all_run(slow, candidate)
+    assert [a.engine for a in first if a.right] == ["double", "exact"]
+    assert all(not a.right or a.agreed == len(found.reference.events) for a in first)
+    wrong = Alternative("other", "pymunk", 30, right=False)
+    assert right_to(found, wrong) == "right to event 29"
+    assert right_to(found, replace(wrong, ended=True)) == "right to event 29 (run no further)"
+    assert right_to(found, replace(wrong, agreed=0)) == "right in no event"
+
+
+def test_nothing_is_run_in_place_of_an_engine_that_agrees_or_breaks_a_law() -> None:
+    assert compare(catalogue.build("cradle"), ["double"]).alternatives == ()
+    assert compare(catalogue.build("near-tie"), ["double"], alternatives=False).alternatives == ()
+    assert compare(catalogue.build("near-tie"), ["double"], causes=False).alternatives == ()
+
+
+def test_the_prediction_is_that_of_the_exact_run() -> None:
+    found = compare(catalogue.build("gas"), ["double"], events=200, causes=False)
+    told = foreseen(found)
+    assert told is not None and told.horizons[0] is not None
+    low = told.horizons[0].low.event
+    assert f"double is predicted to be right until event {low}" in answers(found, foreseen=told).what_now
+
+
+def test_the_verdict_is_coloured_as_its_sentence_says() -> None:
+    """`cradle` did not change: that one engine could not follow makes no warning of it."""
+    found = compare(catalogue.build("cradle"), ["double", "interval"])
+    assert found.verdict == "undecided"
+    assert verdict_sentence(found).startswith("Floating point did not change what happened")
+    assert tone(found) == "agree"
+    assert subject(found).engine == "double"
+    assert answers(found).where == "Nowhere: double has all 60 events of the exact run."
+    assert tone(comparison("undecided")) == tone(comparison("unsettled")) == "undecided"
+    assert tone(comparison("gas")) == "diverged"
+    assert 'class="verdict agree"' in html_report(found)
+
+
+def test_a_page_says_no_sentence_twice() -> None:
+    """What is folded of other engines apart: they may do the same."""
+    for kind in ("gas", "near-tie", "pinball", "rack", "thirty"):
+        text = page(kind)
+        body = text.partition("<main>")[2].partition("</main>")[0]
+        body = body.partition('<details class="engine"')[0] + body.partition(' id="outcomes"')[2]
+        body = re.sub(r"<(svg|script).*?</\1>", "", body, flags=re.S)
+        parts = re.split(r"</(?:p|dd|li|td|h2|h3|dt|summary)>", body)
+        words = [" ".join(TEXT.sub(" ", part).split()) for part in parts]
+        sentences = [s.strip() for text in words for s in re.split(r"(?<=[.;:]) ", text) if len(s.split()) > 6]
+        assert len(sentences) == len({*sentences}), [s for s in sentences if sentences.count(s) > 1]
+        assert verdict_line(comparison(kind)).partition(":")[0] in body
+
+
+def test_the_moment_is_shown_before_at_and_after_with_the_contact_in_it() -> None:
+    """At the moment, the engine's two circles touch; the exact ones do so in the later frame, or not at all."""
+    found = comparison("gas")
+    candidate = found["pymunk"]
+    parted = candidate.alignment.divergence
+    assert parted is not None and parted.got is not None
+    frames = moment_frames(found.reference, candidate, 1)
+    times = [float(frame.caption.partition("t = ")[2]) for frame in frames]
+    assert times == sorted(times) and len(set(times)) == 3
+    at = instant_of(parted)
+    assert times[1] == pytest.approx(at, rel=1e-5)
+    places = {str(c.id): k for k, c in enumerate(found.scene.circles)}
+    one, other = (states_at(candidate.trajectory, at)[places[name]][:2] for name in (parted.body, parted.got))
+    reach = sum(float(found.scene.circles[places[name]].r) for name in (parted.body, parted.got))
+    gap = ((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2) ** 0.5 - reach
+    assert abs(gap) < 0.02 * reach
+    for frame in frames:
+        assert f">{parted.body}</text>" in frame.picture and f">{parted.got}</text>" in frame.picture
+
+
+def test_a_gap_too_small_to_be_seen_is_shown_through_a_lens() -> None:
+    found = compare(catalogue.build("gas"), ["double"], events=200)
+    pictures = [frame.picture for frame in moment_frames(found.reference, found["double"])]
+    assert ["lens" in picture for picture in pictures] == [False, True, False]
+    margin = found["double"].margin
+    assert margin is not None and margin.distance is not None
+    wide = replace(margin, distance=(100.0, 100.0))
+    pictures = [frame.picture for frame in moment_frames(found.reference, replace(found["double"], margin=wide))]
+    assert not any("lens" in picture for picture in pictures)
+
+
+def test_a_scene_without_events_has_answers() -> None:
+    found = compare(Scene([Circle(0, 0)]))
+    assert answers(found).where == "Nowhere: nothing happens in this span."
