@@ -354,7 +354,7 @@ def main(arguments: list[str] | None = None, repeats: int = REPEATS) -> int:
             check_writable(path)
     except SceneError as error:
         parser.error(str(error))
-    found: list[Cost] = []
+    found, now = list[Cost](), commit()  # the code that is loaded, whatever is committed meanwhile
     with tempfile.TemporaryDirectory() as folder:
         saved, environ[FOLDER] = environ.get(FOLDER), folder
         try:
@@ -368,10 +368,10 @@ def main(arguments: list[str] | None = None, repeats: int = REPEATS) -> int:
                 environ[FOLDER] = saved
     if options.append:
         costs = {cost.name: [round(cost.figure[0], 4), cost.figure[1]] for cost in found}
-        now = {"commit": commit(), "machine": computer(), "costs": costs}
-        for line in changes(before[-1], now) if before else []:
+        told = {"commit": now, "machine": computer(), "costs": costs}
+        for line in changes(before[-1], told) if before else []:
             print(line)
-        rows = [*before, now]
+        rows = [*before, told]
         write_whole(options.append, "".join(json.dumps(each) + "\n" for each in rows))
         if options.draw:
             write_whole(options.draw, drawn(rows))
