@@ -276,6 +276,52 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
+    def faces(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """As `walls`, of faces: those whose line is surely met beyond their ends, or from behind, are left out.
+
+        Where the circle touches the line, its place along it is off by what its place now is, as the gap's without
+        r |n|, which `off_gap` bounds; by what the speed along it is off, as that of approach, over the wait; and by
+        what the wait is off, over that speed; the products and sums are rounded by 8u of them.
+        """
+        fa = a.f
+        found: list[tuple[float, float, int]] = []
+        unclear: list[int] = []
+        if fa is None:
+            return found, [line.wall for line in lines]
+        flat, far = self.wall_bounds
+        x, y, vx, vy, t, late = fa
+        for k, x0, y0, nx, ny, offset, norm, size in lines:
+            approach = nx * vx + ny * vy
+            off = norm * flat
+            if approach > off:
+                continue
+            gap = nx * (x - x0) + ny * (y - y0) - offset
+            off_gap = 32 * UNIT * size + norm * far
+            early = off_gap + 2.0 * (abs(approach) + off) * late
+            if gap < -early:
+                continue
+            if not (approach < -8.0 * off and gap > off_gap):
+                unclear.append(k)
+                continue
+            wait = -gap / approach
+            off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait
+            time = t + wait
+            off_time = 2.0 * off_wait + 8 * UNIT * (t + wait)
+            if not (wait > off_time + late) or not isfinite(time):
+                unclear.append(k)
+                continue
+            along, slide = (x - x0) * ny - (y - y0) * nx, vx * ny - vy * nx
+            foot, beyond = along + slide * wait, nx * nx + ny * ny
+            off_foot = off_gap + wait * off + (abs(slide) + off) * 2.0 * off_wait
+            off_foot = 2.0 * off_foot + 16 * UNIT * (abs(along) + abs(slide) * wait + beyond)
+            if foot < -off_foot or foot > beyond + off_foot:
+                continue
+            if foot > off_foot and foot < beyond - off_foot:
+                found.append((time - off_time, time + off_time, k))
+            else:
+                unclear.append(k)
+        return found, unclear
+
     def walls(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
@@ -481,6 +527,16 @@ class FilteredPredictor(Predictor[arb]):
         self.queue.push_walls(a, found, standing)
         if unclear:
             self._unclear_walls(a, unclear, standing)
+
+    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """See `Predictor.meet_faces`."""
+        found, unclear = self.filter.faces(a, [self._float_line(a, k) for k in self.faces])
+        self.queue.push_walls(a, found, standing)
+        if unclear:
+            self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
+            for k in unclear:
+                self.face(a, k, standing)
 
     def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
         """Walls that doubles left open."""

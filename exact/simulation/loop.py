@@ -259,7 +259,8 @@ class Loop(Generic[N, K]):
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        return None if self.scene.pockets or self.resolver.touching else self.decider.stride
+        plain = not (self.scene.pockets or self.scene.faces or self.resolver.touching)
+        return self.decider.stride if plain else None
 
     def _look(self) -> None:
         self.tape.mark(self.history)
@@ -348,7 +349,12 @@ class Loop(Generic[N, K]):
     def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
         """Predicts the next meetings of circles whose flights are new, with all in play but some."""
         gone = self.resolver.gone
-        self.decider.meetings.predict(moved, standing, gone.union(besides) if besides else gone)
+        meetings = self.decider.meetings
+        meetings.predict(moved, standing, gone.union(besides) if besides else gone)
+        if meetings.slides:
+            for link in meetings.slides:
+                self.resolver.touching.add(link)
+            meetings.slides.clear()
 
     def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""
