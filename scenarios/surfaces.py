@@ -111,11 +111,9 @@ def check_segments(
     inner: list[tuple[int, int]] = []
     rough = [_rough(segment) for segment in segments]
     for i, circle in enumerate(circles):
-        if circle.fixed:
-            continue
         for k in _near(circle, rough):
             part = _touched(circle, segments[k])
-            if part is not None:
+            if part is not None and not circle.fixed:
                 outer.append((i, len(circles) + len(walls) + k))
                 inner.append((i, known[part] if isinstance(part, tuple) else first_face + 2 * k + part))
     return outer, sorted(set(inner))

@@ -603,8 +603,8 @@ class Predictor(Generic[M]):
         zero, late, approach = self.zero, a.flight.late, wall_approach(avx, avy, nx, ny)
         if approach > zero:
             return
-        link = AtWall(a.index, wall)
-        if link in standing:
+        link, first = AtWall(a.index, wall), self.faces.start
+        if link in standing or AtWall(a.index, first + ((wall - first) ^ 1)) in standing:  # a point is at both sides
             return
         gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
         still = (
