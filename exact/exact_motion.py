@@ -74,7 +74,7 @@ class RunLog:
     """
 
     def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
-        self.scene = scene
+        self.scene = scene.surfaces
         self.steps = steps
         self.lost = lost
         self.centred = centred

@@ -12,8 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from mpmath import matrix, mp, mpf, sqrt
-from mpmath import lu_solve
+from mpmath import lu_solve, matrix, mp, mpf, sqrt
 
 from truebreak.scenarios import Scene
 
@@ -62,7 +61,7 @@ class Told:
     events: list[Happened] = field(default_factory=list)
     blunt: mpf | None = None
     discs: list[Disc] = field(default_factory=list)
-    end: mpf = mpf(0)
+    end: mpf | None = None
 
 
 def _mass(circle) -> mpf:
@@ -220,7 +219,8 @@ class Referee:
                 hit = falls(disc.x - x, disc.y - y, disc.vx, disc.vy, disc.r + r)
                 if hit is not None and (hit[1] or disc.r + r == 0):
                     found.append((hit[0], disc.r + r == 0))
-        return min(found, key=lambda one: one[0]) if found else None
+        first = min((t for t, _ in found), default=None)
+        return None if first is None else (first, any(blunt for t, blunt in found if t < first + SAME))
 
     def clear(self) -> bool:
         """Whether no disc is in a segment, as a set of points."""

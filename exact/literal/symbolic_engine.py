@@ -120,8 +120,8 @@ class SymbolicEngine(Declared):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but `capture`: no circle is ever taken out of play."""
-        return SCENE_KEYS - {"capture"}
+        """All but `capture`, as no circle is ever taken out of play, and `segment`, which it does not know yet."""
+        return SCENE_KEYS - {"capture", "segment"}
 
     @property
     def name(self) -> str:
