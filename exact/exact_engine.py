@@ -415,7 +415,7 @@ class ExactEngine(Declared):
         if stop.reason is StopReason.HORIZON and limits.to_return:
             decider.catch_up()
             home = decider.retrace.home
-            notes = (return_note(scene, decider.retrace.home, decider.state.exact, motion),)
+            notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
         reversal = None
         if history.reversal is not None:

@@ -272,24 +272,25 @@ class CertifiedMeetings:
 
         A gap below zero is behind the face, or beside it.
         """
-        gap = self._sign(Gap(link))
-        if gap is not None and gap < 0:
-            return
-        approach = self._sign(Approach(link))
-        if approach is None:
-            approach = self._judge.decide(Approach(link)).sign
-        if approach > 0:
-            return
-        if gap is None:
-            gap = self._judge.decide(Gap(link)).sign
-        if gap < 0 or (gap > 0 and approach == 0):
-            return
-        if approach == 0:
-            self.predictor.slides.append(link)
+        gap, approach = self._sign(Gap(link)), self._sign(Approach(link))
+        if (gap is not None and gap < 0) or (approach is not None and approach > 0):
             return
         feet = [self._sign(Foot(link, far)) for far in (False, True)]
-        if any(foot is not None and foot <= 0 for foot in feet):
+        if approach is not None and approach < 0 and any(foot is not None and foot <= 0 for foot in feet):
             return
+        if gap:
+            if approach is None:
+                self.predictor.push_doubtful(link)
+            if not approach:
+                return
+        else:
+            approach = self._judge.decide(Approach(link)).sign if approach is None else approach
+            gap = self._judge.decide(Gap(link)).sign
+            if approach > 0 or gap < 0 or (gap > 0 and approach == 0):
+                return
+            if approach == 0:
+                self.predictor.slides.append(link)
+                return
         if gap == 0:
             if not self._misses(link):
                 who, when = self._judge.name(link), self._precision.where()
