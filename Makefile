@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest pythons same-bytes sdist picture reference-set clean
+.PHONY: demo test long durations slow stress stress-map coverage lint format bench docs lowest pythons same-bytes sdist picture reference-set clean
 
 .venv/ready: pyproject.toml $(wildcard exact/compiled/*.[ch] floating/flat/*.c)
 	$(PYTHON) -m venv .venv
@@ -16,6 +16,14 @@ demo: .venv/ready
 test: .venv/ready
 	$(BIN)/python -m pytest -n auto
 
+# What takes over two seconds of CPU, by tests/durations.json.
+long: .venv/ready
+	$(BIN)/python -m pytest -n auto -m long
+
+# Runs both, and measures which tests belong to which.
+durations: .venv/ready
+	$(BIN)/python -m pytest -n auto -m 'not slow' --keep-durations
+
 slow: .venv/ready
 	$(BIN)/python -m pytest -n auto -m slow
 
@@ -24,7 +32,7 @@ stress: .venv/ready
 	$(BIN)/python tests/fuzz/stress.py --scenes $(or $(SCENES),100000) --jobs 2 --out fuzz.jsonl
 
 coverage: .venv/ready
-	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=tools --cov=exact --cov=floating --cov=compare --cov-report=term
+	$(BIN)/python -m pytest -n auto -m 'not slow' --cov=scenarios --cov=tools --cov=exact --cov=floating --cov=compare --cov-report=term
 
 lint: .venv/ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/pyright
@@ -38,7 +46,7 @@ bench: .venv/ready
 
 # Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
 docs: .venv/ready
-	$(BIN)/python -m pytest -n auto tests/test_docs.py
+	$(BIN)/python -m pytest -n auto -m 'not slow' tests/test_docs.py
 	$(BIN)/python docs/site/build.py
 
 # Tests that touch each dependency: for other versions of them, and of Python, than those of .venv.
@@ -55,7 +63,7 @@ lowest:
 	$(PYTHON) -m venv build/lowest
 	build/lowest/bin/pip install -q -c build/lowest.txt -e '.[dask,docs,notebook,plots,tables]' \
 	    hypothesis jsonschema pytest pytest-timeout pytest-xdist 'setuptools>=77'
-	build/lowest/bin/python -m pytest -n auto $(TOUCHING)
+	build/lowest/bin/python -m pytest -n auto -m 'not slow' $(TOUCHING)
 
 # Every Python that this machine has, from 3.11 on, each in an environment of its own.
 pythons:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .comparison import Comparison, compare
     from .engines import ENGINES, engine
     from .outcomes.outcome import OUTCOMES, Outcome
-    from .reduction.minimise import minimise
+    from .reduction.minimal_scene import minimise
     from .reduction.smallest import Smallest
     from .report.documents import comparison_json, trajectory_json
     from .report.html import html_report
@@ -54,7 +54,7 @@ _HOMES = {
     "comparison_json": "report.documents",
     "engine": "engines",
     "html_report": "report.html",
-    "minimise": "reduction.minimise",
+    "minimise": "reduction.minimal_scene",
     "trajectory_json": "report.documents",
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""

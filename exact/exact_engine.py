@@ -34,7 +34,7 @@ from .exact_motion import (
 from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
-from .replay.contact import Named
+from .replay.contact import NamedContacts
 from .simulation.decider import History, Limits, Mark, Record, run_limits
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy
@@ -148,7 +148,7 @@ def _source(value: ExactValue) -> Source:
 
 def _same(history: History[Known], run: Trajectory, motion: ExactMotion) -> bool:
     """Whether a history is the beginning of a run: the same steps, events and flights."""
-    named = Named(run.scene)
+    named = NamedContacts(run.scene)
     if history.steps != list(motion.log.steps[: len(history.steps)]) or len(history.records) > len(run.events):
         return False
     if len(history.knots) != len(motion.knots):
@@ -451,7 +451,7 @@ def _in_order(records: Sequence[Record[Known]]) -> None:
 
 def _events(log: RunLog, records: Sequence[Record[Known]]) -> Iterator[Event]:
     """The events that a history keeps."""
-    named = Named(log.scene)
+    named = NamedContacts(log.scene)
     for index, (mark, links, impulses, ties, coupled) in enumerate(records):
         yield Event(index, time_of(log, mark), named(links), named(impulses), ties, coupled)
 

@@ -579,7 +579,7 @@ AXIS_BITS = 256
 """Precision of a mirror line's place: where it is not exact in so many bits, circles are projected."""
 
 
-class Held:
+class FixedProjections:
     """Tells, of a circle, the projection on what the symmetries of its past leave in place.
 
     The mirrors and rotations of the scene at time 0 are the candidates; that one maps a circle's past to itself is

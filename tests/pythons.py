@@ -48,7 +48,9 @@ def tried(python: Path, folder: Path, tests: list[str]) -> int:
     subprocess.run([python, "-m", "venv", folder], check=True)
     own = folder / "bin" / "python"
     subprocess.run([own, "-m", "pip", "install", "-q", "-e", f"{ROOT}{EXTRAS}", *NEEDED], check=True)
-    return subprocess.run([own, "-m", "pytest", "-n", "auto", *tests], cwd=ROOT, check=False).returncode
+    return subprocess.run(
+        [own, "-m", "pytest", "-n", "auto", "-m", "not slow", *tests], cwd=ROOT, check=False
+    ).returncode
 
 
 def main(folder: str, *tests: str) -> int:

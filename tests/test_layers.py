@@ -143,20 +143,15 @@ def test_no_class_is_large() -> None:
     assert all(n <= KNOWN_LARGE_CLASSES[name] for name, n in large.items())
 
 
-LOWER = ("scenarios", "exact", "floating")
-"""The layers in which a name stands once: of a module, and of a public class."""
-
-
 def test_no_name_of_a_module_or_of_a_public_class_stands_twice() -> None:
     places: dict[str, list[str]] = {}
     for module, path in FILES.items():
-        if module.partition(".")[0] in LOWER and path.name not in ("__init__.py", "__main__.py"):
-            places.setdefault(path.name, []).append(module)
-        if module.partition(".")[0] in LOWER:
-            for node in ast.parse(path.read_text("utf-8")).body:
-                if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                    places.setdefault(node.name, []).append(module)
-    assert len(places) > 200
+        if path.name not in ("__init__.py", "__main__.py"):
+            places.setdefault(path.stem, []).append(module)
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places.setdefault(node.name, []).append(module)
+    assert len(places) > 700
     assert {name: modules for name, modules in places.items() if len(modules) > 1} == {}
 
 

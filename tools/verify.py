@@ -1,8 +1,8 @@
 """Checks a certificate of a run of hard circles, walls and pockets: verify.py FILE [--work=N].
 
 docs/certificates.md defines the format, and says why this suffices. There is no search and no
-queue: what is stated is proved again, or refused. The laws stand once, in `World`, and run in two:
-of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Form`)."""
+queue: what is stated is proved again, or refused. The laws stand once, in `Space`, and run in two:
+of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Sum`)."""
 import copy, hashlib, json, math, random, re, sys
 from collections import defaultdict, namedtuple
 from fractions import Fraction
@@ -49,35 +49,35 @@ def fits(value, shape):  # refuses a part, or a list of parts, of another shape
 Flight = namedtuple("Flight", "x y vx vy age seen")  # at (x, y) at `age`; `seen`: where else it was
 class Malformed(ValueError): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
-class Undecided(Exception): code, word = 4, "not decided"  # intervals too wide, or nothing shows it
+class Unsettled(Exception): code, word = 4, "not decided"  # intervals too wide, or nothing shows it
 class Declined(Exception): code, word = 4, "declined"
 BROKEN = LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 def refuse(wrong, text, fault=Refuted): demand(bool(wrong), [False], text, fault)
 def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
-    if sign not in wanted: raise (Undecided if sign is None else fault)(text)
-class Account: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
-cost = Account()
+    if sign not in wanted: raise (Unsettled if sign is None else fault)(text)
+class Ledger: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
+cost = Ledger()
 def charge(units, room=0):  # before they are spent
     cost.work, cost.room = cost.work + units, cost.room + room
     if cost.work > cost.most: raise Declined(f"costs more than {cost.most} units of work; --work=N")
     if cost.room > cost.rooms: raise Declined(f"costs more than {cost.rooms} bytes; --work=N")
-class Form(dict):  # an exact number: a sum of terms {roots: factor}, zero if none; or `UNTOLD`
+class Sum(dict):  # an exact number: a sum of terms {roots: factor}, zero if none; or `UNTOLD`
     squares, most = [], 1 << 16  # of the roots, in terms of those before; most terms of a product
-    def __neg__(self): return Form((k, -x) for k, x in self.items())
+    def __neg__(self): return Sum((k, -x) for k, x in self.items())
     def __sub__(self, o): return self + -o
     def __add__(self, o):
         if None in self or None in o: return UNTOLD
         for x in (*self.values(), *o.values(), 1): charge(6_000 + (size(x) ** 2 >> 5))
-        return Form((k, x) for k in {**self, **o} if (x := self.get(k, 0) + o.get(k, 0)))
+        return Sum((k, x) for k in {**self, **o} if (x := self.get(k, 0) + o.get(k, 0)))
     def __mul__(self, o):
         if None in self or None in o: return UNTOLD if self and o else NONE
-        refuse(len(self) * len(o) > Form.most, "a product has too many terms", Declined)
+        refuse(len(self) * len(o) > Sum.most, "a product has too many terms", Declined)
         parts = defaultdict(lambda: defaultdict(int))  # by roots of both, whose squares are told
         for (j, x), (k, y) in product(self.items(), o.items()):
             charge(20_000 + ((size(x) + size(y)) ** 2 >> 4))
             parts[j & k][j ^ k] += x * y
-        sums = [(ks, Form((k, x) for k, x in part.items() if x)) for ks, part in parts.items()]
-        return sum((math.prod((Form.squares[n] for n in ks), start=x) for ks, x in sums), NONE)
+        sums = [(ks, Sum((k, x) for k, x in part.items() if x)) for ks, part in parts.items()]
+        return sum((math.prod((Sum.squares[n] for n in ks), start=x) for ks, x in sums), NONE)
     def at(self, _): return self
     def sign(self):  # where it is known without an interval: roots are positive
         (k, x), *more = self.items() or [(0, 0)]
@@ -87,7 +87,7 @@ class Ball:  # the reals within r of m, in units of 2**-bits; two that meet have
     def __init__(self, m, r, bits): self.m, self.r, self.bits = m, r, bits
     def __neg__(self): return Ball(-self.m, self.r, self.bits)
     def meet(self, o, times=0):  # before two are computed with
-        if self.bits != o.bits: raise Undecided("numbers of unlike bits meet")
+        if self.bits != o.bits: raise Unsettled("numbers of unlike bits meet")
         long = self.m.bit_length() + self.r.bit_length()
         cost.work += 2_000 + (long >> 3) + (times * long * (o.m.bit_length() + self.bits) >> 12)
         return self.bits if cost.work <= cost.most else charge(0)
@@ -98,13 +98,13 @@ class Ball:  # the reals within r of m, in units of 2**-bits; two that meet have
         return shifted(self.m * o.m, wide, bits, bits)
     def __truediv__(self, o):
         self.meet(o, 8)
-        if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
+        if (least := abs(o.m) - o.r) <= 0: raise Unsettled("a number that may be zero divides")
         m, rest = divmod(self.m << self.bits, o.m)
         wide = (self.r << self.bits) + (abs(m) + 1) * o.r
         return Ball(m, wide // least + 2 if rest or wide else 0, self.bits)
     def sqrt(self):  # |sqrt(x) - sqrt(m)| is at most r / (2 sqrt(m) - r / sqrt(m))
         self.meet(self, 8)
-        if self.m <= self.r: raise Undecided("a number that may not be positive has a root")
+        if self.m <= self.r: raise Unsettled("a number that may not be positive has a root")
         m, wide = math.isqrt(self.m << self.bits), self.r << self.bits
         off = wide // max(1, 2 * m - wide // m - 1) + 2
         return Ball(m, off if wide or m * m < self.m << self.bits else 0, self.bits)
@@ -118,23 +118,23 @@ def enclosed(form):  # as a ball
     return sum((math.prod((Ball.roots[n] for n in ks), start=whole(x.numerator))
                 / whole(x.denominator) for ks, x in form.items()), whole(0))
 def sign_of(form): return enclosed(form).sign() if (sign := form.sign()) is None else sign
-NONE, ONE, UNTOLD = Form(), Form({frozenset(): Fraction(1)}), Form({None: float("nan")})
+NONE, ONE, UNTOLD = Sum(), Sum({frozenset(): Fraction(1)}), Sum({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
     total = NONE
     for x, *ks in (term.split("*r") for term in re.findall("[+-]?[^+-]+", text)):
         charge(5_000 + (len(x) ** 2 >> 5))
-        roots = [frozenset({int(k) - 1}) for k in ks if Form.squares[int(k) - 1]]
-        total += math.prod((Form({k: 1}) for k in roots), start=Form({frozenset(): Fraction(x)}))
+        roots = [frozenset({int(k) - 1}) for k in ks if Sum.squares[int(k) - 1]]
+        total += math.prod((Sum({k: 1}) for k in roots), start=Sum({frozenset(): Fraction(x)}))
     return total
-class Meeting:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `arms`: the rows of J
+class Nearing:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `arms`: the rows of J
     def __init__(self, d, v, reach, arms): self.d, self.v, self.reach, self.arms = d, v, reach, arms
     gap = cached_property(lambda m: m.d[0] * m.d[0] + m.d[1] * m.d[1] - m.reach * m.reach)
     closing = cached_property(lambda m: m.d[0] * m.v[0] + m.d[1] * m.v[1])
     speed = cached_property(lambda m: m.v[0] * m.v[0] + m.v[1] * m.v[1])
     cross = cached_property(lambda m: m.d[0] * m.v[1] - m.d[1] * m.v[0])
     disc = cached_property(lambda m: m.speed * (m.reach * m.reach) - m.cross * m.cross)  # Lagrange
-class World:
+class Space:
     """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle, wall
     j - n, or pocket -1 - j, which rests. What is computed of a flight is kept with it."""
     def __init__(self, n, things, sides, limits, of):
@@ -161,10 +161,10 @@ class World:
         if j < self.n:
             (u, v, p, q, *_), (r, s) = self.put(j, age), self.at(*(self.things[k][4] for k in c))
             d, reach = (u - x, v - y), s if j < 0 else r + s
-            return Meeting(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
+            return Nearing(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
         u, v, p, q, length, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
-        wall, gap = Meeting(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
+        wall, gap = Nearing(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
         return wall
     def rough(self, k, age):  # a flight or a wall in whole numbers; how large, and how far off
@@ -175,7 +175,7 @@ class World:
             kept[key] = *(z.m for z in row), far, x.r + y.r + r.r, fast, vx.r + vy.r
         return kept[key]
     def hit(self, c):  # when the gap of two falls through zero
-        if self.read is Form: return UNTOLD
+        if self.read is Sum: return UNTOLD
         m = self.meeting(c, start := self.start(c))
         return self.times[start].at(self.bits) + m.gap / (m.disc.sqrt() - m.closing)
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
@@ -191,7 +191,7 @@ class World:
             both = ((self.things[i][5].at(self.bits), *a[i], *b[i]) for i in a if i in b)
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none.at(self.bits))
         if s: s = [*map(self.of, s)]
-        elif self.read is Form: s = [UNTOLD] * len(push)
+        elif self.read is Sum: s = [UNTOLD] * len(push)
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
                                -(met[c].closing + met[c].closing)] for c in push])
         for c, j in zip(push, s, strict=True):
@@ -229,11 +229,11 @@ class Checker:
         refuse(len(told["final"]["circles"]) != n, "its end is of other circles", Malformed)
         refuse(hows - {*range(len(maps))}, "a witness names no isometry that there is", Malformed)
         self.digest = hashlib.sha256(dense(scene).encode()).hexdigest()
-        Ball.bits, Form.squares, Ball.roots, cost.room = bits * factor, [], [], 0
+        Ball.bits, Sum.squares, Ball.roots, cost.room = bits * factor, [], [], 0
         charge(3_000 * area, 300 * area + 2 * len(things) * Ball.bits)
         for text in roots:
             demand(sign_of(x := number(text)), [1], "what has a root is not positive", Malformed)
-            Form.squares, Ball.roots = [*Form.squares, x], [*Ball.roots, enclosed(x).sqrt()]
+            Sum.squares, Ball.roots = [*Sum.squares, x], [*Ball.roots, enclosed(x).sqrt()]
         circles, walls, pockets = ([[number(thing[name]) for name in THINGS[kind].split()]
                                     for thing in scene.get(kind, ())] for kind in THINGS)
         lines = [[x, y, y - v, u - x, length] for x, y, u, v, length in walls]
@@ -253,7 +253,7 @@ class Checker:
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
                  for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
         for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
-        self.worlds = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
+        self.worlds = [Space(n, self.things, sides, limits, of) for of in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
         self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], set()
@@ -309,7 +309,7 @@ class Checker:
     def sign(self, question, c):  # the sign of a number
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0
-        raise Undecided(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
+        raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
         (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
         far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
@@ -341,7 +341,7 @@ class Checker:
         refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
         for x in ("closing", "disc") if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
             if self.zero(x, c, start): return
-        raise Undecided(f"whether {c} meet before it")
+        raise Unsettled(f"whether {c} meet before it")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
@@ -447,7 +447,7 @@ class Checker:
 def judged(told, factor):  # the exit code for a certificate with so many times its bits; and words
     Checker.where = "in the scene"
     try: return 0, f"verified: {Checker(told, factor).check()}"
-    except (Refuted, Undecided, Declined) as x: return x.code, f"{x.word}: {Checker.where}: {x}"
+    except (Refuted, Unsettled, Declined) as x: return x.code, f"{x.word}: {Checker.where}: {x}"
 def once(pairs):  # an object of JSON whose keys differ
     return refuse(len(dict(pairs)) < len(pairs), "a key comes twice", Malformed) or dict(pairs)
 def integer(text):  # a number of JSON, which has to be whole
@@ -465,7 +465,7 @@ def verdict(path, work=None):  # the exit code for a file, and a sentence
         told = json.loads(text.decode(), object_pairs_hook=once, **numbers)
         refuse(told["format"] != FORMAT, f"the format is not {FORMAT}", Malformed)
         code, sentence = judged(told, 1)
-        for factor in (2, 4) if sentence.startswith(Undecided.word) else ():
+        for factor in (2, 4) if sentence.startswith(Unsettled.word) else ():
             more, what = judged(told, factor)
             if more != 4: return 4, f"{sentence}; with {factor * told['bits']} bits it is {what}"
         return code, sentence

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
     from .compare.files.saved import load_run, resume, save_run
+    from .compare.foreign.guard import run
     from .compare.logdiff.desync import diff
     from .compare.report.tables import table
-    from .compare.run import run
     from .compare.saved_comparisons import load_comparison, save_comparison
     from .compare.scene_argument import scene_from as scene
     from .compare.testing.check import check
@@ -71,7 +71,7 @@ _HOMES = {
     "load_comparison": ("compare.saved_comparisons", "load_comparison"),
     "load_run": ("compare.files.saved", "load_run"),
     "resume": ("compare.files.saved", "resume"),
-    "run": ("compare.run", "run"),
+    "run": ("compare.foreign.guard", "run"),
     "same": ("compare.testing.golden", "same"),
     "save_comparison": ("compare.saved_comparisons", "save_comparison"),
     "save_run": ("compare.files.saved", "save_run"),

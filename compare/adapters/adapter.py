@@ -107,7 +107,7 @@ class OutOfRoom(Exception):
     """A circle has left the part of the plane that the engine's world is made for; the run ends there."""
 
 
-class World(Protocol):
+class EngineWorld(Protocol):
     """A scene in the engine's own terms, ready to step."""
 
     def step(self) -> Sequence[tuple[str, str]]:
@@ -166,7 +166,7 @@ class SteppedAdapter(Adapted):
         return replace(self, **settings) if settings else None
 
     @abstractmethod
-    def world(self, scene: Scene) -> World:
+    def world(self, scene: Scene) -> EngineWorld:
         """The scene in the engine's own terms.
 
         Raises:
@@ -390,7 +390,7 @@ class WallLine:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class WallStretch:
     """The part of a wall beside which the circles of a scene can be."""
 
     start: Point
@@ -399,7 +399,7 @@ class Stretch:
     def beside(self, x: float, y: float) -> bool:
         """Whether a point is between the two lines that cross the wall at its ends.
 
-        >>> Stretch((0.0, 0.0), (2.0, 0.0)).beside(1.0, 5.0), Stretch((0.0, 0.0), (2.0, 0.0)).beside(3.0, 0.0)
+        >>> WallStretch((0.0, 0.0), (2.0, 0.0)).beside(1.0, 5.0), WallStretch((0.0, 0.0), (2.0, 0.0)).beside(3.0, 0.0)
         (True, False)
         """
         (x0, y0), (x1, y1) = self.start, self.end
@@ -427,7 +427,7 @@ def sides(scene: Scene) -> list[list[int]]:
     return [[1 if w.height(c.x, c.y).sign() >= 0 else -1 for w in scene.walls] for c in scene.circles]
 
 
-def stretches(scene: Scene) -> list[Stretch]:
+def stretches(scene: Scene) -> list[WallStretch]:
     """For each wall, as much of it as circles can meet: to where other walls end it, or `REACH`.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
@@ -452,10 +452,10 @@ def stretches(scene: Scene) -> list[Stretch]:
         for sign, wall in zip(side, walls, strict=True):
             region = clipped(region, sign * wall.nx, sign * wall.ny, sign * wall.height)
         room += region
-    found: list[Stretch] = []
+    found: list[WallStretch] = []
     for wall in walls:
         along = [wall.ny * x - wall.nx * y for x, y in room]
         low, high = min(along) - biggest, max(along) + biggest
         start, end = ((wall.nx * wall.height + wall.ny * s, wall.ny * wall.height - wall.nx * s) for s in (low, high))
-        found.append(Stretch(start, end))
+        found.append(WallStretch(start, end))
     return found

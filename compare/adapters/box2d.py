@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import OutOfRoom, SteppedAdapter, Stretch, package, power_of_two, stretches, top_speed
+from .adapter import OutOfRoom, SteppedAdapter, WallStretch, package, power_of_two, stretches, top_speed
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -98,7 +98,7 @@ class Box2DWorld:
         body.userData = str(circle.id)
         return body
 
-    def _edge(self, name: str, stretch: Stretch) -> None:
+    def _edge(self, name: str, stretch: WallStretch) -> None:
         ends = [(x * self._metres, y * self._metres) for x, y in (stretch.start, stretch.end)]
         shape = self._b2.b2EdgeShape(vertices=ends)
         shape.radius = 0.0

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
 
 
-class Meeting(NamedTuple):
+class PartnersMet(NamedTuple):
     """The partners that one body meets at one instant, once for each impulse between them.
 
     Attributes:
@@ -36,7 +36,7 @@ class Streams:
         times: the time of each event as a double.
     """
 
-    meetings: dict[str, list[Meeting]]
+    meetings: dict[str, list[PartnersMet]]
     times: tuple[float, ...]
 
 
@@ -56,16 +56,16 @@ def history(trajectory: Trajectory) -> Streams:
     >>> ab, bw = Contact("a", "b"), Contact("b", "w")
     >>> events = (Event(0, 1.0, (ab,), (ab,)), Event(1, 2.0, (bw,), (bw,)))
     >>> history(SimpleNamespace(scene=scene, events=events)).meetings["b"]
-    [Meeting(event=0, partners=('a',)), Meeting(event=1, partners=('w',))]
+    [PartnersMet(event=0, partners=('a',)), PartnersMet(event=1, partners=('w',))]
     """
-    meetings: dict[str, list[Meeting]] = {name: [] for name in bodies(trajectory.scene)}
+    meetings: dict[str, list[PartnersMet]] = {name: [] for name in bodies(trajectory.scene)}
     for index, event in enumerate(trajectory.events):
         if len(event.impulses) == 1:
             first, second = event.impulses[0]
             if first in meetings:
-                meetings[first].append(Meeting(index, (second,)))
+                meetings[first].append(PartnersMet(index, (second,)))
             if second in meetings:
-                meetings[second].append(Meeting(index, (first,)))
+                meetings[second].append(PartnersMet(index, (first,)))
             continue
         met: dict[str, list[str]] = {}
         for first, second in event.impulses:
@@ -74,7 +74,7 @@ def history(trajectory: Trajectory) -> Streams:
             if second in meetings:
                 met.setdefault(second, []).append(first)
         for body, partners in met.items():
-            meetings[body].append(Meeting(index, tuple(partners)))
+            meetings[body].append(PartnersMet(index, tuple(partners)))
     return Streams(meetings, tuple(float(event.time) for event in trajectory.events))
 
 
@@ -176,7 +176,7 @@ class _Side:
         spare: as `coming`, for that instant.
     """
 
-    meetings: Sequence[Meeting]
+    meetings: Sequence[PartnersMet]
     times: Sequence[float]
     stepped: bool
     place: int = 0
@@ -207,8 +207,8 @@ class _Side:
 
 
 def walk(
-    mine: Sequence[Meeting],
-    theirs: Sequence[Meeting],
+    mine: Sequence[PartnersMet],
+    theirs: Sequence[PartnersMet],
     my_times: Sequence[float],
     their_times: Sequence[float],
     step: float = 0.0,
@@ -220,9 +220,9 @@ def walk(
     last instant of one run has is not missed where the other has it again, as often as that instant has it, or
     within two steps.
 
-    >>> walk([Meeting(0, ("j", "k"))], [Meeting(0, ("k",)), Meeting(1, ("j",))], [1.0], [1.0, 1.0]).split
+    >>> walk([PartnersMet(0, ("j", "k"))], [PartnersMet(0, ("k",)), PartnersMet(1, ("j",))], [1.0], [1.0, 1.0]).split
     {0: {0, 1}}
-    >>> walk([Meeting(0, ("j",))], [Meeting(0, ("k",))], [1.0], [1.0]).mismatch
+    >>> walk([PartnersMet(0, ("j",))], [PartnersMet(0, ("k",))], [1.0], [1.0]).mismatch
     Mismatch(mine=0, expected='j', theirs=0, got='k', final=True)
     """
     walked = Walk()

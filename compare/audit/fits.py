@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .residuals import Laws, length_of
 
 if TYPE_CHECKING:
-    from .transcript import Instant
+    from .transcript import ReportedInstant
 
 SPREAD = 0.01
 """Values that differ among themselves by less than this share of what they differ from the law by are one value."""
@@ -132,7 +132,7 @@ FLIGHTS = ("damping", "acceleration", "correction")
 """Kinds of description that are of flights."""
 
 
-def sampled(laws: Laws, instant: Instant, events: int, back: float = 0.0) -> list[Sample]:
+def sampled(laws: Laws, instant: ReportedInstant, events: int, back: float = 0.0) -> list[Sample]:
     """The contacts of an instant that are by themselves: no circle of theirs takes part in another.
 
     Args:
@@ -149,7 +149,7 @@ def sampled(laws: Laws, instant: Instant, events: int, back: float = 0.0) -> lis
     return found
 
 
-def _sample(laws: Laws, pair: tuple[int, int], instant: Instant, events: int, back: float) -> Iterable[Sample]:
+def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events: int, back: float) -> Iterable[Sample]:
     i, j = pair
     met = laws.meeting(pair, instant, events)
     a, la = instant.before[i], instant.after.get(i, instant.before[i])
@@ -204,7 +204,7 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: Instant, events: int, ba
     )  # fmt: skip
 
 
-def drifts(laws: Laws, instant: Instant, events: int) -> list[Drift]:
+def drifts(laws: Laws, instant: ReportedInstant, events: int) -> list[Drift]:
     """Of each circle that an instant gives a new flight, how far it is from the end of its last."""
     found: list[Drift] = []
     for k, after in instant.after.items():

@@ -17,7 +17,7 @@ from ...exact.numbers import ball
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from .transcript import Flight, Instant, Transcript
+    from .transcript import ReportedFlight, ReportedInstant, Transcript
 
 AUDIT_BITS = 256
 """Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
@@ -81,7 +81,7 @@ class Thing(NamedTuple):
     share: float
 
 
-class Line(NamedTuple):
+class WallInBalls(NamedTuple):
     """A wall: a point of it, its unit normal; how far its points are from the origin and from each other."""
 
     x: arb
@@ -92,7 +92,7 @@ class Line(NamedTuple):
     length: float
 
 
-class Meeting(NamedTuple):
+class ImpactLaws(NamedTuple):
     """Two that meet, at the engine's own places: what the laws say of their impulse.
 
     Attributes:
@@ -167,22 +167,22 @@ class Laws:
         ]
         self.moving = [not c.fixed for c in scene.circles]
         self._fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
-        self.lines: list[list[Line]] = []
+        self.lines: list[list[WallInBalls]] = []
         for wall in scene.walls:
             x0, y0, x1, y1 = (ball.constant(value) for value in (wall.x0, wall.y0, wall.x1, wall.y1))
             nx, ny = y1 - y0, x0 - x1
             span = (nx * nx + ny * ny).sqrt()
             size = max(math.hypot(float(x0), float(y0)), math.hypot(float(x1), float(y1)))
-            towards: list[Line] = []
+            towards: list[WallInBalls] = []
             for circle in scene.circles:
                 side = (nx * (ball.constant(circle.x) - x0) + ny * (ball.constant(circle.y) - y0)).mid()
                 sign = -1 if side > 0 else 1
-                towards.append(Line(x0, y0, sign * nx / span, sign * ny / span, size, float(span)))
+                towards.append(WallInBalls(x0, y0, sign * nx / span, sign * ny / span, size, float(span)))
             self.lines.append(towards)
 
     # -- one instant
 
-    def residuals(self, instant: Instant, events: int) -> Iterator[Residual]:
+    def residuals(self, instant: ReportedInstant, events: int) -> Iterator[Residual]:
         """All residuals of an instant.
 
         Args:
@@ -219,31 +219,31 @@ class Laws:
                 size = math.hypot(float(ends[2]), float(ends[3]))
                 yield Residual("start", (k,), length_of(x, y), 2 * self.unit * size * self.start + LEAST)
 
-    def _flown(self, k: int, before: Flight, after: Flight, events: int) -> Residual:
+    def _flown(self, k: int, before: ReportedFlight, after: ReportedFlight, events: int) -> Residual:
         """How far from where it flew to a circle says that it is."""
         span = after.t - before.t
         x = after.x - before.x - before.vx * span
         y = after.y - before.y - before.vy * span
         return Residual("flight", (k,), length_of(x, y), self.flown_room(before, after, events))
 
-    def flown_room(self, before: Flight, after: Flight, events: int) -> float:
+    def flown_room(self, before: ReportedFlight, after: ReportedFlight, events: int) -> float:
         """What rounding may make of the place that a flight ends at."""
         return self._blurred(before, after.place, after.time, events, after.speed)
 
-    def _blurred(self, before: Flight, place: float, time: float, events: int, speed: float) -> float:
+    def _blurred(self, before: ReportedFlight, place: float, time: float, events: int, speed: float) -> float:
         """What rounding may make of a place, at the end of a flight; `speed` is that with which the circle goes on."""
         moved = max(0, events - before.made) if self.step is None else (time - before.time) / self.step
         units = FLIGHT_UNITS * (1 + moved)
         return self.unit * units * (before.place + place + (before.speed + speed) * (time + before.time)) + LEAST
 
-    def _bystander(self, kind: str, k: int, before: Flight, after: Flight) -> Residual:
+    def _bystander(self, kind: str, k: int, before: ReportedFlight, after: ReportedFlight) -> Residual:
         """A circle that meets nothing keeps its velocity."""
         size, fast = length_of(after.vx - before.vx, after.vy - before.vy), before.speed + after.speed
         if self.step is not None:  # a solver goes on pushing what impacts of other speeds have left by rounding
             self._fastest = fast = max(fast, self._fastest)
         return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * fast + LEAST)
 
-    def _turned(self, instant: Instant) -> Iterator[Residual]:
+    def _turned(self, instant: ReportedInstant) -> Iterator[Residual]:
         """At a reversal every velocity is negated; of what is hit at that very moment, the energy is kept."""
         hit = instant.circles(self.count)
         energy, room = arb(0), 0.0
@@ -262,7 +262,7 @@ class Laws:
 
     # -- contacts
 
-    def meeting(self, pair: tuple[int, int], instant: Instant, events: int) -> Meeting:
+    def meeting(self, pair: tuple[int, int], instant: ReportedInstant, events: int) -> ImpactLaws:
         """Two that meet, at the engine's own places."""
         i, j = pair
         a, xa, ya = self._there(i, instant)
@@ -277,7 +277,7 @@ class Laws:
             turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
-            return Meeting(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, turn)
+            return ImpactLaws(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, turn)
         b, xb, yb = self._there(j, instant)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
@@ -289,14 +289,14 @@ class Laws:
         blur = self._blurred(a, math.hypot(float(xa), float(ya)), time, events, self._left(i, instant))
         blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, self._left(j, instant))
         if not near:  # two centres in one place: no line joins them
-            return Meeting(dx, dy, -reach, arb(0), speed, blur, 1.0)
+            return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
         far = near + speed * max(0.0, time - max(a.time, b.time))
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
-        return Meeting(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
+        return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -309,7 +309,7 @@ class Laws:
             return 0.0
         return min(math.sqrt(least), least / (2 * root) if root else math.inf) / speed
 
-    def _there(self, k: int, instant: Instant) -> tuple[Flight, arb, arb]:
+    def _there(self, k: int, instant: ReportedInstant) -> tuple[ReportedFlight, arb, arb]:
         """A circle's flight before an instant, and its place at it: as reported, or flown to where nothing is."""
         flight, told = instant.before[k], instant.after.get(k)
         if told is not None:
@@ -317,12 +317,12 @@ class Laws:
         span = instant.t - flight.t
         return flight, flight.x + flight.vx * span, flight.y + flight.vy * span
 
-    def _left(self, k: int, instant: Instant) -> float:
+    def _left(self, k: int, instant: ReportedInstant) -> float:
         """How fast a circle goes on."""
         return instant.after.get(k, instant.before[k]).speed
 
     def _impact(
-        self, pair: tuple[int, int], instant: Instant, after: dict[int, Flight], events: int
+        self, pair: tuple[int, int], instant: ReportedInstant, after: dict[int, ReportedFlight], events: int
     ) -> Iterator[Residual]:
         """A single contact: gap and impulse."""
         met = self.meeting(pair, instant, events)
@@ -357,7 +357,7 @@ class Laws:
         if faint:  # the two part already, or come together by less than rounding
             yield Residual("phantom", pair, 0.0 if closing == 1 else abs(float(met.opening.mid())), math.inf)
 
-    def faint(self, instant: Instant, events: int) -> list[tuple[int, float, float]]:
+    def faint(self, instant: ReportedInstant, events: int) -> list[tuple[int, float, float]]:
         """The impulses of an instant that are below rounding: place in `impulses`, speed of approach, speed of the two.
 
         The impulses are carried out one after the other, from the engine's own state before; none where that does not
@@ -393,7 +393,7 @@ class Laws:
         return found
 
     def _several(
-        self, pairs: Sequence[tuple[int, int]], instant: Instant, after: dict[int, Flight], events: int
+        self, pairs: Sequence[tuple[int, int]], instant: ReportedInstant, after: dict[int, ReportedFlight], events: int
     ) -> Iterator[Residual]:
         """Several contacts of one instant: whatever the order, pushes along the lines of centres that keep the energy.
 
@@ -440,7 +440,7 @@ class Laws:
 
     def _unexplained(
         self, k: int, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
-        met: Mapping[tuple[int, int], Meeting],
+        met: Mapping[tuple[int, int], ImpactLaws],
     ) -> tuple[arb, arb]:  # fmt: skip
         """What pushes of these strengths leave of a circle's change of velocity."""
         x, y = change
@@ -452,7 +452,8 @@ class Laws:
 
     def _sharpened(
         self, rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]],
-        links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], Meeting], change: Mapping[int, tuple[arb, arb]],
+        links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], ImpactLaws],
+        change: Mapping[int, tuple[arb, arb]],
     ) -> list[arb]:  # fmt: skip
         """Strengths to an engine's bits: what those in doubles leave is explained by the same contacts again."""
         strengths = [arb(strength) for strength in rough]

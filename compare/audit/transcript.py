@@ -28,7 +28,7 @@ READ_BITS = 320
 """Bits to which numbers are read that are no doubles."""
 
 
-class Flight(NamedTuple):
+class ReportedFlight(NamedTuple):
     """Straight flight of one circle as reported, from the time at which it begins.
 
     Attributes:
@@ -47,7 +47,7 @@ class Flight(NamedTuple):
     speed: float
     made: int
 
-    def turned(self) -> Flight:
+    def turned(self) -> ReportedFlight:
         """The same with the velocity negated.
 
         >>> flight_of((0.0, 1.0, 2.0, 3.0, 0.0), 0).turned().vx == -3
@@ -60,20 +60,20 @@ Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
 """t, x, y, vx, vy of one circle, in the engine's numbers."""
 
 
-def flight_of(row: Row, made: int) -> Flight:
+def flight_of(row: Row, made: int) -> ReportedFlight:
     """A flight from (t, x, y, vx, vy)."""
     if type(row[0]) is float and type(row[1]) is float:
         t, x, y, vx, vy = row
-        return Flight(
+        return ReportedFlight(
             arb(t), arb(x), arb(y), arb(vx), arb(vy), abs(t), math.hypot(x, y), math.hypot(vx, vy), made
         )  # fmt: skip
     numbers = [arb(float(value)) if isinstance(value, float) else real(value).ball(READ_BITS) for value in row]
     near = [float(value.mid()) for value in numbers]
     t, x, y, vx, vy = numbers
-    return Flight(t, x, y, vx, vy, abs(near[0]), math.hypot(*near[1:3]), math.hypot(*near[3:]), made)
+    return ReportedFlight(t, x, y, vx, vy, abs(near[0]), math.hypot(*near[1:3]), math.hypot(*near[3:]), made)
 
 
-def _middle(flight: Flight) -> tuple[float, ...]:
+def _middle(flight: ReportedFlight) -> tuple[float, ...]:
     """The middle of a flight's numbers, and the radius of its place and of its velocity."""
     numbers = flight[:5]
     wide = [float(value.rad()) for value in numbers]
@@ -82,7 +82,7 @@ def _middle(flight: Flight) -> tuple[float, ...]:
 
 
 @dataclass
-class Instant:
+class ReportedInstant:
     """All that a run reports of one moment.
 
     Attributes:
@@ -99,8 +99,8 @@ class Instant:
     time: float
     t: arb
     impulses: tuple[tuple[int, int], ...]
-    before: dict[int, Flight] = field(default_factory=dict[int, Flight])
-    after: dict[int, Flight] = field(default_factory=dict[int, Flight])
+    before: dict[int, ReportedFlight] = field(default_factory=dict[int, ReportedFlight])
+    after: dict[int, ReportedFlight] = field(default_factory=dict[int, ReportedFlight])
     turned: bool = False
 
     def circles(self, count: int) -> set[int]:
@@ -150,7 +150,7 @@ class Transcript:
         row = next(iter(self._motion.state(0.0)), (0.0,))
         return not all(isinstance(value, float) for value in row)
 
-    def first(self) -> list[Flight]:
+    def first(self) -> list[ReportedFlight]:
         """The flight with which each circle begins."""
         if isinstance(self._motion, DoubleMotion):
             return [flight_of(row[0][:5], 0) for row in self._motion.knots]
@@ -159,7 +159,7 @@ class Transcript:
             return [self._flight((0.0, *row), 0) for row in rows]
         return [self._flight((0.0, *row), 0) for row in self._motion.state(0.0)]
 
-    def instants(self) -> Iterator[Instant]:
+    def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
         if isinstance(self._motion, DoubleMotion):
             return self._from_flights(self._motion)
@@ -180,7 +180,7 @@ class Transcript:
 
     # -- from the flights that a motion keeps
 
-    def _from_flights(self, motion: DoubleMotion) -> Iterator[Instant]:
+    def _from_flights(self, motion: DoubleMotion) -> Iterator[ReportedInstant]:
         knots = motion.knots
         flying = [flight_of(row[0][:5], 0) for row in knots]
         end = float(self.run.final_time)  # a record may know more than was asked for
@@ -218,24 +218,27 @@ class Transcript:
         changed: Mapping[int, Sequence[int]],
         left: Sequence[tuple[float, Sequence[int]]],
         turned: bool,
-    ) -> Iterator[tuple[Instant, dict[int, int]]]:
+    ) -> Iterator[tuple[ReportedInstant, dict[int, int]]]:
         """What falls on one double, taken apart into its events, as far as the motion says which flight is of which."""
         t, remaining = arb(now), {k: list(rows) for k, rows in changed.items()}
         if turned:
             left_by = {k: rows[-1] for k, rows in remaining.items()}
             links = tuple(link for index in events for link in self._links(index))
-            yield Instant(tuple(events), now, t, links, turned=True), left_by
+            yield ReportedInstant(tuple(events), now, t, links, turned=True), left_by
             return
         if len(events) > 1 and self._apart(events, remaining, left):
             for index in events:
                 mine = {k: self._due(remaining[k], index, k, left) for k in self._circles(index) if remaining.get(k)}
-                yield Instant((index,), now, t, self._links(index)), {k: n for k, n in mine.items() if n is not None}
+                yield (
+                    ReportedInstant((index,), now, t, self._links(index)),
+                    {k: n for k, n in mine.items() if n is not None},
+                )
             rest = {k: rows[-1] for k, rows in remaining.items() if rows}
             if rest:
-                yield Instant((), now, t, ()), rest
+                yield ReportedInstant((), now, t, ()), rest
         elif events or any(remaining.values()):
             links = tuple(link for index in events for link in self._links(index))
-            yield Instant(tuple(events), now, t, links), {k: rows[-1] for k, rows in remaining.items() if rows}
+            yield ReportedInstant(tuple(events), now, t, links), {k: rows[-1] for k, rows in remaining.items() if rows}
 
     def _apart(
         self, events: Sequence[int], changed: Mapping[int, Sequence[int]], left: Sequence[tuple[float, Sequence[int]]]
@@ -262,7 +265,7 @@ class Transcript:
 
     # -- from states read at every event
 
-    def _from_rows(self) -> Iterator[Instant]:
+    def _from_rows(self) -> Iterator[ReportedInstant]:
         """By the state after every event: of circles that are in it, or whose velocity is no longer the same."""
         run, after = self.run, getattr(self._motion, "after", None)
         flying = self.first()
@@ -286,8 +289,14 @@ class Transcript:
             yield self._read((), run.reversal.time, turn, len(run.events), flying, None)
 
     def _read(
-        self, events: tuple[int, ...], time: Any, turn: float | None, made: int, flying: list[Flight], after: Any
-    ) -> Instant:
+        self,
+        events: tuple[int, ...],
+        time: Any,
+        turn: float | None,
+        made: int,
+        flying: list[ReportedFlight],
+        after: Any,
+    ) -> ReportedInstant:
         """An instant by the state that it leaves."""
         now, run = float(time), self.run
         turned = turn is not None and now == turn and run.reversal is not None
@@ -295,7 +304,7 @@ class Transcript:
         if turned and run.reversal is not None:
             time, after = run.reversal.time, None
         rows = list(self._motion.state(time) if after is None else after(events[-1]))
-        instant = Instant(events, now, self._number(time), links, turned=turned)
+        instant = ReportedInstant(events, now, self._number(time), links, turned=turned)
         hit = instant.circles(self._count)
         for k, row in enumerate(rows):
             found = self._flight((time, *row), made)
@@ -305,7 +314,7 @@ class Transcript:
                 flying[k] = instant.after[k] = found
         return instant
 
-    def _flight(self, row: Row, made: int) -> Flight:
+    def _flight(self, row: Row, made: int) -> ReportedFlight:
         """A flight from a state; of exact numbers, from the doubles that are nearest to them."""
         return flight_of(row if self.wide else (*map(float, row),), made)  # pyright: ignore[reportArgumentType]
 

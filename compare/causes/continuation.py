@@ -34,8 +34,8 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import AtWall, Entry, Flight, Pair, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
-from ..audit.transcript import Flight as OwnRow
-from ..audit.transcript import Instant, Transcript
+from ..audit.transcript import ReportedFlight as OwnRow
+from ..audit.transcript import ReportedInstant, Transcript
 from .decision import DecidingNumber, FlightBalls, OwnFlight, Pairing, RunReader, nearest
 
 if TYPE_CHECKING:
@@ -324,7 +324,7 @@ class Continuation:
     def _matched(self, links: Sequence[Link]) -> list[Stretch]:
         """The same in the engine's run: its own flights before and after each."""
         told = [*Transcript(self.own, encloses=True).instants()]
-        by_event: dict[int, Instant] = {index: instant for instant in told for index in instant.events}
+        by_event: dict[int, ReportedInstant] = {index: instant for instant in told for index in instant.events}
         turned = next((instant for instant in told if instant.turned), None)
         groups: list[tuple[list[Link], set[int]]] = []
         of: dict[int, int] = {}
@@ -357,9 +357,9 @@ class Continuation:
     def _with_changes(
         self,
         groups: Sequence[tuple[list[Link], set[int]]],
-        by_event: Mapping[int, Instant],
-        turned: Instant | None,
-        told: Sequence[Instant],
+        by_event: Mapping[int, ReportedInstant],
+        turned: ReportedInstant | None,
+        told: Sequence[ReportedInstant],
     ) -> list[Stretch]:
         """Stretches, with the changes of flights that no contact explains between them."""
         order = {id(instant): n for n, instant in enumerate(told)}

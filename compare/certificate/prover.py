@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Meeting, Undecided, World, enclosed
+from ...tools.verify import Ball, Checker, Nearing, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
@@ -63,16 +63,16 @@ class Lazy:
                 todo += now.by[1:]
 
 
-class Remembering(World):
+class Remembering(Space):
     """A world that keeps the last hit and the last meetings: an instant is gathered from them, and then checked."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.last: tuple[Any, Any] = (None, None)
         self.age = 0
-        self.met: dict[Contact, tuple[Any, Any, int, Meeting]] = {}
+        self.met: dict[Contact, tuple[Any, Any, int, Nearing]] = {}
 
-    def meeting(self, c: Contact, age: int) -> Meeting:
+    def meeting(self, c: Contact, age: int) -> Nearing:
         """As in any world; asked again, with the same flights and bits, it is the same one."""
         if age != self.age:
             self.age, self.met = age, {}
@@ -140,7 +140,7 @@ class Prover(Checker):
         """Completes the certificate, with the bits that it says.
 
         Raises:
-            Undecided: if these bits do not suffice, or a zero has no witness.
+            Unsettled: if these bits do not suffice, or a zero has no witness.
             Refuted: if the run is wrong.
         """
         self.check()
@@ -176,11 +176,11 @@ class Prover(Checker):
         """A number to the digits asked for.
 
         Raises:
-            Undecided: if it is not known so sharply.
+            Unsettled: if it is not known so sharply.
         """
         scale, bits = 10**self.digits, value.bits
         if value.r * scale * 8 > 1 << bits:
-            raise Undecided("a number is not known to as many digits")
+            raise Unsettled("a number is not known to as many digits")
         nearest = (2 * value.m * scale + (1 << bits)) >> (bits + 1)
         whole, part = divmod(abs(nearest), scale)
         return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
@@ -226,7 +226,7 @@ class Prover(Checker):
         near = [c for c in wanted if c not in self.lasting and c not in self.parted]
         hits = [(self.ball.hit(c), c) for c in near if len(near) == 1 or self._hits(c)]
         if not hits:
-            raise Undecided("whether the contacts of an event meet")
+            raise Unsettled("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
         self.ball.times.append(time)
         self.form.times.append(self.form.hit(clock))
@@ -348,7 +348,7 @@ class Prover(Checker):
         try:
             _compute(value, done)
             zero = not value.value
-        except Undecided:
+        except Unsettled:
             Exact.work = spent
         if zero:
             value.tell()

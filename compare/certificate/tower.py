@@ -9,7 +9,7 @@ from typing import Any, ClassVar, cast
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle, Pocket, Wall
-from ...tools.verify import Form, Undecided
+from ...tools.verify import Sum, Unsettled
 
 ROOTS = 24
 """Most roots that a run's numbers may take."""
@@ -66,7 +66,7 @@ class Exact:
         if not (k := max(self.k, o.k)):
             Exact.work += 10_000 + (size(self.a) * size(o.a) >> 8)  # about a nanosecond a unit
             if Exact.work > Exact.budget:
-                raise Undecided("exact values take too much work")
+                raise Unsettled("exact values take too much work")
             return Exact(self.a * o.a)
         (a, b), (c, d) = self.parts(k), o.parts(k)
         low, high = a * c + b * d * Exact.roots[k - 1], a * d + b * c
@@ -87,11 +87,11 @@ class Exact:
     def sqrt(self) -> Exact:
         """The positive root: made of the roots at hand if it can be, else a new one."""
         if self.sign() < 1:
-            raise Undecided("a number that is not positive has a root")
+            raise Unsettled("a number that is not positive has a root")
         if root := self.within(len(Exact.roots)):
             return root if root.sign() > 0 else -root
         if len(Exact.roots) >= Exact.most:
-            raise Undecided("exact values take too many roots")
+            raise Unsettled("exact values take too many roots")
         Exact.roots.append(self)
         return Exact(ZERO, ONE, len(Exact.roots))
 
@@ -110,7 +110,7 @@ class Exact:
         return None
 
     @staticmethod
-    def of(form: Form) -> Exact:
+    def of(form: Sum) -> Exact:
         """A sum of terms as a number."""
         total = ZERO
         for ks, x in form.items():
@@ -133,7 +133,7 @@ def exact_number(q: Quantity) -> Exact:
     """A quantity in the checker's exact numbers, whose list of roots grows where it must.
 
     Raises:
-        Undecided: if it needs more roots than a certificate may hold.
+        Unsettled: if it needs more roots than a certificate may hold.
     """
     if q.rational is not None:
         return Exact(Fraction(int(q.rational.p), int(q.rational.q)))
@@ -175,7 +175,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     """The part `scene` of a certificate; its roots are in `Exact.roots`, to which later numbers may add.
 
     Raises:
-        Undecided: if the scene's numbers need more roots than a certificate may hold.
+        Unsettled: if the scene's numbers need more roots than a certificate may hold.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> part = scene_part(Scene([Circle("1/2 + sqrt(8)", 0)]))

@@ -17,7 +17,7 @@ from ...exact.replay.state import Kick, Step
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
 from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
-from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Undecided, cost
+from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Unsettled, cost
 from .isometries import Contact
 from .prover import Prover
 from .tower import Exact, exact_number, scene_part, text_of
@@ -120,7 +120,7 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
     """As `certificate_of`, of a run that may have a certificate."""
     try:
         frame = _frame(trajectory)
-    except Undecided as doubt:
+    except Unsettled as doubt:
         raise CertificateError(f"the scene's numbers: {doubt}") from None
     log, contacts = instants(trajectory)
     had = int(trajectory.plan["bits"])
@@ -133,7 +133,7 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
         try:
             told = follow.whole(bits)
             break
-        except Undecided as doubt:
+        except Unsettled as doubt:
             if bits > most:
                 raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {doubt}") from None
             bits = min(2 * bits, follow.needed) if len(log) > LONG and follow.needed > bits else 2 * bits
@@ -165,7 +165,7 @@ class _Follow:
         """The certificate, with isometries that are not used.
 
         Raises:
-            Undecided: if these bits do not suffice, or a zero has no witness.
+            Unsettled: if these bits do not suffice, or a zero has no witness.
             Refuted: if the run is wrong.
         """
         return self._told(self.frame, self.log, bits)
@@ -174,7 +174,7 @@ class _Follow:
         """Follows the first instants only, with more bits than forms lose; whether that went well."""
         try:
             self._told({**self.frame, "end": {"reason": "stopped"}}, self.log[:count], LEAST_BITS + 2 * count)
-        except (Undecided, Refuted):  # they did not suffice, or a reversal falls due with the last of them
+        except (Unsettled, Refuted):  # they did not suffice, or a reversal falls due with the last of them
             return False
         return True
 

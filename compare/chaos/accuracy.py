@@ -59,7 +59,7 @@ def end_error(reference: Trajectory, candidate: Trajectory, end: float | None = 
     Args:
         end: another time, before the end.
 
-    >>> from truebreak.compare.run import run
+    >>> from truebreak.compare.foreign.guard import run
     >>> from truebreak.scenarios import Circle, Scene
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)], until=9)
     >>> 14 < end_error(run(scene), run(scene, "double")).digits < 18

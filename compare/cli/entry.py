@@ -70,7 +70,7 @@ PLACES = {
     "suite": "suite",
     "survey": "suite",
     "sweep": "sweep",
-    "verify": "verify",
+    "verify": "run",
 }
 """The module of each command in `commands`, where it is called as here. A new command adds its file and one line."""
 

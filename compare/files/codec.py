@@ -232,7 +232,7 @@ CLASSES = (
     "compare.comparison:Comparison",
     "compare.outcomes.permitted:Witness",
     "compare.outcomes.permitted:PermittedPatterns",
-    "compare.outcomes.permitted:Relation",
+    "compare.outcomes.permitted:PatternRelation",
     "exact.replay.contact:AtWall",
     "exact.replay.contact:Entry",
     "exact.replay.contact:Pair",

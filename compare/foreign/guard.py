@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
+from ..engines import engine as engine_named
 from ..validation import EngineError, check_engine
 
 if TYPE_CHECKING:
@@ -67,6 +68,33 @@ def run_guarded(
     if isinstance(told, Trajectory) and not _of_truebreak(type(told.motion)):
         return replace(told, motion=GuardedMotion(engine, told.motion, scene.ids[: len(scene.circles)]))
     return told
+
+
+def run(
+    scene: Scene,
+    engine: str | Engine = "exact",
+    *,
+    until: QuantityLike | None = None,
+    events: int | None = None,
+    progress: OnProgress | None = None,
+) -> Trajectory:
+    """The history of a scene in one engine.
+
+    Args:
+        engine: an engine, or its name with its parameters, as on the command line: `interval:bits=128`.
+        until, events, progress: see `Engine.run`.
+
+    Raises:
+        SceneError: for an engine that is not known, for a limit that is not above zero, and for what somebody else's
+            engine raises.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
+    >>> run(scene).events[0].time.text(), float(run(scene, "double").events[0].time)
+    ('-sqrt(3) + 4', 2.267949192431123)
+    """
+    chosen = engine_named(engine) if isinstance(engine, str) else engine
+    return run_guarded(chosen, scene, until=until, events=events, progress=progress)
 
 
 def _run_of_another(

@@ -235,7 +235,7 @@ def run_apart(
     seconds = None if watch is None else watch.left()
     late, told = (None, None) if watch is None or seconds is None else (clock.monotonic() + seconds, watch.told)
     request = Request(run, name, scene, late, told, replace(apart, watch=None), progress is not None)
-    process = Process(request)
+    process = IsolatedProcess(request)
     try:
         return process.outcome(progress, watch)
     finally:
@@ -299,7 +299,7 @@ def _begun_anew(request: Request) -> Any:
     return child
 
 
-class Process:
+class IsolatedProcess:
     """The process that carries a request out, as it is seen from here."""
 
     def __init__(self, request: Request) -> None:

@@ -23,7 +23,7 @@ MOST_EVENTS = 1_000_000
 """Events of one recording: a few hundred megabytes."""
 
 
-class Course:
+class RunSoFar:
     """The events of a run so far, and where every circle is.
 
     Args:
@@ -271,7 +271,7 @@ class Recording:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
         numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
-        self._course = Course(scene, self._impacts, [(x, y, vx, vy) for x, y, vx, vy in numbers])
+        self._course = RunSoFar(scene, self._impacts, [(x, y, vx, vy) for x, y, vx, vy in numbers])
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
         self._now, self._end, self._steps = 0.0, 0.0, 0
         self._budget: str | None = None

@@ -22,7 +22,7 @@ from .grid import OnDone, carry_out
 from .row import Row
 from .setting_search import advise
 from .store import Store
-from .suite_file import Held, SuiteReport, Task, failed, hold, read_report, suite_json
+from .suite_file import SuiteReport, Task, TaskRun, failed, hold, read_report, suite_json
 
 SCENES: dict[str, Task] = {
     "cradle, touching": Task("cradle:gap=0", (), events=60),
@@ -290,7 +290,7 @@ class SurveyJob:
     def rows(self) -> list[Row]:
         """A row for each setting tried."""
         warmed(self.one.name, self.max_seconds)
-        task, tried, runs = SCENES[self.scene], dict[str, Row](), dict[str, Held]()
+        task, tried, runs = SCENES[self.scene], dict[str, Row](), dict[str, TaskRun]()
         for text in settings_tried(self.one, self.scene):
             if any(row.agrees for row in tried.values()):
                 break
@@ -309,7 +309,7 @@ class SurveyJob:
                     tried[text] = replace(tried[text], cause=_why(held, self.max_seconds))
         return list(tried.values())
 
-    def _try(self, task: Task, text: str, tried: dict[str, Row], runs: dict[str, Held]) -> None:
+    def _try(self, task: Task, text: str, tried: dict[str, Row], runs: dict[str, TaskRun]) -> None:
         try:
             held = hold(task, text, self.max_seconds)
         except (EngineError, OutOfTime) as error:
@@ -320,7 +320,7 @@ class SurveyJob:
             runs[text] = held
 
 
-def _why(held: Held, max_seconds: float | None) -> str | None:
+def _why(held: TaskRun, max_seconds: float | None) -> str | None:
     """The cause, or what stands in the way of one."""
     try:
         found = held.why(Clock(max_seconds)).candidate.diagnosis

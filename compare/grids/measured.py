@@ -29,7 +29,7 @@ ENOUGH_SECONDS = 4.0
 
 
 @dataclass(frozen=True)
-class Process:
+class MeasuredProcess:
     """What one process measured.
 
     Attributes:
@@ -45,13 +45,13 @@ class Process:
     def ratio(self) -> float:
         """The fastest run, counted in the fastest loop.
 
-        >>> Process((Took(3.0, 3.0), Took(2.0, 9.0)), (Took(0.5, 0.5),), None).ratio
+        >>> MeasuredProcess((Took(3.0, 3.0), Took(2.0, 9.0)), (Took(0.5, 0.5),), None).ratio
         4.0
         """
         return min(t.cpu for t in self.runs) / min(t.cpu for t in self.loops)
 
 
-def measure(spec: str, engine: str, until: str, seconds: float = SECONDS) -> Process:
+def measure(spec: str, engine: str, until: str, seconds: float = SECONDS) -> MeasuredProcess:
     """Runs a scene in an engine in a process of its own.
 
     Raises:
@@ -72,7 +72,7 @@ def measure(spec: str, engine: str, until: str, seconds: float = SECONDS) -> Pro
         raise RuntimeError(last)
     data = json.loads(done.stdout)
     runs, loops = (tuple(Took(*took) for took in data[key]) for key in ("runs", "loops"))
-    return Process(runs, loops, data["memory"])
+    return MeasuredProcess(runs, loops, data["memory"])
 
 
 def answer(asked: Mapping[str, Any]) -> dict[str, Any]:

@@ -39,7 +39,7 @@ LOW, MIDDLE, HIGH = range(3)
 """Of `LEVELS`: where one run in twenty has diverged, a half, and all but one in twenty."""
 
 
-class End(Enum):
+class SearchEnd(Enum):
     """How a search ended."""
 
     FOUND = "a setting is right"
@@ -148,7 +148,7 @@ class Advice:
     budget: int
     spent: int
     tried: tuple[Tried, ...]
-    end: End
+    end: SearchEnd
     beyond: tuple[Tried, ...] = ()
     cost: Cost | None = None
     why: tuple[str, ...] = ()
@@ -159,17 +159,17 @@ class Advice:
     @property
     def named(self) -> Tried | None:
         """The cheapest setting that is right everywhere; None if none was found."""
-        return self.tried[-1] if self.end is End.FOUND else None
+        return self.tried[-1] if self.end is SearchEnd.FOUND else None
 
     @property
     def cheaper(self) -> Tried | None:
         """The one before it: one step cheaper, and wrong; None if it is the cheapest there is."""
-        return self.tried[-2] if self.end is End.FOUND and len(self.tried) > 1 else None
+        return self.tried[-2] if self.end is SearchEnd.FOUND and len(self.tried) > 1 else None
 
     @property
     def lucky(self) -> tuple[Tried, ...]:
         """Cheaper settings that are right on the scene itself, and wrong beside it."""
-        cheaper = self.tried[:-1] if self.end is End.FOUND else self.tried
+        cheaper = self.tried[:-1] if self.end is SearchEnd.FOUND else self.tried
         return tuple(t for t in cheaper if None in t.judged and t.judged[None].right and t.wrong)
 
     @property
@@ -337,7 +337,7 @@ class _Search:
         run = self.home.study.reference
         if run.stop.reason in UNKNOWING:
             return self._told(
-                (), End.REFERENCE, why=(f"The certified run of the scene itself stops: {run.stop.message}.",)
+                (), SearchEnd.REFERENCE, why=(f"The certified run of the scene itself stops: {run.stop.message}.",)
             )
         rungs = ladder(self.engine, RunSize.of(run), self.budget)
         tried: list[Tried] = []
@@ -345,11 +345,11 @@ class _Search:
         hopeless = self._hopeless(rungs)
         for setting in rungs:
             if hopeless and self.spent + setting.work > ENOUGH and self._far_off(tried):
-                return self._none(tried, End.HOPELESS, setting)
+                return self._none(tried, SearchEnd.HOPELESS, setting)
             try:
                 told = self._try(setting, first)
             except _Spent:
-                return self._none(tried, End.BUDGET, setting)
+                return self._none(tried, SearchEnd.BUDGET, setting)
             tried.append(told)
             if told.right:
                 return self._found(tried, rungs[len(tried) :])
@@ -373,10 +373,10 @@ class _Search:
         agreed = [judged.agreed or 0 for one in tried for judged in one.judged.values()]
         return 2 * max(agreed, default=0) < len(self.home.study.reference.events)
 
-    def _end_of(self, rungs: tuple[Setting, ...]) -> End:
+    def _end_of(self, rungs: tuple[Setting, ...]) -> SearchEnd:
         """Whether the ladder goes on beyond the budget."""
         more = ladder(self.engine, RunSize.of(self.home.study.reference), max(4 * self.budget, FAR))
-        return End.BUDGET if len(more) > len(rungs) else End.LADDER
+        return SearchEnd.BUDGET if len(more) > len(rungs) else SearchEnd.LADDER
 
     def _try(self, setting: Setting, first: int | None, whole: Tried | None = None) -> Tried:
         """Holds a setting against the scene itself, then against the one on which the last was wrong, then the others.
@@ -433,9 +433,9 @@ class _Search:
             beyond.extend(self._try(setting, None) for setting in costlier[:BEYOND])
         except _Spent:
             pass
-        return replace(self._told(tuple(tried), End.FOUND), beyond=tuple(beyond), cost=took)
+        return replace(self._told(tuple(tried), SearchEnd.FOUND), beyond=tuple(beyond), cost=took)
 
-    def _none(self, tried: list[Tried], end: End, after: Setting | None) -> Advice:
+    def _none(self, tried: list[Tried], end: SearchEnd, after: Setting | None) -> Advice:
         seed = tried[-1].wrong[0] if tried else None
         near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
         free = replace(near.study, pay=None)
@@ -461,7 +461,7 @@ class _Search:
         return tuple(found)
 
     def _told(
-        self, tried: tuple[Tried, ...], end: End, why: tuple[str, ...] = (), after: Setting | None = None
+        self, tried: tuple[Tried, ...], end: SearchEnd, why: tuple[str, ...] = (), after: Setting | None = None
     ) -> Advice:
         return Advice(
             self.scene,

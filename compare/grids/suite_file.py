@@ -51,7 +51,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Held:
+class TaskRun:
     """An engine's run of a task's scene beside the certified one.
 
     Attributes:
@@ -68,7 +68,7 @@ class Held:
         """What is reported of it."""
         return compared(self.study, self.candidate, index, scene)
 
-    def why(self, watch: Clock | None = None) -> Held:
+    def why(self, watch: Clock | None = None) -> TaskRun:
         """The same with the cause of a divergence or a stop, if the seconds leave time for that.
 
         Args:
@@ -96,7 +96,7 @@ def study_of_task(task: Task, max_seconds: float | None) -> Study:
     return studied(scene, truth, Clock(checked_seconds(max_seconds)), task.until, task.events)
 
 
-def hold(task: Task, text: str, max_seconds: float | None, study: Study | None = None) -> Held:
+def hold(task: Task, text: str, max_seconds: float | None, study: Study | None = None) -> TaskRun:
     """Compares an engine, named as on the command line, with the certified run of a task's scene.
 
     Args:
@@ -110,7 +110,7 @@ def hold(task: Task, text: str, max_seconds: float | None, study: Study | None =
     check_until(chosen, scene_from(task.scene) if study is None else study.scene, task.until)
     study = study_of_task(task, max_seconds) if study is None else study
     candidate = candidate_of(study, label_of(text), chosen, outcomes_of(study.reference), None, None)
-    return Held(chosen, study, candidate)
+    return TaskRun(chosen, study, candidate)
 
 
 def failed(task: Task, text: str, reason: str, index: int = 0) -> Row:

@@ -32,7 +32,7 @@ from .store import Store
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
-    from .measured import Process
+    from .measured import MeasuredProcess
 
 SETTINGS = (
     "single",
@@ -213,7 +213,7 @@ class TradeoffJob:
             )
         ]
 
-    def _measured(self, until: str) -> list[Process]:
+    def _measured(self, until: str) -> list[MeasuredProcess]:
         from .measured import measure
 
         spec, (least, most) = self.subject.spec, self.processes

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .growing import NEVER, Curve, Difference, rate_of
+from .growing import NEVER, Difference, ThinnedCurve, rate_of
 from .pairing import pair
 from .sides import Found
-from .verdict import Named, Verdict, decide
+from .verdict import Finding, Verdict, decide
 
 if TYPE_CHECKING:
     from .lawful import Lawful
-    from .log_format import Record
+    from .log_format import LogRecord
 
 SCHEMA = "truebreak/diff-1"
 
@@ -27,15 +27,22 @@ SPARKS = "▁▂▃▄▅▆▇█"
 WIDE = 32
 """Letters of a curve in text."""
 
-GRAVITY = (Named.START, Named.CHANGED, Named.OPEN, Named.GREW, Named.HARMLESS, Named.IDENTICAL)
+GRAVITY = (
+    Finding.START,
+    Finding.CHANGED,
+    Finding.OPEN,
+    Finding.GREW,
+    Finding.HARMLESS,
+    Finding.IDENTICAL,
+)
 """Of several verdicts the first of these is the one of the whole."""
 
 
 NEXT = {
-    Named.GREW: "there may be no bug: make both compute alike (one build, no fused multiply-add or fast-math, bodies "
+    Finding.GREW: "there may be no bug: make both compute alike (one build, no fused multiply-add or fast-math, bodies "
     "in one order), or send states now and then",
-    Named.CHANGED: "look at what acts there at this step: inputs, contacts, caches, values that nobody sets",
-    Named.START: "compare what both begin with: first states, time step, gravity and other settings",
+    Finding.CHANGED: "look at what acts there at this step: inputs, contacts, caches, values that nobody sets",
+    Finding.START: "compare what both begin with: first states, time step, gravity and other settings",
 }
 """What helps where two runs differ."""
 
@@ -165,7 +172,7 @@ class Desync:
         names = self.found.growing.names
         return "" if not names else f" (states are {', '.join(names[:6])}{', ...' if len(names) > 6 else ''})"
 
-    def curves(self) -> list[tuple[str, Curve]]:
+    def curves(self) -> list[tuple[str, ThinnedCurve]]:
         """The growth of bodies, those first that differ first."""
         return sorted(self.found.growing.by_body.items(), key=lambda item: item[1].points[0][0])
 
@@ -296,10 +303,10 @@ def report_json(compared: Sequence[Desync]) -> dict[str, Any]:
     }
 
 
-def sparks(curve: Curve, whole: float) -> str:
+def sparks(curve: ThinnedCurve, whole: float) -> str:
     """A curve as letters: the lowest is one ulp or less, the highest the size of the scene.
 
-    >>> curve = Curve()
+    >>> curve = ThinnedCurve()
     >>> for k in range(8):
     ...     curve.add(k, float(k), 52 * k / 7)
     >>> sparks(curve, 52)
@@ -317,10 +324,12 @@ def sparks(curve: Curve, whole: float) -> str:
     return found
 
 
-def zip_by_place(one: Sequence[Record], other: Sequence[Record]) -> Iterator[tuple[Record | None, Record | None]]:
+def zip_by_place(
+    one: Sequence[LogRecord], other: Sequence[LogRecord]
+) -> Iterator[tuple[LogRecord | None, LogRecord | None]]:
     """Records of two logs by their step, or by their number."""
 
-    def key(record: Record) -> int:
+    def key(record: LogRecord) -> int:
         return record.step if record.step is not None else record.number
 
     sides = [{key(r): r for r in records} for records in (one, other)]
@@ -340,7 +349,7 @@ def _row(row: Sequence[float] | None, digits: int) -> str:
     return "[" + ", ".join(f"{v:.{digits}g}" for v in row[:6]) + (", ...]" if len(row) > 6 else "]")
 
 
-def _contacts(record: Record | None, names: Sequence[str]) -> str:
+def _contacts(record: LogRecord | None, names: Sequence[str]) -> str:
     if record is None:
         return ""
     return ", ".join(sorted("-".join(p) for p in record.contacts if not names or set(p) & set(names)))
@@ -371,6 +380,6 @@ def _difference(d: Difference) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _place(records: tuple[Record, Record]) -> dict[str, Any]:
+def _place(records: tuple[LogRecord, LogRecord]) -> dict[str, Any]:
     a, b = records
     return {"event": a.number, "step": a.step, "time": a.time, "lines": [a.line, b.line]}

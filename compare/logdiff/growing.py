@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..validation import EngineError
-from .log_format import Log, Record
+from .log_format import Log, LogRecord
 
 NEVER = -math.inf
 """The size of no difference, in bits."""
@@ -79,7 +79,7 @@ class Difference:
 
 
 @dataclass
-class Curve:
+class ThinnedCurve:
     """Points (record, time, bits), thinned out as they become many."""
 
     points: list[tuple[int, float, float]] = field(default_factory=list)
@@ -96,7 +96,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Rate:
+class GrowthRate:
     """How fast a difference grew: bits a record, and bits a unit of time, each with its standard error."""
 
     bits_per_record: float
@@ -107,7 +107,7 @@ class Rate:
 
 
 @dataclass(frozen=True)
-class Digits:
+class LogDigits:
     """How many digits the numbers of a log have, where that is fewer than their type has.
 
     Attributes:
@@ -149,7 +149,7 @@ class Unit:
             seen first is then one of the log's.
     """
 
-    def __init__(self, bits: int, coarse: Digits | None = None) -> None:
+    def __init__(self, bits: int, coarse: LogDigits | None = None) -> None:
         self.bits, self.coarse = bits, coarse
         self.ulp = 2.0 ** (1 - bits)
         self._ulp_bits = 1.0 - bits
@@ -207,7 +207,7 @@ class Unit:
         return float(self.bits - 1)
 
 
-def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
+def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[LogRecord]]) -> Unit:
     """The unit of two logs, by what they declare, by the digits of their first numbers, or by those of their times."""
     declared = {bits for log in logs if isinstance(bits := log.header.get("bits"), int)}
     strange = declared - {11, 24, 53, 64, 113}
@@ -217,7 +217,7 @@ def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
     return _unit(each, declared) if any(each) else unit_of_times(heads, declared)
 
 
-def unit_of_times(heads: Sequence[Sequence[Record]], declared: Iterable[int] = ()) -> Unit:
+def unit_of_times(heads: Sequence[Sequence[LogRecord]], declared: Iterable[int] = ()) -> Unit:
     """The unit of the times of two logs."""
     return _unit([[t for r in head if (t := r.time) is not None and t != int(t)] for head in heads], set(declared))
 
@@ -232,18 +232,18 @@ def _unit(each: Sequence[Sequence[float]], declared: set[int]) -> Unit:
         few = [(d or SINGLE_DIGITS) < SINGLE_DIGITS or (n or SINGLE_DIGITS) < SINGLE_DIGITS for d, n in written[:2]]
         if few[0] != few[1]:
             side = few.index(True)
-            return Unit(bits, Digits(*written[side], side))
+            return Unit(bits, LogDigits(*written[side], side))
     elif written[0] != written[1]:
         ranks = [(d is not None, d or 0, n is not None, n or 0) for n, d in written[:2]]
         short = [side for side in (0, 1) if written[side] != (None, None)]
         side = short[0] if len(short) == 1 else ranks.index(min(ranks))
-        return Unit(bits, Digits(*written[side], side))
+        return Unit(bits, LogDigits(*written[side], side))
     if not declared and single[0] != single[1]:
-        return Unit(bits, Digits(None, None, single.index(True)))
+        return Unit(bits, LogDigits(None, None, single.index(True)))
     few = written[2]
     if (bits <= 24 and (few[0] is None or few[0] >= 7)) or few == (None, None) or (few[0] or 0) > DOUBLE_DIGITS:
         return Unit(bits)
-    return Unit(bits, Digits(*few))
+    return Unit(bits, LogDigits(*few))
 
 
 SINGLE_DIGITS = 8
@@ -253,7 +253,7 @@ DOUBLE_DIGITS = 14
 """Digits of a log beyond which a difference that is seen first is one of the engine's; of doubles one has 17."""
 
 
-def _numbers(head: Sequence[Record]) -> Iterator[float]:
+def _numbers(head: Sequence[LogRecord]) -> Iterator[float]:
     """The first numbers of a log that have a fraction: whole ones do not tell their type."""
     count = 0
     for record in head:
@@ -316,8 +316,8 @@ class Growing:
         self._least = LEAP_SINGLE if unit.bits <= 24 else LEAP_DOUBLE
         self._most = unit.whole + 10
         self.early: list[Difference] = []
-        self.whole = Curve()
-        self.by_body: dict[str, Curve] = {}
+        self.whole = ThinnedCurve()
+        self.by_body: dict[str, ThinnedCurve] = {}
         self.leaps: list[Difference] = []
         self.largest = NEVER
         self.bodies: set[str] = set()
@@ -352,7 +352,7 @@ class Growing:
         return found
 
     def differs(
-        self, a: Record, b: Record, body: str, rows: tuple[Sequence[float], Sequence[float]], touching: bool,
+        self, a: LogRecord, b: LogRecord, body: str, rows: tuple[Sequence[float], Sequence[float]], touching: bool,
         before: float, *, key: Any = None, name: str | None = None,
     ) -> float:  # fmt: skip
         """A body's numbers are not the same in both at a record; by how many bits at most."""
@@ -381,7 +381,7 @@ class Growing:
         return [j for j, name in enumerate(self.names[:width]) if not name.lower().startswith(SPEEDS)]
 
     def note(
-        self, a: Record, b: Record, body: str, name: str, x: float, y: float, bits: float, touching: bool,
+        self, a: LogRecord, b: LogRecord, body: str, name: str, x: float, y: float, bits: float, touching: bool,
         before: float, placed: bool = False,
     ) -> None:  # fmt: skip
         """One difference, already measured."""
@@ -404,7 +404,7 @@ class Growing:
         if body not in self.bodies:
             self.bodies.add(body)
             if len(self.by_body) < CURVES:
-                self.by_body[body] = Curve()
+                self.by_body[body] = ThinnedCurve()
         most = self._most
         shown = bits if bits < most else most
         for curve in (self.by_body.get(body), self.whole):
@@ -439,12 +439,12 @@ class Growing:
         return chance < self.unit.whole - STEP_BITS - RARE
 
 
-def rate_of(curve: Curve, unit: Unit) -> Rate | None:
+def rate_of(curve: ThinnedCurve, unit: Unit) -> GrowthRate | None:
     """Least squares through the bits of a curve, up to where they first are as large as the scene.
 
     Points lie one after another along one history, so that the standard errors are of that history alone.
 
-    >>> curve = Curve()
+    >>> curve = ThinnedCurve()
     >>> for k in range(20):
     ...     curve.add(k, k / 2, 1.5 * k)
     >>> rate = rate_of(curve, Unit(53))
@@ -461,7 +461,7 @@ def rate_of(curve: Curve, unit: Unit) -> Rate | None:
     numbers, times, bits = np.array(taken).T
     by_record = _line(numbers, bits)
     by_time = _line(times, bits) if times[-1] > times[0] else (None, None)
-    return Rate(*by_record, *by_time, len(taken))
+    return GrowthRate(*by_record, *by_time, len(taken))
 
 
 def _line(x: Any, y: Any) -> tuple[float, float]:

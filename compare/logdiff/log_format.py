@@ -59,7 +59,7 @@ NOT_JSON = re.compile(r"(?<=[\[,:\s])(-?)(nan|inf|infinity)(?:\([^)]*\))?(?=[\],
 """What printf writes for a number that is none."""
 
 
-class Record:
+class LogRecord:
     """One step or one event of a log; the lines of one step are one record.
 
     Attributes:
@@ -95,7 +95,7 @@ class Record:
     def place(self) -> str:
         """Where it is, for a person: its step or number, its time and its line.
 
-        >>> record = Record(7, "")
+        >>> record = LogRecord(7, "")
         >>> record.step, record.time = 5, 0.25
         >>> record.place()
         'step 5, t = 0.25, line 7'
@@ -133,12 +133,12 @@ class Log:
         self.end: float | None = None
         self.cut: int | None = None
         self.count = 0
-        self.counted = Counted(self)
+        self.counted = RunningCount(self)
         self.parsed = Parsed()
 
-    def __iter__(self) -> Iterator[Record]:
+    def __iter__(self) -> Iterator[LogRecord]:
         form: _Form | None = None
-        step: Record | None = None  # a step that may have further lines
+        step: LogRecord | None = None  # a step that may have further lines
         last = ""
         for number, text in text_lines(Path(self.name), self.name, MOST_LINE):
             if form is None:
@@ -176,7 +176,7 @@ class Log:
         """An error in one line."""
         return EngineError(f"file {self.name!r}, line {line}: {message}")
 
-    def _merge(self, into: Record, record: Record, repeated: bool) -> None:
+    def _merge(self, into: LogRecord, record: LogRecord, repeated: bool) -> None:
         """One more line of a step."""
         if repeated:
             into.repeats += 1
@@ -196,7 +196,7 @@ class Log:
         into.time = record.time if into.time is None else into.time
         into.texts += record.texts
 
-    def _placed(self, record: Record) -> Record:
+    def _placed(self, record: LogRecord) -> LogRecord:
         record.number = self.count
         self.count += 1
         if record.step is not None:
@@ -265,7 +265,7 @@ class Log:
         raise self.fail(line, f"{what}: {str(value)[:SHOWN]!r} is no number; write 17 digits, or C's %a in quotes")
 
 
-class Counted:
+class RunningCount:
     """Steps and times of a log, counted on where they begin anew.
 
     Attributes:
@@ -338,9 +338,9 @@ class _Form:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.damaged: tuple[int, str] | None = None
-        self.left: Record | None = None
+        self.left: LogRecord | None = None
 
-    def record(self, number: int, text: str) -> Record | None:
+    def record(self, number: int, text: str) -> LogRecord | None:
         """The record that a line makes, if it makes one."""
         raise NotImplementedError
 
@@ -378,13 +378,13 @@ class Parsed:
 class _Json(_Form):
     """Objects of JSON, one a line."""
 
-    def record(self, number: int, text: str) -> Record | None:
+    def record(self, number: int, text: str) -> LogRecord | None:
         """What a line says; None for one that is no event: a header, an outline, the end."""
         log = self.log
         value = self._parsed(number, text)
         if value is None:
             return None
-        record = Record(number, text)
+        record = LogRecord(number, text)
         for key, item in value.items():
             if key == "time":
                 record.time = time = item if type(item) is float else log.number(number, "time", item)
@@ -472,7 +472,7 @@ class _Hashes(_Form):
         super().__init__(log)
         self._count = self._width = 0
 
-    def record(self, number: int, text: str) -> Record:
+    def record(self, number: int, text: str) -> LogRecord:
         words = WORDS.split(text)
         if len(words) > 2 or len(text) > 300 or not text.isprintable():
             raise self.log.fail(
@@ -481,7 +481,7 @@ class _Hashes(_Form):
         self._width = self._width or len(words)
         if self._width != len(words):
             raise self.log.fail(number, f"{text[:SHOWN]!r}: other lines have {self._width} words; is a line damaged?")
-        record = Record(number, text)
+        record = LogRecord(number, text)
         try:
             record.step = int(words[0]) if len(words) == 2 else self._count
         except ValueError:
@@ -503,7 +503,7 @@ class _Table(_Form):
         self._columns: list[str] = []
         self._free: list[str] = []
 
-    def record(self, number: int, text: str) -> Record | None:
+    def record(self, number: int, text: str) -> LogRecord | None:
         if not self._columns:
             self._take_columns(number, text)
             return None
@@ -538,8 +538,8 @@ class _Table(_Form):
             self._free = [name for name in rest if name not in SIDES]
         self._columns = names
 
-    def _row(self, number: int, text: str, row: dict[str, str]) -> Record | None:
-        log, record = self.log, Record(number, text)
+    def _row(self, number: int, text: str, row: dict[str, str]) -> LogRecord | None:
+        log, record = self.log, LogRecord(number, text)
         if "step" in row:
             try:
                 record.step = int(row["step"])

@@ -7,7 +7,7 @@ from collections import deque
 from pathlib import Path
 
 from .growing import NEVER, Growing, unit_of, unit_of_times
-from .log_format import Record
+from .log_format import LogRecord
 from .record_pairs import BySteps, RecordPairs
 from .sides import Found, Side, all_told, grid, touched_told, two_sides
 
@@ -65,7 +65,7 @@ class Part:
 
     __slots__ = ("event", "letters", "partners", "record", "role")
 
-    def __init__(self, event: int, partners: tuple[str, ...], role: bool, record: Record) -> None:
+    def __init__(self, event: int, partners: tuple[str, ...], role: bool, record: LogRecord) -> None:
         self.event, self.partners, self.role, self.record = event, partners, role, record
         self.letters = len(record.texts[0]) // len(record.contacts)
 
@@ -120,7 +120,7 @@ class ByBodies(RecordPairs):
         super().__init__(a, b, found, ignore)
         self.waiting = Waiting()
         self.parted: set[str] = set()
-        self.frames: tuple[deque[Record], deque[Record]] = (deque(), deque())
+        self.frames: tuple[deque[LogRecord], deque[LogRecord]] = (deque(), deque())
         self.spacing = math.inf
         self.last_frame = [math.nan, math.nan]
         self.shift = 0.0
@@ -148,7 +148,7 @@ class ByBodies(RecordPairs):
         self.settled += 2
         self.after()
 
-    def at_once(self, a: Record, b: Record, event: int, other: int) -> bool:
+    def at_once(self, a: LogRecord, b: LogRecord, event: int, other: int) -> bool:
         """Compares two records that are the same to the letter, or one event but for rounding; whether they are."""
         same = self.plain and a.texts == b.texts and a.clock == b.clock
         if not same and not self.close(a, b):
@@ -174,7 +174,7 @@ class ByBodies(RecordPairs):
                     self.growing.same(body, a.number)
         return True
 
-    def close(self, a: Record, b: Record) -> bool:
+    def close(self, a: LogRecord, b: LogRecord) -> bool:
         """Whether two records are one event, at times that rounding alone sets apart, once something differs."""
         return (
             bool(self.growing.early)
@@ -186,7 +186,7 @@ class ByBodies(RecordPairs):
             and abs(b.clock - self.shift - a.clock) <= 2.0 ** (CLOSE - 52) * abs(a.clock)
         )
 
-    def together(self, a: Record, b: Record) -> None:
+    def together(self, a: LogRecord, b: LogRecord) -> None:
         """Compares one event of both runs, whose contacts are the same."""
         found, growing = self.found, self.growing
         found.pairs += len(a.contacts)
@@ -206,7 +206,7 @@ class ByBodies(RecordPairs):
         if first is not None:
             self.clocks(a, b, first, True, most, befores[first])
 
-    def feed(self, side: int, record: Record) -> None:
+    def feed(self, side: int, record: LogRecord) -> None:
         """One more record of one log, which may wait for its like in the other."""
         contacts, waiting = record.contacts, self.waiting
         if not contacts:
@@ -232,7 +232,7 @@ class ByBodies(RecordPairs):
         if waiting.much():
             self.give_up()
 
-    def frame(self, side: int, record: Record) -> None:
+    def frame(self, side: int, record: LogRecord) -> None:
         """A record of states, a hash or fields alone: goes with the other log's of the same time."""
         clock = record.clock or 0.0
         before = self.last_frame[side]
@@ -303,7 +303,7 @@ class ByBodies(RecordPairs):
                     return True
         return False
 
-    def one_alone(self, side: int, body: str, record: Record) -> None:
+    def one_alone(self, side: int, body: str, record: LogRecord) -> None:
         """An event that one log has alone: twice, or lost from the other."""
         if self.last_record[side].get(body) == _letters(record):
             self.repeated(side, record.line)
@@ -332,7 +332,7 @@ class ByBodies(RecordPairs):
         if x.event == y.event and body == a.contacts[0][0]:
             self.others(a, b)
 
-    def clocks(self, a: Record, b: Record, body: str, stated: bool, off: float, before: float) -> None:
+    def clocks(self, a: LogRecord, b: LogRecord, body: str, stated: bool, off: float, before: float) -> None:
         """Compares the times of one meeting."""
         if a.clock is None or b.clock is None:
             return
@@ -428,7 +428,7 @@ class ByBodies(RecordPairs):
                     self.alone(side, record)
 
 
-def _partners(record: Record) -> dict[str, list[str]]:
+def _partners(record: LogRecord) -> dict[str, list[str]]:
     """Whom each body meets at an event, itself once where it meets itself."""
     if len(record.contacts) == 1:
         ((p, q),) = record.contacts
@@ -441,7 +441,7 @@ def _partners(record: Record) -> dict[str, list[str]]:
     return found
 
 
-def _letters(record: Record) -> int:
+def _letters(record: LogRecord) -> int:
     """The lines of a record as one number."""
     return hash(record.texts[0]) if len(record.texts) == 1 else hash(tuple(record.texts))
 

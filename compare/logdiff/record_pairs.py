@@ -9,8 +9,8 @@ from itertools import chain
 from typing import Any
 
 from .growing import NEVER
-from .log_format import Record
-from .sides import Found, Meeting, Side, kinds
+from .log_format import LogRecord
+from .sides import Found, OtherPartner, Side, kinds
 
 MOST_FIELDS = 100
 """Free fields of which it is kept where they differ."""
@@ -54,7 +54,7 @@ class RecordPairs:
             for context, side in zip(found.context, self.sides, strict=True):
                 context.extend(side.ring)
 
-    def next(self, which: int) -> Record | None:
+    def next(self, which: int) -> LogRecord | None:
         """The next record of one log; what it has is noted for the end."""
         record = self.sides[which].next()
         if record is None:
@@ -71,7 +71,7 @@ class RecordPairs:
                 final.update((body, row) for body, row in record.states.items() if body in final)
         return record
 
-    def alike(self, a: Record, b: Record) -> None:
+    def alike(self, a: LogRecord, b: LogRecord) -> None:
         """Two records that are the same to the letter, and mean the same."""
         found, growing, states = self.found, self.growing, a.states
         compared = found.compared
@@ -101,14 +101,14 @@ class RecordPairs:
                     growing.same(f"({name})", a.number)
                     growing.unit.widen((float(value),), name)
 
-    def first(self, a: Record) -> None:
+    def first(self, a: LogRecord) -> None:
         """Keeps the first record of which states are compared."""
         if self.found.first_states is None or a.number < self.found.first_states:
             self.found.first_states = a.number
             for row in a.states.values():
                 self.growing.unit.widen(row)
 
-    def states(self, a: Record, b: Record, body: str, touching: bool, before: float) -> float:
+    def states(self, a: LogRecord, b: LogRecord, body: str, touching: bool, before: float) -> float:
         """Compares one body's states, if both have one; by how many bits they are off."""
         found, growing = self.found, self.growing
         one, other = a.states.get(body), b.states.get(body)
@@ -137,7 +137,7 @@ class RecordPairs:
             found.nans = a.place()
         return off
 
-    def all_states(self, a: Record, b: Record, partners: Mapping[str, Iterable[str]]) -> None:
+    def all_states(self, a: LogRecord, b: LogRecord, partners: Mapping[str, Iterable[str]]) -> None:
         """Compares the states of all bodies of two records."""
         growing = self.growing
         if a.states and b.states:
@@ -149,7 +149,7 @@ class RecordPairs:
             if body in b.states:
                 self.states(a, b, body, body in partners, befores.get(body, NEVER))
 
-    def uneven(self, a: Record, b: Record) -> None:
+    def uneven(self, a: LogRecord, b: LogRecord) -> None:
         """Keeps the first record of which one log has the state of a body and the other only those of others."""
         if self.found.uneven is None and a.states and b.states:
             for side, more in enumerate((a.states.keys() - b.states.keys(), b.states.keys() - a.states.keys())):
@@ -158,14 +158,14 @@ class RecordPairs:
                     self.found.uneven = side, a, body, self.found.pairs, (a, b)[side].states[body]
                     break
 
-    def zeros(self, a: Record, one: list[float], other: list[float]) -> None:
+    def zeros(self, a: LogRecord, one: list[float], other: list[float]) -> None:
         """Keeps the first record at which a zero has another sign: two such are equal, and have other bits."""
         if self.found.zeros is None and any(
             x == 0.0 and math.copysign(1.0, x) != math.copysign(1.0, y) for x, y in zip(one, other, strict=True)
         ):
             self.found.zeros = a
 
-    def others(self, a: Record, b: Record) -> None:
+    def others(self, a: LogRecord, b: LogRecord) -> None:
         """Compares what is not of a body: hash, input and free fields."""
         found = self.found
         if a.hash is not None and b.hash is not None:
@@ -211,21 +211,21 @@ class RecordPairs:
         if len(lines) < MOST_KEPT and ("ab"[side], line) not in lines:
             lines.append(("ab"[side], line))
 
-    def missing(self, side: int, record: Record) -> None:
+    def missing(self, side: int, record: LogRecord) -> None:
         """Keeps a record of one log that the other has not, though it goes on as if it had."""
         reported = ("ba"[side], record.place())
         if len(self.found.missing) < MOST_KEPT and reported not in self.found.missing:
             self.found.missing.append(reported)
         self.found.missing_count += 1
 
-    def alone(self, side: int, record: Record) -> None:
+    def alone(self, side: int, record: LogRecord) -> None:
         """Counts a record that one log has alone."""
         self.found.alone[side] += 1
         if self.found.alone_first[side] is None:
             self.found.alone_first[side] = record
 
     def meet(
-        self, records: tuple[Record | None, Record | None], body: str, partners: tuple[str | None, str | None]
+        self, records: tuple[LogRecord | None, LogRecord | None], body: str, partners: tuple[str | None, str | None]
     ) -> None:
         """Keeps the earliest difference of partners: the records in which a body has them, and who they are."""
         found, record = self.found, records[0] or records[1]
@@ -235,7 +235,7 @@ class RecordPairs:
         elif record.number >= found.meeting.number:
             return
         times, lines = ([r and getattr(r, what) for r in records] for what in ("time", "line"))
-        found.meeting = Meeting(
+        found.meeting = OtherPartner(
             record.number, record.step, record.time, body, *partners, (times[0], times[1]), (lines[0], lines[1])
         )
 
@@ -264,13 +264,13 @@ class BySteps(RecordPairs):
             while self.next(which) is not None:
                 pass
 
-    def one(self, side: int, record: Record) -> None:
+    def one(self, side: int, record: LogRecord) -> None:
         """A step that one log has alone."""
         self.alone(side, record)
         if record.contacts:
             self.missing(side, record)
 
-    def both(self, a: Record, b: Record) -> None:
+    def both(self, a: LogRecord, b: LogRecord) -> None:
         """One step of both."""
         if a.repeats != b.repeats:
             self.repeated(*((0, a.line) if a.repeats > b.repeats else (1, b.line)))
@@ -288,7 +288,7 @@ class BySteps(RecordPairs):
         self.all_states(a, b, partners)
         self.others(a, b)
 
-    def times(self, a: Record, b: Record) -> None:
+    def times(self, a: LogRecord, b: LogRecord) -> None:
         """Compares the clocks of a step, but for how much later one was started."""
         found = self.found
         if a.clock is None or b.clock is None or "time" in self.ignore:
@@ -300,7 +300,7 @@ class BySteps(RecordPairs):
         elif abs(late - found.clock) > 1e-6 * max(abs(a.clock), abs(b.clock), 1e-300) and found.times_differ is None:
             found.times_differ = a, b
 
-    def contacts(self, a: Record, b: Record) -> None:
+    def contacts(self, a: LogRecord, b: LogRecord) -> None:
         """Compares the contacts of a step, in whatever order."""
         found = self.found
         if not a.contacts and not b.contacts:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..validation import EngineError
 from .growing import NEVER, Growing, Unit
-from .log_format import Log, Record
+from .log_format import Log, LogRecord
 
 HEAD = 400
 """Records that are read ahead, to learn what a log has."""
@@ -31,7 +31,7 @@ AROUND = 3
 
 
 @dataclass(frozen=True)
-class Meeting:
+class OtherPartner:
     """Whom a body meets first that it does not meet in the other run.
 
     Attributes:
@@ -95,23 +95,23 @@ class Found:
     growing: Growing
     compared: Counter[str] = field(default_factory=Counter)
     pairs: int = 0
-    meeting: Meeting | None = None
-    hash: tuple[Record, Record] | None = None
+    meeting: OtherPartner | None = None
+    hash: tuple[LogRecord, LogRecord] | None = None
     hash_same: int | None = None
-    input: tuple[Record, Record] | None = None
-    fields: dict[str, tuple[Record, Any, Any]] = field(default_factory=dict)
+    input: tuple[LogRecord, LogRecord] | None = None
+    fields: dict[str, tuple[LogRecord, Any, Any]] = field(default_factory=dict)
     reordered: tuple[int, int] | None = None
-    uneven: tuple[int, Record, str, int, list[float]] | None = None
+    uneven: tuple[int, LogRecord, str, int, list[float]] | None = None
     all_told: bool = False
-    zeros: Record | None = None
+    zeros: LogRecord | None = None
     explained: int = 0
-    fields_alone: dict[str, tuple[int, Record]] = field(default_factory=dict)
+    fields_alone: dict[str, tuple[int, LogRecord]] = field(default_factory=dict)
     missing: list[tuple[str, str]] = field(default_factory=list)
     missing_count: int = 0
     repeated: list[tuple[str, int]] = field(default_factory=list)
-    field_leap: tuple[str, Record] | None = None
+    field_leap: tuple[str, LogRecord] | None = None
     alone: list[int] = field(default_factory=lambda: [0, 0])
-    alone_first: list[Record | None] = field(default_factory=lambda: [None, None])
+    alone_first: list[LogRecord | None] = field(default_factory=lambda: [None, None])
     clock: float | None = None
     names: dict[str, str] = field(default_factory=dict)
     time_unit: Unit = field(default_factory=lambda: Unit(53))
@@ -120,14 +120,14 @@ class Found:
     onsets_then: int = 0
     first_states: int | None = None
     nans: str | None = None
-    context: tuple[list[Record], list[Record]] = field(default_factory=lambda: ([], []))
+    context: tuple[list[LogRecord], list[LogRecord]] = field(default_factory=lambda: ([], []))
     final: tuple[dict[str, list[float]], dict[str, list[float]]] = field(default_factory=lambda: ({}, {}))
     contacts: list[int] = field(default_factory=lambda: [0, 0])
-    times_differ: tuple[Record, Record] | None = None
+    times_differ: tuple[LogRecord, LogRecord] | None = None
     contacts_each: bool = False
     touched_told: bool = False
     grid: bool = False
-    last_common: Record | None = None
+    last_common: LogRecord | None = None
     longer: str | None = None
     columns: tuple[list[int] | None, ...] = (None, None)
 
@@ -153,18 +153,18 @@ class Side:
     def __init__(self, log: Log) -> None:
         letters, self.log = 0, log
         records = iter(log)
-        self.head: list[Record] = []
+        self.head: list[LogRecord] = []
         for record in islice(records, HEAD):
             self.head.append(record)
             letters += sum(map(len, record.texts))
             if letters > MOST_HEAD:
                 break
-        self._records: Iterator[Record] = chain(self.head, records)
-        self.ring: deque[Record] = deque(maxlen=AROUND + 1)
+        self._records: Iterator[LogRecord] = chain(self.head, records)
+        self.ring: deque[LogRecord] = deque(maxlen=AROUND + 1)
         self.rename: dict[str, str] = {}
         self.columns: list[int] | None = None
         self.ended = False
-        self.last: Record | None = None
+        self.last: LogRecord | None = None
         self.events = 0
 
     def translate(self) -> None:
@@ -172,7 +172,7 @@ class Side:
         if self.rename or self.columns is not None:
             self._records = map(self.translated, self._records)
 
-    def next(self) -> Record | None:
+    def next(self) -> LogRecord | None:
         """The next record."""
         record = next(self._records, None)
         if record is None:
@@ -182,7 +182,7 @@ class Side:
         self.last = record
         return record
 
-    def translated(self, record: Record) -> Record:
+    def translated(self, record: LogRecord) -> LogRecord:
         """A record in the words of the other log."""
         names, columns = self.rename, self.columns
         record = copy.copy(record)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from .growing import NEVER, Difference, Digits, Rate, Unit, rate_of
+from .growing import NEVER, Difference, GrowthRate, LogDigits, Unit, rate_of
 
 if TYPE_CHECKING:
-    from .log_format import Record
-    from .sides import Found, Meeting
+    from .log_format import LogRecord
+    from .sides import Found, OtherPartner
 
 
-class Named(Enum):
+class Finding(Enum):
     """The six verdicts; the value is how the first line of a report begins."""
 
     IDENTICAL = "identical"
@@ -74,19 +74,19 @@ class Verdict:
         notes: what else is to be known, a sentence each.
     """
 
-    name: Named
+    name: Finding
     event: int | None
     why: str
     spread: str | None = None
     first: tuple[Difference, ...] = ()
-    rate: Rate | None = None
+    rate: GrowthRate | None = None
     notes: tuple[str, ...] = field(default=())
 
     @property
     def line(self) -> str:
         """The verdict as the first line of a report has it.
 
-        >>> Verdict(Named.GREW, 12, "").line
+        >>> Verdict(Finding.GREW, 12, "").line
         'grew from rounding at event 12'
         """
         return self.name.value.format(k=self.event)
@@ -94,7 +94,7 @@ class Verdict:
     @property
     def same(self) -> bool:
         """Whether nothing is different that matters."""
-        return self.name in (Named.IDENTICAL, Named.HARMLESS)
+        return self.name in (Finding.IDENTICAL, Finding.HARMLESS)
 
 
 def decide(found: Found) -> Verdict:
@@ -114,7 +114,7 @@ def decide(found: Found) -> Verdict:
     return Verdict(name, event, why, _spread(found, first), first, rate, notes)
 
 
-Answer = tuple[Named, int | None, str]
+Answer = tuple[Finding, int | None, str]
 
 
 def _gone(found: Found, number: int | None) -> Answer | None:
@@ -138,7 +138,7 @@ def _gone(found: Found, number: int | None) -> Answer | None:
         return None
     fed = found.input[0] if found.input is not None else record
     first = fed if fed.number < record.number else record
-    return Named.CHANGED, _event(first), (
+    return Finding.CHANGED, _event(first), (
         f"{body} is in {(found.a, found.b)[side].name} alone, from {record.place()} on; up to then everything is "
         f"{_as_before(found)}"
     )  # fmt: skip
@@ -149,7 +149,7 @@ def _as_before(found: Found) -> str:
     return "the same but for the digits that one log leaves out" if found.explained else "the same to the last bit"
 
 
-def _event(at: Record | Difference | Meeting) -> int:
+def _event(at: LogRecord | Difference | OtherPartner) -> int:
     return at.step if at.step is not None else at.number
 
 
@@ -161,61 +161,61 @@ def _without_states(found: Found) -> Answer:
         k = _event(found.hash[0])
         since = "" if found.hash_same is None else "; all hashes before it are the same"
         if states:
-            return Named.OPEN, k, (
+            return Finding.OPEN, k, (
                 f"hashes differ from {found.hash[0].place()} on, though all states that are logged are the same: "
                 "what is hashed has something in it that is not logged (a random state, a cache of the solver, padding)"
             )  # fmt: skip
-        return Named.OPEN, k, (
+        return Finding.OPEN, k, (
             f"hashes differ from {found.hash[0].place()} on{since}. A hash does not tell how much differs: log states "
             "from a few steps before it to a few after it"
         )  # fmt: skip
     if meeting is not None and not (states and 0 in found.contacts):
         return _partners_alone(found)
     if found.input is not None:
-        return Named.OPEN, _event(found.input[0]), (
+        return Finding.OPEN, _event(found.input[0]), (
             f"inputs differ first at {found.input[0].place()}, and nothing else that is logged does"
         )  # fmt: skip
     gone = _incomplete(found)
     if gone:
-        return Named.OPEN, None, f"all that both logs have is the same, but {gone}"
+        return Finding.OPEN, None, f"all that both logs have is the same, but {gone}"
     if found.explained:
-        return Named.OPEN, None, f"{_fewer(found)}, and no difference but what that makes: log both alike"
+        return Finding.OPEN, None, f"{_fewer(found)}, and no difference but what that makes: log both alike"
     if found.times_differ is not None:
         a, b = found.times_differ
-        return Named.OPEN, _event(a), (
+        return Finding.OPEN, _event(a), (
             f"all states and contacts are the same, but clocks are not: {a.time!r} and {b.time!r} at {a.place()} "
             "(--ignore time, if that is a clock on the wall)"
         )  # fmt: skip
     if found.fields:
         name, (record, one, other) = next(iter(found.fields.items()))
-        return Named.OPEN, _event(record), (
+        return Finding.OPEN, _event(record), (
             f"states, contacts and hashes are the same, but {name!r} is not, first at {record.place()}: "
             f"{_short(one)} and {_short(other)} (--ignore {name}, if that is no part of the run)"
         )  # fmt: skip
     if found.fields_alone:
         name, (side, record) = next(iter(found.fields_alone.items()))
-        return Named.OPEN, _event(record), (
+        return Finding.OPEN, _event(record), (
             f"states, contacts and hashes are the same, but {(found.a, found.b)[side].name} alone has {name!r}, first "
             f"at {record.place()} (--ignore {name}, if that is no part of the run)"
         )  # fmt: skip
     if found.zeros is not None:
-        return Named.OPEN, _event(found.zeros), (
+        return Finding.OPEN, _event(found.zeros), (
             f"nothing differs but signs of zeros, first at {found.zeros.place()}: -0 and 0 are equal, and have other "
             "bits; some writers (JSON in JavaScript) leave the sign out"
         )  # fmt: skip
     if found.reordered is not None and found.grid and not found.compared["states"] + found.compared["hashes"]:
-        return Named.OPEN, None, (
+        return Finding.OPEN, None, (
             f"contacts are the same, but come in another order, first at event {found.reordered[0]}; whether that "
             "changed anything, contacts alone do not tell: log states"
         )  # fmt: skip
     if found.reordered is not None:
-        return Named.HARMLESS, None, (
+        return Finding.HARMLESS, None, (
             f"for each body the same in both, to the last bit; independent events come in another order, first at "
             f"event {found.reordered[0]}"
         )  # fmt: skip
     if not found.pairs:
-        return Named.OPEN, None, "no record of the one log has its like in the other"
-    return Named.IDENTICAL, None, f"{_what(found)} the same to the last bit"
+        return Finding.OPEN, None, "no record of the one log has its like in the other"
+    return Finding.IDENTICAL, None, f"{_what(found)} the same to the last bit"
 
 
 def _partners_alone(found: Found) -> Answer:
@@ -226,19 +226,19 @@ def _partners_alone(found: Found) -> Answer:
     told = f"{meeting.body} meets {meeting.a or 'nobody'} in the one and {meeting.b or 'nobody'} in the other"
     if found.by == "step":
         if found.compared["states"]:
-            return Named.OPEN, k, f"{told}, and all states that are logged are the same, then and after"
-        return Named.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
+            return Finding.OPEN, k, f"{told}, and all states that are logged are the same, then and after"
+        return Finding.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
     if found.tie:
-        return Named.OPEN, k, (
+        return Finding.OPEN, k, (
             f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or two names for one"
         )  # fmt: skip
     if not found.compared["states"] and found.grid:
-        return Named.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
+        return Finding.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
     if meeting.number < 2 or found.pairs < 4:
-        return Named.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
+        return Finding.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
     if found.explained:
-        return Named.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
-    return Named.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
+        return Finding.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
+    return Finding.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
 
 
 def _fewer(found: Found) -> str:
@@ -295,11 +295,11 @@ def _thinned(found: Found) -> tuple[int, int] | None:
     return None
 
 
-def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None) -> Answer:
+def _with_states(found: Found, first: tuple[Difference, ...], rate: GrowthRate | None) -> Answer:
     """Where numbers differ."""
     top = first[0]
     if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
-        return Named.OPEN, _event(top), (
+        return Finding.OPEN, _event(top), (
             f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
         )  # fmt: skip
     unit = _unit_of(found, top)
@@ -309,7 +309,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     size = _size(top)
     if top.name == TIME and found.grid:
         return (
-            Named.OPEN,
+            Finding.OPEN,
             _event(top),
             f"{size}; times of steps do not tell how far apart the runs were by then: log states",
         )
@@ -320,7 +320,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     others = [record for record in found.alone_first if record is not None]
     since_start = gap > 1 and top.number - top.gap == found.first_states
     if since_start and others and min(record.number for record in others) < top.number and top.bits >= limits.free[0]:
-        return Named.OPEN, onset, (
+        return Finding.OPEN, onset, (
             f"{size}, and since the start no records are of the same step or time, first {others[0].place()}: another "
             "step or setting, or a change since? Log both alike, and every step"
         )  # fmt: skip
@@ -329,7 +329,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
         what = "records are far apart; log states of every step"
         if found.by == "body":
             what = "how many steps lie between records is not logged; log the step, or states with each contact"
-        return Named.OPEN, onset, (
+        return Finding.OPEN, onset, (
             f"{size}, but it may be of any age: it is as large as it can be in the first record that has it, and {what}"
         )  # fmt: skip
     free = not top.touching and found.contacts_each and found.by == "step" and gap <= 1
@@ -337,7 +337,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     if top.bits >= high + allowance:
         return _large(found, first, onset, size)
     if top.bits > low + min(allowance, 2.0):
-        return Named.OPEN, onset, f"{size}: more than one rounding, and less than is sure to be none"
+        return Finding.OPEN, onset, f"{size}: more than one rounding, and less than is sure to be none"
     return _small(found, first, onset, size)
 
 
@@ -357,29 +357,29 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
     if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
         size = f"{size}, in the first record that both have"
         if top.bits >= limits.start[1]:
-            return Named.START, k, f"{size} ({bodies})"
+            return Finding.START, k, f"{size} ({bodies})"
         if top.bits > limits.start[0]:
-            return Named.OPEN, k, f"{size}: another start, or one computed otherwise?"
+            return Finding.OPEN, k, f"{size}: another start, or one computed otherwise?"
         return _small(found, first, k, size)
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
     stride = _stride(found) or 1
     if early and most and top.bits >= limits.free[0] and stride > NEAR_START and top.gap >= 1:
-        return Named.OPEN, k, (
+        return Finding.OPEN, k, (
             f"{size}, in {bodies}, and nothing is logged of the {stride} steps between the start and there: another "
             "start, or a change since? Log states of every step"
         )  # fmt: skip
     if early and most and top.bits >= limits.free[0]:
         if top.bits < limits.free[1]:
-            return Named.OPEN, k, f"{size}, in the first step ({bodies}): a setting, or rounding?"
-        return Named.START, k, f"{size}, in the first step ({bodies}): another setting, step or build"
+            return Finding.OPEN, k, f"{size}, in the first step ({bodies}): a setting, or rounding?"
+        return Finding.START, k, f"{size}, in the first step ({bodies}): another setting, step or build"
     if early and top.bits >= limits.touching[1] and not growing.same_again:
-        return Named.START, k, f"{size}, and no body is the same in any record after the first"
+        return Finding.START, k, f"{size}, and no body is the same in any record after the first"
     since_start = top.gap > 1 and top.number - top.gap == found.first_states and begun == top.number
     if since_start and not top.placed and found.touched_told and top.bits >= limits.touching[1]:
         if not growing.same_again:
-            return Named.START, k, f"{size}, and no body is the same in any record after the first"
-        return Named.OPEN, k, (
+            return Finding.START, k, f"{size}, and no body is the same in any record after the first"
+        return Finding.OPEN, k, (
             f"{size}, and nothing is logged of {top.body} between the start and there, so that it may have been "
             "acted on at any time: log states of every step"
         )  # fmt: skip
@@ -390,10 +390,10 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         if top.number < max(3, growing.known) and all(
             d.fresh for d in first if d.body in found.final[0] or not found.final[0]
         ):
-            return Named.START, _event(top), (
+            return Finding.START, _event(top), (
                 f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
             )  # fmt: skip
-        return Named.OPEN, _event(top), (
+        return Finding.OPEN, _event(top), (
             f"{size}, and nothing is logged of {top.body} before: it may have started elsewhere, or been moved since; "
             "log states at the start"
         )  # fmt: skip
@@ -409,7 +409,7 @@ def _onset(found: Found, top: Difference) -> tuple[int, int]:
     return _event(top), max(1, top.gap)
 
 
-def _allowance(found: Found, gap: int, rate: Rate | None) -> float | None:
+def _allowance(found: Found, gap: int, rate: GrowthRate | None) -> float | None:
     """Bits by which rounding may have grown unseen before the first difference; None if nobody knows."""
     stride = _stride(found)
     if found.touched_told and (found.by == "body" or stride == 1):
@@ -437,11 +437,15 @@ def _stride(found: Found) -> int | None:
 def _large(found: Found, first: tuple[Difference, ...], onset: int, size: str) -> Answer:
     """A first difference that is no rounding."""
     if found.tie and found.meeting is not None and found.meeting.number <= first[0].number:
-        return Named.OPEN, onset, "simultaneous contacts were resolved in another order, and rounding may decide that"
+        return (
+            Finding.OPEN,
+            onset,
+            "simultaneous contacts were resolved in another order, and rounding may decide that",
+        )
     since = f"; up to then everything is {_as_before(found)}"
     if found.input is not None and _event(found.input[0]) <= onset:
-        return Named.CHANGED, onset, f"{size}; the inputs differ, first at {found.input[0].place()}"
-    return Named.CHANGED, onset, size + since
+        return Finding.CHANGED, onset, f"{size}; the inputs differ, first at {found.input[0].place()}"
+    return Finding.CHANGED, onset, size + since
 
 
 def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -> Answer:
@@ -458,26 +462,26 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
         limits = FLOATS if growing.unit.bits <= 24 else DOUBLES
         if leap in free and leap.bits >= limits.free[1] + 4:
             why = f"runs were off by rounding before, but {told}, and it touches nothing there"
-            return Named.CHANGED, _event(leap), why
-        return Named.OPEN, onset, f"{size}; but {told} near enough to decide that: a near tie, or a change"
+            return Finding.CHANGED, _event(leap), why
+        return Finding.OPEN, onset, f"{size}; but {told} near enough to decide that: a near tie, or a change"
     if found.by == "body" and found.meeting is not None:
         chance = max(found.meeting_off, 0.0) + math.log2(found.onsets_then + 1)
         if chance < growing.unit.whole - SHIFTED:
             m = found.meeting
-            return Named.OPEN, onset, (
+            return Finding.OPEN, onset, (
                 f"{size}; but {m.body} meets {m.a or 'nobody'} instead of {m.b or 'nobody'} at event {m.number}, when "
                 f"nothing was off by more than {_bits(found.meeting_off)}: a near tie, or a change"
             )  # fmt: skip
     odd = ("the input", found.input[0]) if found.input is not None else found.field_leap
     if odd is not None:
-        return Named.OPEN, onset, f"{size}; but {odd[0]} differs by more than that, first at {odd[1].place()}"
+        return Finding.OPEN, onset, f"{size}; but {odd[0]} differs by more than that, first at {odd[1].place()}"
     late = growing.contacts_before(top.number) >= SETTLED
     if late and len(first) >= 3 and len(first) * 2 >= growing.known:
-        return Named.OPEN, onset, (
+        return Finding.OPEN, onset, (
             f"{size}: of the size of rounding, but in {_many(found, first)} at once, after all contacts before came "
             "out the same to the last bit: a cache or a setting that was lost, rather than arithmetic"
         )  # fmt: skip
-    return Named.GREW, onset, size
+    return Finding.GREW, onset, size
 
 
 TIME = "time"
@@ -489,7 +493,7 @@ def _unit_of(found: Found, d: Difference) -> Unit:
     return found.time_unit if d.name == TIME and found.by == "body" else found.growing.unit
 
 
-def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answer:
+def _coarse(found: Found, first: tuple[Difference, ...], coarse: LogDigits) -> Answer:
     """Where the logs, or one of them, have fewer digits than the engines."""
     top, unit = first[0], _unit_of(found, first[0])
     scale = next(iter(unit.scales.get(TIME if unit is not found.growing.unit else None, ())), 0.0) or 1.0
@@ -497,16 +501,16 @@ def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answ
     onset, gap = _onset(found, top)
     if not abs(top.a - top.b) < COARSE * last and gap <= 1 and (_stride(found) or 1) == 1 and last < 1e-5 * scale:
         if found.first_states == top.number:
-            return Named.START, onset, f"{_size(top)}, in the first record that both have"
+            return Finding.START, onset, f"{_size(top)}, in the first record that both have"
         if found.first_states == top.number - 1 and len(first) * 2 > found.growing.known:
             why = f"{_size(top)}, in the first step ({_many(found, first)}): another setting or step"
-            return Named.START, onset, why
-        return Named.CHANGED, onset, (
+            return Finding.START, onset, why
+        return Finding.CHANGED, onset, (
             f"{top.name} of {top.body} is {top.a!r} and {top.b!r}, {abs(top.a - top.b) / last:.3g} of the last digit "
             "that is logged, and was the same to all digits before"
         )  # fmt: skip
     log = "the logs have" if coarse.side is None else f"{(found.a, found.b)[coarse.side].name} has"
-    return Named.OPEN, onset, (
+    return Finding.OPEN, onset, (
         f"{log} {coarse.words}, so that nothing is seen of a difference before it is {last:.0e}: log 17 digits"
     )  # fmt: skip
 

@@ -104,7 +104,7 @@ def _left_by(reference: Trajectory, span: Span) -> Left | Motion:
 
 
 @dataclass(frozen=True)
-class Held:
+class MatchedOutcomes:
     """A run's outcomes beside the reference's, over as much of the span as the run tells.
 
     Attributes:
@@ -131,7 +131,7 @@ def held(
     tell: Callable[[Trajectory], Mapping[str, Any]],
     whole: Mapping[str, Any],
     agrees: Callable[[], bool] | None = None,
-) -> Held:
+) -> MatchedOutcomes:
     """The one place that decides over which time outcomes are compared, and with what.
 
     A run that tells all of the span is held against `whole`. One that ends before is held against the reference up to
@@ -167,7 +167,7 @@ def held(
     if changed and (certain, sure) != (known, entered):
         kept = changed_outcomes(tell(_part(reference, certain, sure.values(), end)), values, agrees=loose)
         changed = [name for name in changed if name in kept]
-    return Held(history, values, expected, tuple(changed), until)
+    return MatchedOutcomes(history, values, expected, tuple(changed), until)
 
 
 def told_until(run: Trajectory, reference: Trajectory, span: Span) -> float | None:

@@ -55,7 +55,7 @@ SAMPLE_SHARE = 4
 DECIDED = (StopReason.HORIZON, StopReason.EVENTS, StopReason.QUIET)
 
 
-class Relation(Enum):
+class PatternRelation(Enum):
     """What a candidate's pattern is; the value is what a person reads."""
 
     OWN = "the policy's own"
@@ -87,15 +87,15 @@ class PermittedPatterns:
     witnesses: tuple[Witness, ...] = ()
     tried: int = 0
 
-    def relation(self, pattern: Pattern) -> Relation:
+    def relation(self, pattern: Pattern) -> PatternRelation:
         """The class of a pattern."""
         if pattern == self.exact:
-            return Relation.OWN
+            return PatternRelation.OWN
         if self.witness(pattern) is not None:
-            return Relation.REALISABLE
+            return PatternRelation.REALISABLE
         if pattern in self.orders:
-            return Relation.SOME_ORDER
-        return Relation.NO_ORDER if self.complete else Relation.NOT_FOUND
+            return PatternRelation.SOME_ORDER
+        return PatternRelation.NO_ORDER if self.complete else PatternRelation.NOT_FOUND
 
     def witness(self, pattern: Pattern) -> Witness | None:
         """A nearby scene that comes to a pattern."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..grids.goals import Digits, OutcomeGoal
-from ..grids.setting_search import End
+from ..grids.setting_search import SearchEnd
 from .documents import Encoder
 
 if TYPE_CHECKING:
@@ -105,13 +105,13 @@ def _where(advice: Advice) -> str:
 
 def _none(advice: Advice, where: str) -> str:
     match advice.end:
-        case End.REFERENCE:
+        case SearchEnd.REFERENCE:
             return f"No advice on {advice.scene.name}: {advice.end.value}."
-        case End.LADDER:
+        case SearchEnd.LADDER:
             tried = f"none of its {len(advice.tried)} settings" if len(advice.tried) > 1 else "its one setting does not"
             verb = f"{tried} gets" if len(advice.tried) > 1 else f"{tried} get"
             return f"{advice.engine}: {verb} {advice.goal}, on {where}."
-        case End.HOPELESS:
+        case SearchEnd.HOPELESS:
             return (
                 f"No setting of {advice.engine} is predicted to get {advice.goal}, on {where}: {len(advice.tried)} "
                 "tried, all wrong; --budget N runs the finer ones too."

@@ -22,7 +22,7 @@ from .plot import NARROW, WIDE
 from .sentences import listed
 
 if TYPE_CHECKING:
-    from ..chaos.chaos import Chaos
+    from ..chaos.certified_chaos import Chaos
     from ..chaos.horizon import EventTime, Horizon
     from ..chaos.spectrum import Rate
 

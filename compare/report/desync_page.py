@@ -10,7 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from ..logdiff.desync import Desync, gravest, report_json
-from ..logdiff.log_format import Record
+from ..logdiff.log_format import LogRecord
 from ..logdiff.sides import Side
 from .curves import Curve as Line
 from .curves import plot
@@ -137,9 +137,9 @@ def played_logs(one: Desync) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _window(side: Side, first: int) -> list[Record]:
+def _window(side: Side, first: int) -> list[LogRecord]:
     """Records of a log around the first difference."""
-    found: list[Record] = []
+    found: list[LogRecord] = []
     states = 0
     least = max(0, first - int(BEFORE * MOST_RECORDS))
     while (record := side.next()) is not None:
@@ -164,7 +164,7 @@ def _axes(names: list[str] | None) -> tuple[int, int, int | None]:
     return place.get("x", 0), place.get("y", min(1, len(names) - 1)), place.get("angle")
 
 
-def _run(records: list[Record], ids: list[str], axes: tuple[int, int, int | None]) -> dict[str, Any] | None:
+def _run(records: list[LogRecord], ids: list[str], axes: tuple[int, int, int | None]) -> dict[str, Any] | None:
     """One run, as the player has it: knots from record to record."""
     times = [record.clock if record.clock is not None else float(record.number) for record in records]
     if any(later < earlier for earlier, later in pairwise(times)):

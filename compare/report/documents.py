@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from ..alignment.align import Separation
     from ..audit.audit import Audit
     from ..candidate import Candidate
-    from ..chaos.chaos import Chaos, Grown
+    from ..chaos.certified_chaos import Chaos, Grown
     from ..chaos.horizon import Horizon
     from ..chaos.spectrum import Rate, Spectrum
     from ..comparison import Comparison
     from ..grids.survival import Summary, Uncertainty
     from ..orders.all_orders import Leaf, OrderTree
-    from ..outcomes.permitted import PermittedPatterns, Relation
-    from ..shadowing.shadow import Proof, Shadow
+    from ..outcomes.permitted import PatternRelation, PermittedPatterns
+    from ..shadowing.shadows import Proof, Shadow
     from ..tangent.growth import CertifiedGrowth
     from .changes import Change
 
@@ -85,26 +85,26 @@ FORMS = {
     "compare.orders.all_orders:OrderTree": "scene complete cap merged unproved reordered=swapped sampled stop? "
     "outcomes",
     "compare.tangent.growth:CertifiedGrowth": "events low high precision=bits",
-    "compare.chaos.chaos:Grown": "event time bits",
+    "compare.chaos.certified_chaos:Grown": "event time bits",
     "compare.chaos.spectrum:Rate": "value low high blocks",
     "compare.chaos.spectrum:Spectrum": "dimension exponents pairing volume",
     "compare.chaos.horizon:EventTime": "event time",
     "compare.chaos.horizon:Seen": "verdict at=place",
     "compare.chaos.horizon:Horizon": "engine model unit_bits=unit expected low high by_exponent observed=seen inside",
-    "compare.chaos.chaos:Chaos": "scene events time stop=reference.stop certified=reference.certified lyapunov "
-    "convergence spectrum entropy growth horizons exact",
+    "compare.chaos.certified_chaos:Chaos": "scene events time stop=reference.stop certified=reference.certified "
+    "lyapunov convergence spectrum entropy growth horizons exact",
     "compare.grids.survival:Step": "event share low high at_risk",
     "compare.grids.survival:Law": "slope intercept correlation scenes",
     "compare.grids.survival:ChangedShare": "size count total low high",
     "compare.grids.survival:Uncertainty": "shares exponent low high",
     "compare.grids.survival:Summary": "engine verdicts median survival band law changed laws",
-    "compare.report.documents:Sweep": "settings scenes engines uncertainty failures",
+    "compare.report.documents:SweepDocument": "settings scenes engines uncertainty failures",
     "compare.shadowing.obstacle:Blocked": "kind=obstacle event message",
     "compare.shadowing.obstacle:StartDistance": "position velocity",
     "compare.shadowing.obstacle:Distance": "position velocity time circle",
-    "compare.shadowing.shadow:Proof": "digest=scene.digest start run=run_distance reordered=swaps "
+    "compare.shadowing.shadows:Proof": "digest=scene.digest start run=run_distance reordered=swaps "
     "certified=run.certified",
-    "compare.shadowing.shadow:Shadow": "scene engine events divergence proof obstacle=blocked drift misfits shorter",
+    "compare.shadowing.shadows:Shadow": "scene engine events divergence proof obstacle=blocked drift misfits shorter",
 }
 """The keys of each class: `key`, or `key=attribute`; with `?` it is left out where it is None. Some are `COMPUTED`."""
 
@@ -323,7 +323,7 @@ def _audit_phantoms(audit: Audit, _: Any) -> Phantoms | None:
 class PatternRow:
     """The class in which a pattern is, the impulse policy and the nearby scene that lead to it, if any do."""
 
-    relation: Relation
+    relation: PatternRelation
     policy: str | None
     witness: Mapping[str, Any] | None
     witness_certificate: Any
@@ -608,7 +608,7 @@ def shadow_json(told: Shadow, best: Shadow | None = None) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Band:
+class IntervalCoverage:
     """Of those that diverged and had a predicted interval: how many did inside it, and how many there are."""
 
     inside: int
@@ -644,7 +644,7 @@ class FailedScene:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepDocument:
     """What was asked, what the rows say together; by outcome, how displacements of several sizes change it."""
 
     settings: Mapping[str, Any]
@@ -655,9 +655,9 @@ class Sweep:
 
 
 @computed("Summary.band")
-def _summary_band(summary: Summary, _: Any) -> Band:
+def _summary_band(summary: Summary, _: Any) -> IntervalCoverage:
     """How the predicted intervals did."""
-    return Band(*summary.inside)
+    return IntervalCoverage(*summary.inside)
 
 
 @computed("Summary.changed")
@@ -684,4 +684,6 @@ def sweep_json(
     Args:
         unsure: by outcome, how displacements of several sizes change it.
     """
-    return document("sweep-2", Sweep(settings, scenes, tuple(told), unsure, tuple(FailedScene(*f) for f in failures)))
+    return document(
+        "sweep-2", SweepDocument(settings, scenes, tuple(told), unsure, tuple(FailedScene(*f) for f in failures))
+    )

@@ -15,7 +15,7 @@ from markupsafe import Markup
 from ...scenarios.pictures import scene_picture
 from ..files.amounts import counted
 from ..outcomes.outcome import pattern
-from ..outcomes.permitted import PermittedPatterns, Relation
+from ..outcomes.permitted import PatternRelation, PermittedPatterns
 from .documents import orders_json
 from .listing import laid_out
 from .orders_text import choices_phrase, orders_sentence, velocities_phrase
@@ -44,11 +44,11 @@ NAMED_PAIRS = 4
 """More pairs than these are counted, not named."""
 
 LABELS = {
-    Relation.OWN: "the policy's own",
-    Relation.REALISABLE: "realisable: a nearby scene does it",
-    Relation.SOME_ORDER: "some order only",
-    Relation.NO_ORDER: "no order leads to it",
-    Relation.NOT_FOUND: "not found among the orders followed",
+    PatternRelation.OWN: "the policy's own",
+    PatternRelation.REALISABLE: "realisable: a nearby scene does it",
+    PatternRelation.SOME_ORDER: "some order only",
+    PatternRelation.NO_ORDER: "no order leads to it",
+    PatternRelation.NOT_FOUND: "not found among the orders followed",
 }
 
 

@@ -35,7 +35,7 @@ class Graph:
 
 
 @dataclass(frozen=True)
-class Band:
+class ForecastBand:
     """The time in which an engine is foreseen to leave the history: its place among the engines, and what is said."""
 
     number: int
@@ -78,12 +78,12 @@ def separation_lines(comparison: Comparison) -> list[Graph]:
     ]
 
 
-def horizon_bands(comparison: Comparison, foreseen: Foreseen | None) -> list[Band]:
+def horizon_bands(comparison: Comparison, foreseen: Foreseen | None) -> list[ForecastBand]:
     """The bands of the plot: an engine that is not expected to leave the events looked at has none."""
     if foreseen is None:
         return []
     return [
-        Band(
+        ForecastBand(
             number,
             f"{candidate.engine}: foreseen to leave the history here",
             horizon.low.time,
@@ -94,7 +94,7 @@ def horizon_bands(comparison: Comparison, foreseen: Foreseen | None) -> list[Ban
     ]
 
 
-def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[Band] = ()) -> str:
+def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[ForecastBand] = ()) -> str:
     """The plot as one SVG element; a dot marks where a history first differs, a band where that was foreseen."""
     kind = "narrow" if width == NARROW else "wide"
     lines = separation_lines(comparison)
@@ -121,7 +121,7 @@ def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[B
     return "\n".join(parts)
 
 
-def _shaded(bands: Sequence[Band], scale: Scale) -> list[str]:
+def _shaded(bands: Sequence[ForecastBand], scale: Scale) -> list[str]:
     """Each band, paler the more of them lie on each other, with a line of its engine's at each end within the plot."""
     parts = []
     for band in bands:

@@ -30,10 +30,13 @@ DOCUMENTS = {
         "compare.orders.all_orders:OrderTree",
         "All orders of instants, as `orders --json` prints them",
     ),
-    "chaos-2": ("compare.chaos.chaos:Chaos", "Growth of errors along a run, as `truebreak chaos --json` prints it"),
-    "shadow-2": ("compare.shadowing.shadow:Shadow", "A shadow of a run, as `truebreak shadow --json` prints it"),
+    "chaos-2": (
+        "compare.chaos.certified_chaos:Chaos",
+        "Growth of errors along a run, as `truebreak chaos --json` prints it",
+    ),
+    "shadow-2": ("compare.shadowing.shadows:Shadow", "A shadow of a run, as `truebreak shadow --json` prints it"),
     "sweep-2": (
-        "compare.report.documents:Sweep",
+        "compare.report.documents:SweepDocument",
         "What the rows of a sweep say, as `truebreak sweep --json` prints it",
     ),
 }

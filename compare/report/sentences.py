@@ -12,7 +12,7 @@ from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
 from ..files.amounts import counted
 from ..foreign.recording import RECORD_ENDS
-from ..outcomes.permitted import Relation
+from ..outcomes.permitted import PatternRelation
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -219,13 +219,15 @@ def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
     policy = permitted.policy(pattern)
     found = counted(len(permitted.orders), "pattern")
     witness = permitted.witness(pattern)
+    scene = witness.scene.name if witness else ""
     checked = ", and independently checked" if witness and witness.certificate and witness.certificate.checked else ""
     told = {
-        Relation.OWN: "the policy's own",
-        Relation.REALISABLE: f"realisable: {witness.scene.name if witness else ''} comes to it, certified{checked}",
-        Relation.SOME_ORDER: f"some order of the impulses leads to it, but none of {permitted.tried} nearby scenes",
-        Relation.NO_ORDER: f"no order of the impulses leads to it: not among {found} over all orders",
-        Relation.NOT_FOUND: f"not found among {counted(permitted.followed, 'order')} followed; there are more",
+        PatternRelation.OWN: "the policy's own",
+        PatternRelation.REALISABLE: f"realisable: {scene} comes to it, certified{checked}",
+        PatternRelation.SOME_ORDER: f"some order of the impulses leads to it, but none of "
+        f"{permitted.tried} nearby scenes",
+        PatternRelation.NO_ORDER: f"no order of the impulses leads to it: not among {found} over all orders",
+        PatternRelation.NOT_FOUND: f"not found among {counted(permitted.followed, 'order')} followed; there are more",
     }[permitted.relation(pattern)]
     return f"{told}; the exact engine has it under {policy}" if policy and pattern != permitted.exact else told
 

@@ -9,7 +9,7 @@ from ..files.amounts import counted
 from .output import console, say
 
 if TYPE_CHECKING:
-    from ..shadowing.shadow import Proof, Shadow
+    from ..shadowing.shadows import Proof, Shadow
 
 
 def sentences(told: Shadow) -> list[str]:

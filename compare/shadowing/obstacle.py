@@ -18,7 +18,7 @@ from ..tangent.impacts import moving
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
-    from .pseudo_orbit import Indices, Record, Refined
+    from .pseudo_orbit import Indices, OrbitRecord, Refined
 
 BITS = 128
 """Accuracy of the certified run's numbers in the bounds: far beyond the doubles that are told."""
@@ -68,7 +68,7 @@ class StartDistance:
     velocity: float
 
 
-def distance(record: Record, certified: Trajectory) -> Distance | None:
+def distance(record: OrbitRecord, certified: Trajectory) -> Distance | None:
     """The distance of an engine's run from a certified run in which each circle has the same contacts in order.
 
     Both fly straight between contacts, so a circle is farthest at a contact of the one or of the other. Where each
@@ -124,7 +124,7 @@ def start_distance(one: Scene, other: Scene) -> StartDistance:
     return StartDistance(position, velocity)
 
 
-def _flights(certified: Trajectory, record: Record) -> dict[int, list[FlightAfter]] | None:
+def _flights(certified: Trajectory, record: OrbitRecord) -> dict[int, list[FlightAfter]] | None:
     """The flights of a certified run, from its knots; None unless there is one for each contact."""
     motion = motion_of(certified)
     assert motion is not None
@@ -197,14 +197,14 @@ class Blocked:
     message: str
 
 
-def units(scene: Scene, record: Record) -> tuple[float, float]:
+def units(scene: Scene, record: OrbitRecord) -> tuple[float, float]:
     """What lengths and velocities are measured by: the mean diameter, and the root of the mean square at the start."""
     sizes = [float(c.r) for c in scene.circles if float(c.r) > 0]
     squares = [flights[0][3] ** 2 + flights[0][4] ** 2 for flights in record.flights.values()]
     return (2 * sum(sizes) / len(sizes) if sizes else 1.0), sqrt(sum(squares) / len(squares)) or 1.0
 
 
-def drift(scene: Scene, record: Record) -> float:
+def drift(scene: Scene, record: OrbitRecord) -> float:
     """The largest relative change of the energy along an engine's run."""
     masses = {i: 1 / float(scene.circles[i].inverse_mass) for i in moving(scene)}
     now = {i: masses[i] * hypot(*flights[0][3:]) ** 2 for i, flights in record.flights.items()}
@@ -217,7 +217,7 @@ def drift(scene: Scene, record: Record) -> float:
     return worst / start if start else 0.0
 
 
-def margin(scene: Scene, record: Record, contact: int) -> float | None:
+def margin(scene: Scene, record: OrbitRecord, contact: int) -> float | None:
     """By how many diameters two discs would have to be displaced to miss each other; None for a wall."""
     i, j = record.links[contact]
     circles, time = scene.circles, record.times[contact]
@@ -237,7 +237,7 @@ def margin(scene: Scene, record: Record, contact: int) -> float | None:
     return (reach - abs(dx * vy - dy * vx) / speed) / units(scene, record)[0] if speed else None
 
 
-def not_closed(scene: Scene, record: Record, found: Refined) -> Blocked:
+def not_closed(scene: Scene, record: OrbitRecord, found: Refined) -> Blocked:
     """Misfits that do not close.
 
     By a graze, if the correction is as large as what is left to one, or nothing is left to one; by a drift of energy,
@@ -271,14 +271,14 @@ def not_closed(scene: Scene, record: Record, found: Refined) -> Blocked:
     return Blocked(Obstacle.GROWING, None, f"{told}, though {growing}")
 
 
-def _shallow(scene: Scene, record: Record, contact: int, depth: float, why: str) -> Blocked:
+def _shallow(scene: Scene, record: OrbitRecord, contact: int, depth: float, why: str) -> Blocked:
     """A contact that is hardly one."""
     event, (one, other) = record.events[contact], (scene.ids[k] for k in record.links[contact])
     told = f"{one} and {other} meet {max(depth, 0.0):.2g} of a diameter from missing each other"
     return Blocked(Obstacle.GRAZE, event, f"event {event}: {told}{why}")
 
 
-def other_history(scene: Scene, record: Record, run: Trajectory, theirs: Record) -> Blocked | None:
+def other_history(scene: Scene, record: OrbitRecord, run: Trajectory, theirs: OrbitRecord) -> Blocked | None:
     """Where a true history has another contact than an engine's; None if each circle has the same ones, in order.
 
     Args:
@@ -300,7 +300,9 @@ def other_history(scene: Scene, record: Record, run: Trajectory, theirs: Record)
     raise AssertionError("streams that differ have a first difference")
 
 
-def _parted(scene: Scene, record: Record, theirs: Record, contact: int, i: int, got: Indices | None) -> Blocked:
+def _parted(
+    scene: Scene, record: OrbitRecord, theirs: OrbitRecord, contact: int, i: int, got: Indices | None
+) -> Blocked:
     """Circle i has a contact in the engine's run, and another one, or none, in the true one."""
     ids, link, event = scene.ids, record.links[contact], record.events[contact]
     turn = sum(i in other for other in record.links[:contact])

@@ -30,7 +30,7 @@ DoubleFlight = tuple[float, float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Record:
+class OrbitRecord:
     """The first events of a run in doubles.
 
     Attributes:
@@ -46,7 +46,7 @@ class Record:
     flights: dict[int, tuple[DoubleFlight, ...]]
 
 
-def recorded(trajectory: Trajectory, events: int) -> Record:
+def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
     """The first events of a run.
 
     Raises:
@@ -84,7 +84,7 @@ def recorded(trajectory: Trajectory, events: int) -> Record:
         links += mine
         owners += [event.index] * len(mine)
         times += [time] * len(mine)
-    return Record(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
+    return OrbitRecord(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
 
 
 # ----------------------------------------
@@ -116,7 +116,7 @@ class Segment:
     end: float
 
 
-def segments(record: Record) -> list[Segment]:
+def segments(record: OrbitRecord) -> list[Segment]:
     """One for each instant: nodes stand half-way between instants, the first at time 0, the last at the last instant.
 
     Nothing is lost where two instants are so close that a contact falls on the other side of a node: a state is then

@@ -26,7 +26,7 @@ from ..engines import engine as engine_named
 from ..files.cache import cached
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
-from ..outcomes.permitted import Relation, permitted_patterns
+from ..outcomes.permitted import PatternRelation, permitted_patterns
 from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short, until_phrase, verdict_sentence
 from ..report.sentences import off as off_by
 from ..scene_argument import scene_from
@@ -562,13 +562,13 @@ class _Case:
         if off is not None:
             raise CheckFailed(self._failure(comparison, None, off), comparison)
         if candidate.verdict == "agree":
-            return [f"its tie: {Relation.OWN.value}"]
+            return [f"its tie: {PatternRelation.OWN.value}"]
         if candidate.verdict != "diverged" or candidate.pattern is None:
             return []
         study = Study(self.scene, self.truth, comparison.reference)
         found = permitted_patterns(study, [(candidate.trajectory, candidate.stepped)])
         relation = None if found is None else found.relation(candidate.pattern)
-        if relation is Relation.NO_ORDER:
+        if relation is PatternRelation.NO_ORDER:
             raise CheckFailed(f"{self._failure(comparison, None)}\n  permitted: {relation.value}", comparison)
         return [] if relation is None else [f"its tie: {relation.value}"]
 

@@ -17,7 +17,7 @@ from ..causes.decision import RunReader, decisions
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..orders.guided import Guided
-from ..outcomes.permitted import Relation
+from ..outcomes.permitted import PatternRelation
 from ..tolerances.reach import reach_of
 from ..validation import check_trajectory
 
@@ -174,7 +174,7 @@ class Permission:
         own: the exact run that resolves ties as it does, if there is one.
     """
 
-    relation: Relation
+    relation: PatternRelation
     told: str | None
     settled: bool
     own: OwnOrder | None
@@ -187,19 +187,19 @@ def permission(comparison: Comparison, engine: Engine, local: LocalError | None)
         told = f"the same history in {len(reference.events)} events"
         reach = None if local is None else reach_of(reference, local, in_rounds=True)
         return Permission(
-            Relation.OWN, told, True, OwnOrder(reference, candidate.trajectory, candidate.alignment, reach, told)
+            PatternRelation.OWN, told, True, OwnOrder(reference, candidate.trajectory, candidate.alignment, reach, told)
         )
-    relation, found = Relation.OWN, comparison.permitted
+    relation, found = PatternRelation.OWN, comparison.permitted
     if found is not None and candidate.pattern is not None:
         relation = found.relation(candidate.pattern)
     elif candidate.pattern is None:  # the run ends before the span does
-        relation = Relation.NOT_FOUND
+        relation = PatternRelation.NOT_FOUND
     own = in_its_own_order(comparison.scene, candidate, engine, comparison.span, local)
     told = None if own is None else own.told
-    if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
+    if relation in (PatternRelation.OWN, PatternRelation.REALISABLE, PatternRelation.SOME_ORDER):
         told = relation.value
     unsettled = own is not None and own.told is None and own.alignment.divergence is None
-    settled = (own is not None and own.settled) or (relation is not Relation.NOT_FOUND and not unsettled)
+    settled = (own is not None and own.settled) or (relation is not PatternRelation.NOT_FOUND and not unsettled)
     return Permission(relation, told and f"a history that is permitted: {told}", settled, own)
 
 

@@ -19,7 +19,7 @@ from statistics import median
 from typing import TypeVar
 
 from truebreak.compare.certificate.certified import verdict_on, write_certificate
-from truebreak.compare.run import run
+from truebreak.compare.foreign.guard import run
 from truebreak.scenarios import catalogue
 from truebreak.tools import verify
 

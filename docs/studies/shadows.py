@@ -9,7 +9,7 @@ import argparse
 import sys
 from statistics import median
 
-from truebreak.compare.shadowing.shadow import Shadow, longest
+from truebreak.compare.shadowing.shadows import Shadow, longest
 from truebreak.scenarios import catalogue
 
 DISCS = (2, 3, 4, 6, 8, 10)

@@ -26,7 +26,7 @@ from truebreak.exact.exact_engine import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.catalogue.article import EE_AND_LEE, MURPHY
-from truebreak.scenarios.catalogue.billiards import CHALLENGE, FOLDED, IN_A_BOX, PINBALL
+from truebreak.scenarios.catalogue.billiard_tables import CHALLENGE, FOLDED, IN_A_BOX, PINBALL
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.numbers.quantity import Quantity
 from truebreak.scenarios.scene import Scene

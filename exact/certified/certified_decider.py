@@ -11,7 +11,7 @@ from flint import arb
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption
-from ..log_symmetry import Held, LogSymmetry, Past, Retrace
+from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
 from ..numbers.ball import Known, field_ball, field_text
 from ..numbers.system import BudgetSpent, Undecided
@@ -587,7 +587,7 @@ class CertifiedDecider:
             self.stride = Stride(
                 self.state, self.history, self.queue, self.meetings, self.reading, self._precision, self._count, self.do
             )
-        self._held = Held(scene, log)
+        self._held = FixedProjections(scene, log)
         if self._held:
             self.state.held = self._projection
         self.refresh(self.state.balls.pockets)

@@ -379,7 +379,7 @@ def contact_of(scene: Scene, link: Touch) -> Contact:
     return Contact(scene.ids[i], scene.ids[j])
 
 
-class Named:
+class NamedContacts:
     """Contacts by ids; the same contacts are the same tuple.
 
     Args:

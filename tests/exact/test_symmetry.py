@@ -11,7 +11,7 @@ import pytest
 from flint import arb  # type: ignore[attr-defined]
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.log_symmetry import Held, LogSymmetry, Past, Symmetry, symmetries
+from truebreak.exact.log_symmetry import FixedProjections, LogSymmetry, Past, Symmetry, symmetries
 from truebreak.exact.numbers.ball import field_ball
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof
@@ -141,7 +141,7 @@ def test_a_circle_that_two_mirrors_keep_stands_still() -> None:
     """Four balls fly at one in the middle."""
     around = [Circle(x, y, vx=-x // 6, vy=-y // 6) for x, y in ((6, 0), (0, 6), (-6, 0), (0, -6))]
     scene = Scene([Circle(0, 0, id="middle"), *around])
-    held = Held(scene, LogSymmetry(scene, Past([True] * 5, [])))
+    held = FixedProjections(scene, LogSymmetry(scene, Past([True] * 5, [])))
     assert held
     projection = held(0)
     assert projection is not None

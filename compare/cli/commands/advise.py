@@ -110,7 +110,7 @@ def advise(
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     Where none is right, double and quad are run too.
     """
-    from ...grids.setting_search import End
+    from ...grids.setting_search import SearchEnd
     from ...grids.setting_search import advise as search
     from ...report.advice_text import advice_json, print_advice
     from ...report.listing import print_json
@@ -148,7 +148,7 @@ def advise(
         print_json(advice_json(found))
     else:
         print_advice(found)
-    return {End.FOUND: DONE, End.LADDER: ExitCode.DIVERGED}.get(found.end, ExitCode.UNDECIDED)
+    return {SearchEnd.FOUND: DONE, SearchEnd.LADDER: ExitCode.DIVERGED}.get(found.end, ExitCode.UNDECIDED)
 
 
 def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:

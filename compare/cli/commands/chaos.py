@@ -56,8 +56,8 @@ def chaos(
     proved; Lyapunov exponents, which are limits, are estimates with a 95 % interval. From the growth follows the event
     at which each engine is expected to leave the true history, before it is run.
     """
-    from ...chaos.chaos import DEFAULT_ENGINES
-    from ...chaos.chaos import chaos as measured
+    from ...chaos.certified_chaos import DEFAULT_ENGINES
+    from ...chaos.certified_chaos import chaos as measured
     from ...engines import split_engines
     from ...report.chaos_page import print_chaos
     from ...report.documents import chaos_json

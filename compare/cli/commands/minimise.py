@@ -10,7 +10,7 @@ from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL, Seconds, Whole, WithDefa
 from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
-    from ...reduction.minimise import Reducing
+    from ...reduction.minimal_scene import Reducing
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -32,7 +32,7 @@ Exit codes:
 
 
 def _default_runs() -> str:
-    from ...reduction.minimise import DEFAULT_RUNS
+    from ...reduction.minimal_scene import DEFAULT_RUNS
 
     return f"{DEFAULT_RUNS:,}"
 
@@ -77,8 +77,8 @@ def minimise(
     the smallest scene so far.
     """
     from ....scenarios.files import dump_toml
-    from ...reduction.minimise import DEFAULT_RUNS
-    from ...reduction.minimise import minimise as search
+    from ...reduction.minimal_scene import DEFAULT_RUNS
+    from ...reduction.minimal_scene import minimise as search
     from ...reduction.smallest import End
     from ...report.smallest_text import print_smallest
     from ...scene_argument import scene_from
@@ -112,7 +112,7 @@ def minimise(
 def searched(state: Reducing, seconds: float) -> str:
     """How far a search is.
 
-    >>> from truebreak.compare.reduction.minimise import Reducing
+    >>> from truebreak.compare.reduction.minimal_scene import Reducing
     >>> from truebreak.compare.reduction.smallest import SceneSize
     >>> searched(Reducing(30, 1000, SceneSize(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'

@@ -1,9 +1,10 @@
-"""`truebreak run`: one scene in one engine, from the beginning or from what was saved."""
+"""`truebreak run`: one scene in one engine, from its start or from a saved run. `truebreak verify`: its certificate."""
 
 from __future__ import annotations
 
 import click
 
+from .. import completion
 from ..options import (
     EVENTS,
     JSON,
@@ -16,6 +17,7 @@ from ..options import (
     TIES,
     UNTIL,
     WORK,
+    Whole,
     a_file,
     examples,
     isolating,
@@ -23,7 +25,7 @@ from ..options import (
     refuse_beside,
     required,
 )
-from ..progress import of_stop
+from ..progress import ExitCode, of_stop
 
 
 @click.command(epilog=examples("run"))
@@ -120,3 +122,28 @@ def run(
 
         print_trajectory(trajectory, exact=exact, watch=watch)
     return of_stop(trajectory.stop)
+
+
+@click.command(epilog=examples("verify"))
+@click.argument("file", metavar="FILE", shell_complete=completion.files)
+@click.option(
+    "--scene",
+    metavar="SCENE",
+    shell_complete=completion.scenes,
+    help="The scene that it should be of: a name, or a file.",
+)
+@click.option("--work", type=Whole(), metavar="N", help="Units of work that checking may cost (by the size of FILE).")
+def verify(file: str, scene: str | None, work: int | None) -> int:
+    """Check a certificate by a program of its own.
+
+    It shares nothing with the engines. `truebreak run --certificate FILE` writes certificates. With --scene the scene
+    in the certificate is compared with SCENE, number by number.
+
+    Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided with the bits that it allows, or declined as it
+    costs more than --work.
+    """
+    from ...certificate.certified import verdict_of_scene
+
+    code, sentence = verdict_of_scene(file, scene, work)
+    click.echo(sentence, err=code == ExitCode.USAGE)
+    return code

@@ -43,8 +43,8 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     from ...report.listing import print_json
     from ...report.shadow_text import print_shadow
     from ...scene_argument import scene_from
-    from ...shadowing.shadow import longest as sought
-    from ...shadowing.shadow import shadow as whole
+    from ...shadowing.shadows import longest as sought
+    from ...shadowing.shadows import shadow as whole
     from ...writing import check_writable, write_whole
     from ..progress import showing_progress
 

@@ -61,12 +61,12 @@ from desync_sketch import (
 )
 from desync_worlds import Lines, Trial, chain
 
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 
-I, H, G, C, S, N = Named  # noqa: E741
+I, H, G, C, S, N = Finding  # noqa: E741
 
 
-def hooked(what: str, right: set[Named], hook: Hook | None = None, *, at: int | None = None, kind: str = "pile",
+def hooked(what: str, right: set[Finding], hook: Hook | None = None, *, at: int | None = None, kind: str = "pile",
            dims: int = 2, seed: int = 1, bits: int = 53, cut: Callable[[Lines], Log] = lambda lines: lines,
            **settings: Any) -> Trial:  # fmt: skip
     """A run, and one with a hook or other settings, both logged as `cut` says."""
@@ -78,9 +78,9 @@ def hooked(what: str, right: set[Named], hook: Hook | None = None, *, at: int | 
     return Trial(f"{kind} {seed}, {dims}D, {bits} bits", what, frozenset(right), make, at)
 
 
-def rewritten(what: str, right: set[Named], edit: Callable[[Lines], Log], *, at: int | None = None, kind: str = "pile",
-              dims: int = 2, seed: int = 1, bits: int = 53, cut: Callable[[Lines], Log] = lambda lines: lines,
-              suffix: str = ".jsonl") -> Trial:  # fmt: skip
+def rewritten(what: str, right: set[Finding], edit: Callable[[Lines], Log], *, at: int | None = None,
+              kind: str = "pile", dims: int = 2, seed: int = 1, bits: int = 53,
+              cut: Callable[[Lines], Log] = lambda lines: lines, suffix: str = ".jsonl") -> Trial:  # fmt: skip
     """One run logged in two ways."""
 
     def make() -> tuple[Log, Log]:
@@ -89,14 +89,16 @@ def rewritten(what: str, right: set[Named], edit: Callable[[Lines], Log], *, at:
     return Trial(f"{kind} {seed}, {dims}D, {bits} bits", what, frozenset(right), make, at, suffix=suffix)
 
 
-def both(what: str, right: set[Named], cut: Callable[[Lines], Log], hook: Hook | None = None, *, at: int | None = None,
-         kind: str = "pile", seed: int = 1, **settings: Any) -> Trial:  # fmt: skip
+def both(what: str, right: set[Finding], cut: Callable[[Lines], Log], hook: Hook | None = None, *,
+         at: int | None = None, kind: str = "pile", seed: int = 1, **settings: Any) -> Trial:  # fmt: skip
     """A run, logged in full, and one with a hook or other settings, logged as `cut` says."""
     return Trial(f"{kind} {seed}", what, frozenset(right), lambda: (
         plain(kind, 2, seed), cut(played(kind, seed=seed, hook=hook, **settings))), at)  # fmt: skip
 
 
-def jumped(what: str, right: set[Named], hook: Hook, at: int | None, hidden: bool = False, kind: str = "pile") -> Trial:
+def jumped(
+    what: str, right: set[Finding], hook: Hook, at: int | None, hidden: bool = False, kind: str = "pile"
+) -> Trial:
     """A run with inputs, and one with others."""
     plain_hook = jumps(hidden=hidden)
     return Trial(kind, what, frozenset(right), lambda: (played(kind, hook=plain_hook), played(kind, hook=hook)), at)
@@ -469,7 +471,7 @@ def events(seed: int = 1, nudge: str = "", bias: float = 0.0, mass: float = 1.0)
 def event_pairs() -> Iterator[Trial]:
     """Pairs of the gas by events."""
 
-    def of(what: str, right: set[Named], make: Callable[[int], tuple[Log, Log]]) -> Iterator[Trial]:
+    def of(what: str, right: set[Finding], make: Callable[[int], tuple[Log, Log]]) -> Iterator[Trial]:
         for seed in (1, 2):
             yield Trial(f"events {seed}", what, frozenset(right), lambda seed=seed: make(seed))
 
@@ -607,7 +609,7 @@ def pymunk_pairs() -> Iterator[Trial]:
         space.remove(body, *shapes)
         space.add(body, *shapes)
 
-    def of(what: str, right: set[Named], where: int | None = None, **settings: Any) -> Trial:
+    def of(what: str, right: set[Finding], where: int | None = None, **settings: Any) -> Trial:
         return Trial("pymunk", what, frozenset(right), lambda: (pymunk_run(), pymunk_run(**settings)), where)
 
     yield of("nothing", {I})

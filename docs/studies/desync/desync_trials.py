@@ -17,9 +17,9 @@ import desync_worlds as worlds
 from desync_worlds import NONE, Fault, Lines, Steps, Trial
 
 from truebreak.compare.logdiff.log_format import FORMAT
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 
-I, H, G, C, S, N = Named  # noqa: E741
+I, H, G, C, S, N = Finding  # noqa: E741
 TRUE_NAMES = {
     "none": {I}, "ulp": {G}, "moved": {S}, "dt": {S}, "gravity": {S}, "contact": {C}, "warm": {C}, "input": {C},
     "mass": {C}, "garbage": {C}, "nan": {C}, "push": {C}, "threads": {I, H, G, C}, "order": {I, H, G, C},
@@ -107,7 +107,7 @@ def _steps(engine: str, kind: str, seed: int, count: int, steps: int, fault: Fau
 
 def stepped(
     engine: str, kind: str, seed: int, fault: Fault, style: Style = full, *, count: int = 16, steps: int = 240,
-    true: set[Named] | None = None, what: str | None = None,
+    true: set[Finding] | None = None, what: str | None = None,
 ) -> Trial:  # fmt: skip
     """A pair of an engine of steps."""
     inputs = fault.kind == "input"
@@ -143,7 +143,7 @@ FAULTS = {
 }
 
 
-def edited(engine: str, kind: str, seed: int, what: str, true: set[Named], edit: Callable[[Lines], Lines],
+def edited(engine: str, kind: str, seed: int, what: str, true: set[Finding], edit: Callable[[Lines], Lines],
            style: Style = full, fault: Fault = NONE, at: int | None = None) -> Trial:  # fmt: skip
     """A pair of which the second log was changed after the run."""
 
@@ -206,7 +206,7 @@ def _twice(n: int) -> Callable[[Lines], Lines]:
     return lambda lines: lines[: n + 1] + lines[n:]
 
 
-def _scene(name: str, engine: str, what: str, true: set[Named], change: Callable[[Any], Any] | None = None, *,
+def _scene(name: str, engine: str, what: str, true: set[Finding], change: Callable[[Any], Any] | None = None, *,
            other: str | None = None, events: int = 150, states: bool = True,
            edit: Callable[[Lines], Lines] | None = None) -> Trial:  # fmt: skip
     """A pair of one of truebreak's own engines: logs of events."""

@@ -18,7 +18,7 @@ from typing import Any
 
 import truebreak.compare.logdiff
 from truebreak.compare.adapters.adapter import package
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 
 Lines = list[dict[str, Any]]
 """A log, line by line."""
@@ -42,7 +42,7 @@ class Trial:
 
     world: str
     what: str
-    true: frozenset[Named]
+    true: frozenset[Finding]
     make: Callable[[], tuple[Lines | str, Lines | str]]
     at: int | None = None
     suffix: str = ".jsonl"

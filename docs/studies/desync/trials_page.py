@@ -21,7 +21,7 @@ from desync_worlds import Trial
 
 from truebreak.compare.logdiff.desync import diff
 from truebreak.compare.logdiff.growing import NEVER
-from truebreak.compare.logdiff.verdict import Named, Verdict
+from truebreak.compare.logdiff.verdict import Finding, Verdict
 
 FILE = Path(__file__).resolve().parents[2] / "desync-trials.md"
 
@@ -44,9 +44,9 @@ class Outcome:
         A fault that never makes a difference beyond rounding, as a mass that only meets walls, is rounding; one that
         makes none at all, as a contact lost of two that part already, leaves the runs identical.
         """
-        if self.verdict.name is Named.OPEN:
+        if self.verdict.name is Finding.OPEN:
             return "open"
-        faint = self.verdict.name is Named.GREW and self.largest < FAINT
+        faint = self.verdict.name is Finding.GREW and self.largest < FAINT
         nothing = self.verdict.same and self.largest == NEVER and bool(self.trial.true)
         return "right" if self.verdict.name in self.trial.true or faint or nothing else "wrong"
 

@@ -13,31 +13,31 @@ from typing import Any, cast
 import pytest
 
 from truebreak.compare.certificate.tower import WORK, Exact, text_of
-from truebreak.tools.verify import UNTOLD, Ball, Checker, Declined, Form, Undecided, cost, enclosed, number
+from truebreak.tools.verify import UNTOLD, Ball, Checker, Declined, Sum, Unsettled, cost, enclosed, number
 
 
 @pytest.fixture(autouse=True)
 def numbers_of_its_own() -> Iterator[None]:
-    saved = Ball.bits, Ball.roots, Form.squares, cost.work, cost.most
-    Ball.bits, Ball.roots, Form.squares, cost.work, cost.most = 40, [], [], 0, 1 << 40
+    saved = Ball.bits, Ball.roots, Sum.squares, cost.work, cost.most
+    Ball.bits, Ball.roots, Sum.squares, cost.work, cost.most = 40, [], [], 0, 1 << 40
     Exact.roots, Exact.most, Exact.work, Exact.budget = [], 16, 0, WORK
     yield
-    Ball.bits, Ball.roots, Form.squares, cost.work, cost.most = saved
+    Ball.bits, Ball.roots, Sum.squares, cost.work, cost.most = saved
 
 
 def of(x: int | str | Fraction) -> Ball:
-    return enclosed(Form({frozenset(): Fraction(x)} if Fraction(x) else {}))
+    return enclosed(Sum({frozenset(): Fraction(x)} if Fraction(x) else {}))
 
 
 def exact(x: int | str) -> Exact:
     return Exact(Fraction(x))
 
 
-def told(x: Exact) -> Form:
+def told(x: Exact) -> Sum:
     """A number of the writer as the checker reads it, with the roots that it takes."""
-    for root in Exact.roots[len(Form.squares) :]:
-        Form.squares.append(number(text_of(root)))
-        Ball.roots.append(enclosed(Form.squares[-1]).sqrt())
+    for root in Exact.roots[len(Sum.squares) :]:
+        Sum.squares.append(number(text_of(root)))
+        Ball.roots.append(enclosed(Sum.squares[-1]).sqrt())
     return number(text_of(x))
 
 
@@ -70,9 +70,9 @@ def test_square_roots_enclose() -> None:
         if x.sign() == 1:
             root, scale = x.sqrt(), 2**Ball.bits
             assert max(0, root.m - root.r) ** 2 <= (x.m - x.r) * scale and (x.m + x.r) * scale <= (root.m + root.r) ** 2
-    with pytest.raises(Undecided):
+    with pytest.raises(Unsettled):
         (of(1) - of(1)).sqrt()
-    with pytest.raises(Undecided):
+    with pytest.raises(Unsettled):
         of(1) / Ball(1, 1, Ball.bits)
 
 
@@ -85,8 +85,8 @@ def test_forms_are_zero_where_exact_numbers_are() -> None:
     two, three = exact(2).sqrt(), exact(3).sqrt()
     nested = (exact(5) + two * three).sqrt()
     five, six = told(nested), told(two * three)
-    assert five * five - six - number("5") == Form() and len(Form.squares) == 3
-    assert told(nested / (two - exact(1))) * (number("1*r1") - number("1")) - five == Form()
+    assert five * five - six - number("5") == Sum() and len(Sum.squares) == 3
+    assert told(nested / (two - exact(1))) * (number("1*r1") - number("1")) - five == Sum()
     assert told((exact(3) + two + two).sqrt()) == number("1+1*r1")
     draw = Random(3)
     for _ in range(200):
@@ -99,7 +99,7 @@ def test_what_is_not_told_is_never_zero() -> None:
     one = number("1/3")
     for value in (UNTOLD - UNTOLD, UNTOLD * one - UNTOLD, UNTOLD + number("9" * 400)):
         assert value and value + one and -value
-    assert UNTOLD * Form() == Form() == Form() * UNTOLD
+    assert UNTOLD * Sum() == Sum() == Sum() * UNTOLD
 
 
 LAWS: tuple[Callable[[Any, Any], Any], ...] = (add, sub, mul, truediv)
@@ -110,7 +110,7 @@ def test_all_that_is_computed_is_charged(law: Callable[[Any, Any], Any]) -> None
     cost.work = cost.most
     with pytest.raises(Declined, match=r"costs more than \d+ units of work; --work=N"):
         law(Ball(2, 0, 64), Ball(3, 1, 64))
-    one, other = Form({frozenset(): Fraction(2)}), Form({frozenset(): Fraction(3)})
+    one, other = Sum({frozenset(): Fraction(2)}), Sum({frozenset(): Fraction(3)})
     if law is not truediv:
         with pytest.raises(Declined):
             law(one, other)
@@ -118,7 +118,7 @@ def test_all_that_is_computed_is_charged(law: Callable[[Any, Any], Any]) -> None
 
 @pytest.mark.parametrize("law", LAWS)
 def test_numbers_of_unlike_bits_are_refused(law: Callable[[Any, Any], Any]) -> None:
-    with pytest.raises(Undecided, match="unlike bits"):
+    with pytest.raises(Unsettled, match="unlike bits"):
         law(Ball(2, 0, 64), Ball(3, 0, 65))
 
 
@@ -146,7 +146,7 @@ def test_an_interval_is_zero_only_if_the_number_is(bits: int) -> None:
 
 def test_numbers_as_they_are_written() -> None:
     told(exact(2).sqrt())
-    assert number("-3/4+1/2*r1*r1-5*r1") == number("1/4") - number("5*r1") and number("0-0*r1") == Form()
+    assert number("-3/4+1/2*r1*r1-5*r1") == number("1/4") - number("5*r1") and number("0-0*r1") == Sum()
     with pytest.raises(IndexError):
         number("1*r2")
 
@@ -192,7 +192,7 @@ class Drawn:
         self.duration = self.span.m + Fraction(draw.randrange(-8 * self.span.r, 8 * self.span.r + 1), 8)
 
     def rough(self, k: int, _: int) -> tuple[int, ...]:
-        """As `World.rough`."""
+        """As `Space.rough`."""
         m, r = self.numbers[k], [self.told * x for x in self.radii[k]]
         far, fast = abs(m[0]) + abs(m[1]) + abs(m[4]), abs(m[2]) + abs(m[3])
         return (*m, far, r[0] + r[1] + r[4], fast, r[2] + r[3])

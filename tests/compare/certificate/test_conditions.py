@@ -327,7 +327,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     ),
     "what has a root is positive": (
         [('demand(sign_of(x := number(text)), [1], "what has', 'demand((x := number(text)) and 1, [1], "what has'),
-         ('if self.m <= self.r: raise Undecided("a number that may not be positive', 'if 0: raise Undecided("a number that may not be positive')],
+         ('if self.m <= self.r: raise Unsettled("a number that may not be positive', 'if 0: raise Unsettled("a number that may not be positive')],
         [("if (square.hi <= 0n) malformed(", "if (0) malformed("), ("if (square.lo <= 0n) undecided(", "if (0) undecided(")],
         forged.root_of_less_than_nothing,
     ),
@@ -467,12 +467,12 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("len(met) * (1 + turn)", "len(met)"), ("if (turn && e.met) refute(", "if (0) refute("), forged.met_at_a_reversal,
     ),
     "what is not shown is not decided": (
-        ('raise Undecided(f"{c}: nothing shows', 'return 0\n        raise Undecided(f"{c}: nothing shows'),
+        ('raise Unsettled(f"{c}: nothing shows', 'return 0\n        raise Unsettled(f"{c}: nothing shows'),
         [("undecided(`no witness shows it: ${what}`);", ""), ("if (!answers.length) undecided(what);", "")],
         lambda: forged.unshown(forged.nearly_alike()),
     ),
     "whether two keep apart is decided": (
-        ('raise Undecided(f"whether {c} meet before it")', "return"), ("    undecided(what);\n  }\n\n  /** Ends", "  }\n\n  /** Ends"),
+        ('raise Unsettled(f"whether {c} meet before it")', "return"), ("    undecided(what);\n  }\n\n  /** Ends", "  }\n\n  /** Ends"),
         forged.hardly_a_hit,
     ),
     "an image is that of the other": (
@@ -518,7 +518,7 @@ ELSEWHERE = {
     "it is no regular file": "test_bad_files",
     "it is longer than {BYTES} bytes": "test_bad_files",
     "the format is not {FORMAT}": "test_bad_files",
-    "(Undecided if sign is None else fault)(text)": "it is how all are asked",
+    "(Unsettled if sign is None else fault)(text)": "it is how all are asked",
     # and of the second one
     "the scene has no thing": "test_agreement",
     "undecided(`${name}: whether ${what}`)": "each of the zeros stands above",

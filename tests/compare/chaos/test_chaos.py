@@ -13,7 +13,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
+from truebreak.compare.chaos.certified_chaos import Chaos, chaos, mapped
 from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.chaos.spectrum import rate, spectrum

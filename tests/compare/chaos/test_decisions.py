@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from truebreak.compare.chaos.chaos import chaos
+from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.tangent.hazard import Course, margins, shares
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine

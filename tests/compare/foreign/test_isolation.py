@@ -280,7 +280,7 @@ def test_engines_of_truebreaks_own_stay_where_they_are(monkeypatch: pytest.Monke
     def none(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(isolation, "Process", none)
+    monkeypatch.setattr(isolation, "IsolatedProcess", none)
     with isolated(), time_limit(60):
         assert run_guarded(DoubleEngine(), SCENE).stop.reason is StopReason.QUIET
 

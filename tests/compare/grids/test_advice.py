@@ -19,7 +19,7 @@ from truebreak.compare.cli.entry import main
 from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal, difference
 from truebreak.compare.grids.scene_family import nudged
 from truebreak.compare.grids.setting_ladder import RunSize, ladder
-from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, End, advise
+from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, SearchEnd, advise
 from truebreak.compare.report.advice_text import advice_json, sentences
 from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
@@ -94,7 +94,7 @@ def test_what_is_named_is_right_and_one_step_cheaper_is_wrong(seed: int) -> None
     scene, goal, text = drawn(seed), GOALS[seed % len(GOALS)], ENGINES[seed % len(ENGINES)]
     told = advise(scene, goal, text, perturbed=BESIDE, budget=3_000_000)
     if told.named is None:
-        assert told.end is End.BUDGET
+        assert told.end is SearchEnd.BUDGET
         assert told.why
         assert not any(tried.right for tried in told.tried)
         last = told.tried[-1]
@@ -115,7 +115,7 @@ def test_what_is_named_is_right_and_one_step_cheaper_is_wrong(seed: int) -> None
 
 def test_the_drawn_scenes_have_an_answer_that_is_not_the_cheapest_there_is() -> None:
     found = [advise(drawn(seed), HistoryGoal(5), perturbed=1, budget=500_000) for seed in range(6)]
-    assert all(told.end is End.FOUND for told in found)
+    assert all(told.end is SearchEnd.FOUND for told in found)
     assert sum(told.cheaper is not None for told in found) >= 4
 
 
@@ -164,7 +164,7 @@ def test_luck_is_told() -> None:
 
 def test_the_budget_is_kept_and_why_is_told() -> None:
     told = advise(catalogue.build("gas:n=4"), HistoryGoal(60), perturbed=1, budget=100_000)
-    assert told.end is End.BUDGET
+    assert told.end is SearchEnd.BUDGET
     assert told.spent <= told.budget
     assert told.next is not None
     assert told.why[0].startswith("The last tried, pymunk:dt=")
@@ -185,7 +185,7 @@ def test_runs_that_settle_what_an_instant_comes_to_are_paid_for(monkeypatch: pyt
 
     monkeypatch.setattr(PymunkEngine, "run", counted)
     told = advise(catalogue.build("rack:rows=3,pockets=no"), HistoryGoal(4), perturbed=1, budget=40_000, why=False)
-    assert told.end is End.BUDGET
+    assert told.end is SearchEnd.BUDGET
     assert told.why == ()
     assert told.spent <= told.budget
     assert 10_000 < sum(steps) <= told.budget, "a step is a unit of work and a little more"
@@ -194,7 +194,7 @@ def test_runs_that_settle_what_an_instant_comes_to_are_paid_for(monkeypatch: pyt
 def test_an_engine_with_one_setting_is_told_to_be_enough_or_not() -> None:
     assert advise(drawn(1), HistoryGoal(3), "double", perturbed=1).named is not None
     told = advise(catalogue.build("gas:n=4"), HistoryGoal(120), "double", perturbed=1)
-    assert told.end is End.LADDER
+    assert told.end is SearchEnd.LADDER
     assert "bits to keep every event" in " ".join(told.why)
 
 
@@ -214,7 +214,7 @@ def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest
     monkeypatch.setattr("truebreak.compare.grids.setting_search.ExactEngine", Unsure)
     monkeypatch.setattr(Unsure, "on", {scene.digest})
     told = advise(scene, HistoryGoal(9), perturbed=2)
-    assert told.end is End.REFERENCE
+    assert told.end is SearchEnd.REFERENCE
     assert told.tried == ()
     assert told.why == ("The certified run of the scene itself stops: undecided: for this test.",)
     assert told.named is told.cheaper is None
@@ -228,13 +228,13 @@ def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeyp
     told = advise(scene, HistoryGoal(9), "quad", perturbed=3)
     assert told.left_out == (2,)
     assert [one.seed for one in told.instances] == [None, 1, 3]
-    assert told.end is End.FOUND
+    assert told.end is SearchEnd.FOUND
     assert sentences(told)[-1] == "Left out, as their certified run is not decided: perturbed 2."
 
 
 def test_without_scenes_beside_it_the_scene_alone_decides() -> None:
     told = advise(catalogue.build("gas:n=4"), HistoryGoal(3), perturbed=0)
-    assert told.end is End.FOUND
+    assert told.end is SearchEnd.FOUND
     assert "on gas:n=4 alone" in sentences(told)[0]
     assert sentences(told)[1] == "One scene says nothing of others like it."
 
@@ -351,7 +351,7 @@ def test_where_all_is_predicted_to_be_wrong_only_the_cheap_settings_are_run(
 
     monkeypatch.setattr(PymunkEngine, "run", counted)
     found = advise(scene, HistoryGoal(), perturbed=2, why=False)
-    assert found.end is End.HOPELESS
+    assert found.end is SearchEnd.HOPELESS
     assert found.spent <= ENOUGH
     assert sum(steps) <= 4 * ENOUGH, "a run goes no further than it takes to see it diverge"
     assert found.next is not None and found.next.work + found.spent > ENOUGH
@@ -374,7 +374,7 @@ def test_a_wrong_prediction_would_be_seen() -> None:
     for seed in range(6):
         told = advise(drawn(seed), HistoryGoal(5), perturbed=1)
         again = advise(drawn(seed), HistoryGoal(5), perturbed=1, budget=DEFAULT_BUDGET)
-        assert told.end is again.end is End.FOUND
+        assert told.end is again.end is SearchEnd.FOUND
         assert [tried.setting.text for tried in told.tried] == [tried.setting.text for tried in again.tried]
 
 
@@ -395,4 +395,4 @@ def test_an_engine_of_high_order_is_not_held_for_hopeless(monkeypatch: pytest.Mo
     found = advise(scene, HistoryGoal(), "pymunk:dt=1/64,iterations=1", perturbed=0, why=False)
     agreed = max(judged.agreed or 0 for one in found.tried for judged in one.judged.values())
     assert 60 <= agreed < whole, "doubles diverge on the way"
-    assert found.end is not End.HOPELESS
+    assert found.end is not SearchEnd.HOPELESS

@@ -27,22 +27,22 @@ from desync_worlds import NONE, Fault, PymunkWorld, run
 
 from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 from truebreak.compare.report.desync_page import desync_html
 from truebreak.compare.report.schema import schema
 from truebreak.compare.validation import EngineError
 
 Lines = list[dict[str, Any]]
 FAULTS = {
-    Fault("none"): Named.IDENTICAL,
-    Fault("ulp", 0, 3): Named.GREW,
-    Fault("moved", 0, 3, 1e-6): Named.START,
-    Fault("dt", 0, 0, 0.5): Named.START,
-    Fault("gravity", 0, 0, 1e-3): Named.START,
-    Fault("garbage", 60, 5, 0.37): Named.CHANGED,
-    Fault("push", 60, 5, 1e-7): Named.CHANGED,
-    Fault("warm", 70): Named.CHANGED,
-    Fault("nan", 60, 2): Named.CHANGED,
+    Fault("none"): Finding.IDENTICAL,
+    Fault("ulp", 0, 3): Finding.GREW,
+    Fault("moved", 0, 3, 1e-6): Finding.START,
+    Fault("dt", 0, 0, 0.5): Finding.START,
+    Fault("gravity", 0, 0, 1e-3): Finding.START,
+    Fault("garbage", 60, 5, 0.37): Finding.CHANGED,
+    Fault("push", 60, 5, 1e-7): Finding.CHANGED,
+    Fault("warm", 70): Finding.CHANGED,
+    Fault("nan", 60, 2): Finding.CHANGED,
 }
 
 
@@ -77,7 +77,7 @@ def test_each_fault_of_a_pile_is_named(fault: Fault, compared: Any) -> None:
 def test_a_log_of_less_names_the_same_or_nothing(style: Any, fault: Fault, compared: Any) -> None:
     one, other = style(pile()), style(pile(fault))
     found = compared(one, other)
-    allowed = (Named.IDENTICAL,) if one == other else (FAULTS[fault], Named.OPEN)
+    allowed = (Finding.IDENTICAL,) if one == other else (FAULTS[fault], Finding.OPEN)
     assert found.verdict.name in allowed, found.line
 
 
@@ -86,14 +86,14 @@ def test_order_names_and_clock_are_no_difference(compared: Any) -> None:
     mixed = json.loads(json.dumps(told))
     for line in mixed:
         random.Random(1).shuffle(line.get("contacts", []))
-    assert compared(told, mixed).verdict.name is Named.HARMLESS
+    assert compared(told, mixed).verdict.name is Finding.HARMLESS
     renamed = json.loads(json.dumps(told).replace('"b', '"entity-').replace('"wall', '"side-'))
     found = compared(told, renamed)
-    assert found.verdict.name is Named.IDENTICAL and found.found.names["b3"] == "entity-3", found.line
+    assert found.verdict.name is Finding.IDENTICAL and found.found.names["b3"] == "entity-3", found.line
     later = [{**line, "time": line["time"] + 50.0} if "time" in line else line for line in told]
-    assert compared(told, later).verdict.name is Named.IDENTICAL
+    assert compared(told, later).verdict.name is Finding.IDENTICAL
     again = [{**line, "step": line["step"] - 60} if line.get("step", 0) >= 60 else line for line in told]
-    assert compared(told, again).verdict.name is Named.IDENTICAL
+    assert compared(told, again).verdict.name is Finding.IDENTICAL
 
 
 def test_what_a_log_lacks_is_said(compared: Any) -> None:
@@ -104,42 +104,45 @@ def test_what_a_log_lacks_is_said(compared: Any) -> None:
         (told[:41] + told[40:], "line 41 of"),
     ):
         found = compared(told, other)
-        assert found.verdict.name is Named.OPEN and why in found.verdict.why, found.line
+        assert found.verdict.name is Finding.OPEN and why in found.verdict.why, found.line
     text = "".join(json.dumps(line) + "\n" for line in told)
     assert "is cut off in line 102" in compared(text, text[:-50]).verdict.why
 
 
 def test_hashes_tell_where_and_no_more(compared: Any) -> None:
     found = compared("aa\nbb\ncc\n", "aa\nbb\ncd\n")
-    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 2)
-    assert compared("0 aa\n1 bb\n", "0 aa\n1 bb\n").verdict.name is Named.IDENTICAL
+    assert (found.verdict.name, found.verdict.event) == (Finding.OPEN, 2)
+    assert compared("0 aa\n1 bb\n", "0 aa\n1 bb\n").verdict.name is Finding.IDENTICAL
 
 
 def test_a_hash_that_differs_alone_is_something_that_is_not_logged(compared: Any) -> None:
     lines = [{"step": k, "hash": f"{k:x}", "states": {"a": [k / 3]}} for k in range(9)]
     other = [{**line, "hash": "f"} if line["step"] > 4 else line for line in lines]
     found = compared(lines, other)
-    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 5) and "not logged" in found.verdict.why
+    assert (found.verdict.name, found.verdict.event) == (Finding.OPEN, 5) and "not logged" in found.verdict.why
 
 
 def test_a_dropped_input_is_named(compared: Any) -> None:
     one = run(PymunkWorld, 3, 12, "pile", 100, NONE, inputs=True)
     other = run(PymunkWorld, 3, 12, "pile", 100, Fault("input", 60), inputs=True)
     found = compared(full(one), full(other))
-    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, other.hit) and "inputs" in found.verdict.why
+    assert (found.verdict.name, found.verdict.event) == (
+        Finding.CHANGED,
+        other.hit,
+    ) and "inputs" in found.verdict.why
 
 
 def test_free_fields_are_compared_by_name(compared: Any) -> None:
     lines = [{"step": k, "states": {"a": [k / 3]}, "ms": 1.5} for k in range(9)]
     other = [{**line, "ms": 2.5} for line in lines]
     assert "--ignore ms" in compared(lines, other).verdict.why
-    assert compared(lines, other, ignore=["ms"]).verdict.name is Named.IDENTICAL
+    assert compared(lines, other, ignore=["ms"]).verdict.name is Finding.IDENTICAL
 
 
 def test_no_number_on_both_sides_is_the_same_and_is_told(compared: Any) -> None:
     lines = [{"step": k, "states": {"a": [k / 3, math.nan]}} for k in range(9)]
     found = compared(lines, lines)
-    assert found.verdict.name is Named.IDENTICAL and "NaN" in found.verdict.notes[0]
+    assert found.verdict.name is Finding.IDENTICAL and "NaN" in found.verdict.notes[0]
 
 
 @pytest.mark.parametrize(
@@ -176,7 +179,7 @@ def test_csv_is_read(compared: Any, tmp_path: Path) -> None:
     paths[0].write_text("\n".join(rows), encoding="utf-8")
     paths[1].write_text("\n".join(rows).replace("5,b,1.66", "5,b,1.76"), encoding="utf-8")
     found = diff(*paths)
-    assert (found.verdict.name, found.verdict.event, found.verdict.first[0].body) == (Named.CHANGED, 5, "b")
+    assert (found.verdict.name, found.verdict.event, found.verdict.first[0].body) == (Finding.CHANGED, 5, "b")
 
 
 def test_a_lost_contact_in_a_log_of_events_is_a_change(compared: Any) -> None:
@@ -184,9 +187,9 @@ def test_a_lost_contact_in_a_log_of_events_is_a_change(compared: Any) -> None:
     lines = [{"time": k + rng.random(), "contact": rng.sample("abcdefg", 2)} for k in range(60)]
     other = [*lines[:30], *({**line, "time": line["time"] + 0.1 * rng.random()} for line in lines[31:])]
     found = compared(lines, other)
-    assert found.verdict.name in (Named.CHANGED, Named.OPEN), found.line
+    assert found.verdict.name in (Finding.CHANGED, Finding.OPEN), found.line
     lost = compared(lines, lines[:30] + lines[31:])
-    assert lost.verdict.name is Named.OPEN and "event 30" in lost.verdict.why, lost.line
+    assert lost.verdict.name is Finding.OPEN and "event 30" in lost.verdict.why, lost.line
 
 
 def test_the_command_says_the_verdict_first_and_exits_with_it(tmp_path: Path) -> None:
@@ -210,14 +213,14 @@ def test_the_command_says_the_verdict_first_and_exits_with_it(tmp_path: Path) ->
 def test_numbers_in_another_order_are_compared_by_their_names(compared: Any) -> None:
     lines = [{"step": k, "states": {"a": [k / 3, k / 7]}} for k in range(9)]
     heads = [{"log": "truebreak/log-1", "fields": names} for names in (["x", "y"], ["y", "x"])]
-    assert compared([heads[0], *lines], [heads[1], *lines]).verdict.name is not Named.IDENTICAL
+    assert compared([heads[0], *lines], [heads[1], *lines]).verdict.name is not Finding.IDENTICAL
     other = [{**line, "states": {"a": line["states"]["a"][::-1]}} for line in lines]
-    assert compared([heads[0], *lines], [heads[1], *other]).verdict.name is Named.IDENTICAL
+    assert compared([heads[0], *lines], [heads[1], *other]).verdict.name is Finding.IDENTICAL
 
 
 def test_whole_numbers_of_any_length_are_numbers(compared: Any) -> None:
     lines = [{"step": k, "states": {"a": [k, 10**400]}} for k in range(9)]
-    assert compared(lines, lines).verdict.name is Named.IDENTICAL
+    assert compared(lines, lines).verdict.name is Finding.IDENTICAL
     assert compared(lines, [{"step": k, "states": {"a": [k, -(10**400)]}} for k in range(9)]).verdict.event == 0
 
 
@@ -240,7 +243,7 @@ def test_logs_are_read_in_memory_that_does_not_grow_with_them(tmp_path: Path) ->
         found = diff(one, other)
         most = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
-        assert found.verdict.name is (Named.HARMLESS if swapped else Named.IDENTICAL), found.line
+        assert found.verdict.name is (Finding.HARMLESS if swapped else Finding.IDENTICAL), found.line
         return most
 
     for swapped in (False, True):
@@ -263,10 +266,10 @@ def test_a_body_that_one_run_has_alone_is_no_identity(compared: Any) -> None:
     ]
     for one, other in ((told, gone), (gone, told)):
         found = compared(one, other)
-        assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
+        assert (found.verdict.name, found.verdict.event) == (Finding.CHANGED, 20), found.line
     touching = [{**line, "contacts": [["b3", "b1"]]} for line in told]
     found = compared(touching, [{**line, "contacts": [["b3", "b1"]]} for line in gone])
-    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
+    assert (found.verdict.name, found.verdict.event) == (Finding.CHANGED, 20), found.line
     hidden = [{**line, "states": {i: v for i, v in line["states"].items() if i != "b3"}} for line in told]
     back = [
         {**line, "states": {i: v for i, v in line["states"].items() if i != "b3" or line["step"] != 20}}
@@ -274,22 +277,25 @@ def test_a_body_that_one_run_has_alone_is_no_identity(compared: Any) -> None:
     ]
     for other in (hidden, back):  # it may be there, and not logged
         found = compared(told, other)
-        assert found.verdict.name is Named.OPEN and "has no state of b3" in found.verdict.why, found.line
+        assert found.verdict.name is Finding.OPEN and "has no state of b3" in found.verdict.why, found.line
 
 
 def test_a_number_that_one_run_lacks_is_no_identity(compared: Any) -> None:
     told = drift()
     found = compared(told, [{**line, "spawned": "b9"} if line["step"] == 7 else line for line in told])
-    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 7) and "alone has 'spawned'" in found.verdict.why
+    assert (found.verdict.name, found.verdict.event) == (
+        Finding.OPEN,
+        7,
+    ) and "alone has 'spawned'" in found.verdict.why
     found = compared(told, [{**line, "spawned": "b9"} for line in told], ignore=["spawned"])
-    assert found.verdict.name is Named.IDENTICAL, found.line
+    assert found.verdict.name is Finding.IDENTICAL, found.line
 
 
 @pytest.mark.parametrize("zero", ["-0.0", "-0"], ids=["Python's", "printf's"])
 def test_zeros_of_other_signs_are_not_the_same_to_the_last_bit(zero: str, compared: Any) -> None:
     lines = "".join(f'{{"step": {k}, "states": {{"a": [{k / 3!r}, 0]}}}}\n' for k in range(9))
     found = compared(lines, lines.replace("[1.0, 0]", f"[1.0, {zero}]"))
-    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 3) and "signs of zeros" in found.verdict.why
+    assert (found.verdict.name, found.verdict.event) == (Finding.OPEN, 3) and "signs of zeros" in found.verdict.why
 
 
 @pytest.mark.parametrize("form", ["%.6f", "%.9g", "single"])
@@ -302,9 +308,9 @@ def test_fewer_digits_in_one_log_are_no_other_start(form: str, compared: Any) ->
     printed = [{**line, "states": {i: [*map(short, v)] for i, v in line["states"].items()}} for line in told]
     for one, other in ((told, printed), (printed, told)):
         found = compared(one, other)
-        assert found.verdict.name is Named.OPEN and "log both alike" in found.verdict.why, found.line
+        assert found.verdict.name is Finding.OPEN and "log both alike" in found.verdict.why, found.line
     moved = [{**line, "states": {i: [short(v[0] + 0.01), v[1]] for i, v in line["states"].items()}} for line in told]
-    assert compared(told, moved).verdict.name is Named.START
+    assert compared(told, moved).verdict.name is Finding.START
 
 
 def test_who_was_met_before_says_nothing_of_the_start_of_another(compared: Any) -> None:
@@ -315,13 +321,13 @@ def test_who_was_met_before_says_nothing_of_the_start_of_another(compared: Any) 
     ]
     later = [{**line, "time": line["time"] + 1e-3 * (k > 1)} for k, line in enumerate(told)]
     found = compared(told, later)  # a was faster, or e came from elsewhere
-    assert found.verdict.name is Named.OPEN and "nothing is logged of e before" in found.verdict.why, found.line
+    assert found.verdict.name is Finding.OPEN and "nothing is logged of e before" in found.verdict.why, found.line
 
 
 def test_records_far_apart_do_not_tell_a_start_from_a_change(compared: Any) -> None:
     apart = [{**line, "step": 100 * line["step"]} for line in drift()]
     found = compared(apart, [apart[0], *({**line, "step": 100 * line["step"]} for line in drift(push=0.01)[1:])])
-    assert found.verdict.name is Named.OPEN and "another start, or a change since" in found.verdict.why, found.line
+    assert found.verdict.name is Finding.OPEN and "another start, or a change since" in found.verdict.why, found.line
 
 
 def test_bodies_of_other_ids_and_an_ulp_are_the_same_bodies(compared: Any) -> None:
@@ -337,11 +343,11 @@ def test_bodies_of_other_ids_and_an_ulp_are_the_same_bodies(compared: Any) -> No
     for line in other:
         line["states"] = {i: [math.nextafter(v, 9) for v in row] for i, row in line["states"].items()}
     found = compared(told, other)
-    assert (found.verdict.name, found.found.names["d4"]) == (Named.GREW, "entity4"), found.line
+    assert (found.verdict.name, found.found.names["d4"]) == (Finding.GREW, "entity4"), found.line
 
 
-@pytest.mark.parametrize(("off", "named"), [(1e-16, Named.GREW), (0.01, Named.START)])
-def test_the_body_that_starts_elsewhere_is_known_by_the_others(off: float, named: Named, compared: Any) -> None:
+@pytest.mark.parametrize(("off", "named"), [(1e-16, Finding.GREW), (0.01, Finding.START)])
+def test_the_body_that_starts_elsewhere_is_known_by_the_others(off: float, named: Finding, compared: Any) -> None:
     told = drift()
     other = json.loads(json.dumps(told).replace('"b', '"entity'))
     for line in other:
@@ -356,7 +362,7 @@ def test_a_clock_that_begins_anew_in_one_of_two_logs_of_events_is_counted_on(com
         {"time": k + rng.random() / 2, "contact": ["a", "wall"], "states": {"a": [rng.random()]}} for k in range(90)
     ]
     again = [{**line, "time": line["time"] - 50} if k >= 50 else line for k, line in enumerate(told)]
-    assert compared(told, again).verdict.name is Named.IDENTICAL
+    assert compared(told, again).verdict.name is Finding.IDENTICAL
 
 
 def test_what_waits_for_its_like_is_bounded(compared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -403,6 +409,6 @@ def test_a_field_that_differs_by_far_more_than_the_states_is_not_of_their_roundi
             i: [math.nextafter(x, 99) for x in row] for i, row in line["states"].items()}}
         for line in told
     ]  # fmt: skip
-    assert compared(told, other).verdict.name is Named.GREW
+    assert compared(told, other).verdict.name is Finding.GREW
     found = compared(told, [{**line, "rng": drawn} if line["step"] > 19 else line for line in other])
-    assert found.verdict.name is Named.OPEN and "rng differs by more than that, first at step 20" in found.line
+    assert found.verdict.name is Finding.OPEN and "rng differs by more than that, first at step 20" in found.line

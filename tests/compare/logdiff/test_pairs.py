@@ -9,7 +9,7 @@ from desync_pairs import event_pairs, pairs, stepped_pairs
 from desync_worlds import Trial
 from trials_page import FILE, SETS, tried
 
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 
 PYTHON = [*stepped_pairs(), *event_pairs()]
 """Those whose worlds are in Python alone: the same on every machine."""
@@ -40,7 +40,7 @@ def right(trial: Trial) -> None:
     """What is named is right, at its event, and stands in the page."""
     outcome = tried(trial)
     assert outcome.mark != "wrong", outcome.verdict
-    if outcome.verdict.name in (Named.CHANGED, Named.START) and trial.at is not None:
+    if outcome.verdict.name in (Finding.CHANGED, Finding.START) and trial.at is not None:
         assert outcome.verdict.event == trial.at
     assert outcome.row in FILE.read_text("utf-8"), "run: python docs/studies/desync/trials_page.py"
 

@@ -19,7 +19,7 @@ from desync_trials import full
 from truebreak.compare.logdiff.desync import diff
 from truebreak.compare.logdiff.log_format import Log
 from truebreak.compare.logdiff.log_writer import LogWriter
-from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.logdiff.verdict import Finding
 from truebreak.compare.validation import EngineError
 from truebreak.pymunk import record
 
@@ -80,7 +80,7 @@ def test_a_c_engine_built_otherwise_differs_by_rounding_or_not_at_all(real: str,
         paths.append(tmp_path / f"{k}.jsonl")
         paths[-1].write_text("".join(json.dumps(line) + "\n" for line in full(told)), encoding="utf-8")
     names = [diff(paths[0], path).verdict.name for path in paths[1:]]
-    assert names[0] is Named.IDENTICAL and names[1] is Named.GREW and names[2] in (Named.IDENTICAL, Named.GREW)
+    assert names[0] is Finding.IDENTICAL and names[1] is Finding.GREW and names[2] in (Finding.IDENTICAL, Finding.GREW)
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node")
@@ -103,7 +103,7 @@ def test_the_javascript_module_and_the_python_writer_write_the_same_log(tmp_path
             pairs = [] if k % 9 else [("a", "b")]
             log.step(k, k / 7, contacts=pairs, states={"a": [k / 3, float("nan") if k == 9 else -1e-7 * k]}, e=k)
     found = diff(tmp_path / "js.jsonl", tmp_path / "py.jsonl")
-    assert found.verdict.name is Named.IDENTICAL, found.line
+    assert found.verdict.name is Finding.IDENTICAL, found.line
     assert found.found.compared["states"] == 50 and found.found.a.outlines == {"a": [{"circle": 0.5}]}
 
 
@@ -142,9 +142,9 @@ def test_two_recordings_of_one_space_are_identical_and_a_push_is_found(tmp_path:
                 if k == 50:
                     log.input("jump")
                 made.step(1 / 60)
-    assert diff(names[0], names[1]).verdict.name is Named.IDENTICAL
+    assert diff(names[0], names[1]).verdict.name is Finding.IDENTICAL
     found = diff(names[0], names[2])
-    assert found.verdict.name in (Named.CHANGED, Named.OPEN), found.line
+    assert found.verdict.name in (Finding.CHANGED, Finding.OPEN), found.line
     assert found.verdict.event in (121, 122, 123)  # a line is written every third step
     assert len(Log(names[0]).outlines) == 0  # known once it has been read
     log = Log(names[0])
@@ -166,7 +166,7 @@ def test_every_step_tells_whether_rounding_or_a_push_came_first(tmp_path: Path) 
                     list(made.bodies)[7].velocity += (0.5, 0)
                 made.step(1 / 60)
     found = diff(*names)
-    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 61), found.line
+    assert (found.verdict.name, found.verdict.event) == (Finding.CHANGED, 61), found.line
     with pytest.raises(EngineError, match="every = 0"):
         record(space(1), tmp_path / "c", every=0)
 
@@ -181,7 +181,7 @@ def test_an_example_of_pymunks_own_is_recorded_twice_alike(threads: int, tmp_pat
         with record(demo.space, tmp_path / name):
             demo.step(40)
     found = diff(tmp_path / "a", tmp_path / "b")
-    assert found.verdict.name is Named.IDENTICAL, found.line
+    assert found.verdict.name is Finding.IDENTICAL, found.line
     assert found.found.compared["hashes"] == 14  # a line every third step
 
 
@@ -198,7 +198,7 @@ def test_bodies_that_come_and_go_are_logged_where_they_do(tmp_path: Path) -> Non
                     made.remove(*made.shapes, *made.bodies)
                 made.step(1 / 60)
     found = diff(tmp_path / "a", tmp_path / "b")
-    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 12), found.line
+    assert (found.verdict.name, found.verdict.event) == (Finding.CHANGED, 12), found.line
 
 
 def test_what_is_packed_is_doubles_in_the_order_that_is_told(tmp_path: Path) -> None:

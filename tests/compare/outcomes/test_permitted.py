@@ -13,7 +13,7 @@ from truebreak.compare import compare
 from truebreak.compare.certificate.attached import with_certificates
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.outcomes.outcome import pattern
-from truebreak.compare.outcomes.permitted import NEARBY, Relation, nearby, permitted_patterns
+from truebreak.compare.outcomes.permitted import NEARBY, PatternRelation, nearby, permitted_patterns
 from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.schema import schema
 from truebreak.compare.report.sentences import pattern_phrase
@@ -177,10 +177,10 @@ def test_the_four_classes() -> None:
     first = permitted_patterns(told, histories)
     assert first is not None
     assert first.complete
-    assert first.relation(first.exact) is Relation.OWN
+    assert first.relation(first.exact) is PatternRelation.OWN
     for found in first.orders:
-        assert first.relation(found) in (Relation.REALISABLE, Relation.SOME_ORDER, Relation.OWN)
-    assert first.relation({}) is Relation.NO_ORDER
+        assert first.relation(found) in (PatternRelation.REALISABLE, PatternRelation.SOME_ORDER, PatternRelation.OWN)
+    assert first.relation({}) is PatternRelation.NO_ORDER
     witness = first.witnesses[0]
     run = ExactEngine().run(witness.scene, until=str(float(told.reference.final_time)))
     assert run.certified
@@ -192,7 +192,7 @@ def test_a_pattern_that_was_not_looked_for_to_the_end_is_not_found() -> None:
 
     found = permitted_patterns(study(catalogue.build("rack:rows=2,speed=100"), events=2))
     assert found is not None
-    assert replace(found, complete=False).relation({}) is Relation.NOT_FOUND
+    assert replace(found, complete=False).relation({}) is PatternRelation.NOT_FOUND
 
 
 @pytest.mark.parametrize("events", [1, 2, 3, 4, 6])
@@ -213,7 +213,7 @@ def test_the_scene_s_own_pattern_is_in_a_complete_set() -> None:
     assert found is not None
     assert found.complete
     assert found.exact in found.orders
-    assert found.relation(found.exact) is Relation.OWN
+    assert found.relation(found.exact) is PatternRelation.OWN
 
 
 def test_the_span_is_exact_for_every_order() -> None:
@@ -224,7 +224,7 @@ def test_the_span_is_exact_for_every_order() -> None:
         assert found is not None
         told = comparison["double"].pattern
         assert told is not None
-        assert found.relation(told) is Relation.REALISABLE, limits
+        assert found.relation(told) is PatternRelation.REALISABLE, limits
         witness = found.witness(told)
         assert witness is not None
         # On the end of the span falls an event, which a scene of smaller circles has a little later.
@@ -235,7 +235,7 @@ def test_the_span_is_exact_for_every_order() -> None:
 def test_a_nearby_scene_has_a_certificate_of_its_own() -> None:
     comparison = with_certificates(compare(LAST, ["double"], until=6))
     told, found = comparison["double"].pattern, comparison.permitted
-    assert told is not None and found is not None and found.relation(told) is Relation.REALISABLE
+    assert told is not None and found is not None and found.relation(told) is PatternRelation.REALISABLE
     witness = found.witness(told)
     assert witness is not None and witness.certificate is not None and witness.certificate.checked
     document = comparison_json(comparison)

@@ -13,8 +13,8 @@ from truebreak.compare import minimise as smallest
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.cli import main
 from truebreak.compare.deadline import Clock
-from truebreak.compare.reduction import minimise as module
-from truebreak.compare.reduction.minimise import Reducing
+from truebreak.compare.reduction import minimal_scene as module
+from truebreak.compare.reduction.minimal_scene import Reducing
 from truebreak.compare.reduction.smallest import End, Smallest, ddmin
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import dump_toml, load_scene, loads_toml

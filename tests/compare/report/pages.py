@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from truebreak.compare import compare, html_report
-from truebreak.compare.chaos.chaos import chaos
+from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.report.chaos_page import chaos_html

@@ -17,7 +17,7 @@ from pages import COMMAND, PAGES, comparison, page
 from tags import saved, tags
 
 from truebreak.compare import compare, html_report
-from truebreak.compare.chaos.chaos import chaos
+from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.report import page as page_provenance
 from truebreak.compare.report.chaos_page import chaos_html

@@ -16,7 +16,7 @@ from truebreak.compare.report.schema import schema
 from truebreak.compare.report.shadow_text import at_most
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
 from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, recorded, refined, segments, shortest
-from truebreak.compare.shadowing.shadow import longest, shadow
+from truebreak.compare.shadowing.shadows import longest, shadow
 from truebreak.compare.tangent.impacts import NoTangentMap
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball

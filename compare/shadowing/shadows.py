@@ -29,7 +29,7 @@ from .obstacle import (
     start_distance,
     units,
 )
-from .pseudo_orbit import FIRST_BITS, FixedOrder, Node, Record, Refined, recorded, refined, segments
+from .pseudo_orbit import FIRST_BITS, FixedOrder, Node, OrbitRecord, Refined, recorded, refined, segments
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -158,7 +158,7 @@ def longest(
 class _Search:
     """One search."""
 
-    def __init__(self, scene: Scene, name: str, record: Record, events: int, left: Divergence | None) -> None:
+    def __init__(self, scene: Scene, name: str, record: OrbitRecord, events: int, left: Divergence | None) -> None:
         self.scene, self.name, self.record, self.events, self.left = scene, name, record, events, left
         self.free = moving(scene)
         self.chain = segments(record)
