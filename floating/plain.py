@@ -9,6 +9,7 @@ from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
+from ..exact.question import Approach, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
@@ -412,7 +413,9 @@ def run_plain(
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
     limits = run_limits(scene, until, events)
-from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
+    inner = decider.scene
+    stop = (Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)).run()
+    ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(inner)
 
     def at(mark: Mark[M]) -> Real:
         return shown(mark.time, mark.number)
