@@ -469,7 +469,7 @@ class Stride:
             look: called before each look for an instant.
             note: told of each contact.
         """
-        queue, predict = self._queue, self._meetings.predictor.predict
+        queue, predict, slides = self._queue, self._meetings.predictor.predict, self._meetings.slides
         while most > 0:
             look()
             link = queue.alone(before)
@@ -478,6 +478,8 @@ class Stride:
             most -= 1
             last += 2
             predict(*self._carried_out(link, last, note, self._precision), ())
+            if slides:
+                break
         return last
 
     def again(self, link: Touch, number: int, note: Callable[[Touch], None]) -> None:

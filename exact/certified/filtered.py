@@ -399,6 +399,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_reaches = [[ball.as_double(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
+        self._face_lines: dict[int, list[FloatLine]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -485,6 +486,9 @@ class FilteredPredictor(Predictor[arb]):
                     self._unclear_walls(a, unclear, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
+        if self.faces:
+            for a in moved:
+                self.meet_faces(a, standing)
         plan = self.plan
         plan["walls predicted"] += len(moved) * self.wall_count
         plan["pairs predicted"] += outlook.pairs
@@ -530,7 +534,10 @@ class FilteredPredictor(Predictor[arb]):
 
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
-        found, unclear = self.filter.faces(a, [self._float_line(a, k) for k in self.faces])
+        lines = self._face_lines.get(a.kind)
+        if lines is None:
+            lines = self._face_lines[a.kind] = [self._float_line(a, k) for k in self.faces]
+        found, unclear = self.filter.faces(a, lines)
         self.queue.push_walls(a, found, standing)
         if unclear:
             self.plan["unclear in doubles"] += len(unclear)

@@ -255,12 +255,12 @@ class Loop(Generic[N, K]):
         self._instants = stride(before, most, until, self._look, self._note_alone)
         if self._instants != before:
             self._split = False
+            self._take_slides(self.decider.meetings.slides)
             self._report()
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        plain = not (self.scene.pockets or self.scene.faces or self.resolver.touching)
-        return self.decider.stride if plain else None
+        return None if self.scene.pockets or self.resolver.touching else self.decider.stride
 
     def _look(self) -> None:
         self.tape.mark(self.history)
@@ -352,9 +352,13 @@ class Loop(Generic[N, K]):
         meetings = self.decider.meetings
         meetings.predict(moved, standing, gone.union(besides) if besides else gone)
         if meetings.slides:
-            for link in meetings.slides:
-                self.resolver.touching.add(link)
-            meetings.slides.clear()
+            self._take_slides(meetings.slides)
+
+    def _take_slides(self, slides: list[AtWall]) -> None:
+        """Circles that predictions have seen to slide along the line of a face touch it from now on."""
+        for link in slides:
+            self.resolver.touching.add(link)
+        slides.clear()
 
     def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""

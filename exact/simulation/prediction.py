@@ -458,7 +458,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-            self.few = self._crowd is None and not self.state.pockets and not self.faces
+            self.few = self._crowd is None and not self.state.pockets
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
