@@ -87,7 +87,7 @@ def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
     for k in (i, j):
         if k in motion.log.scene.ends:
             end = motion.log.scene.circles[k]
-            rows.append([known_ball(number, BITS) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
+            rows.append([ball.constant(number) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
             continue
         knots = motion.knots[k]
         knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]

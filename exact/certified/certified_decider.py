@@ -272,6 +272,7 @@ class CertifiedMeetings:
 
         A gap below zero is behind the face, or beside it.
         """
+        doubtful = self.predictor.push_doubtful
         gap, approach = self._sign(Gap(link)), self._sign(Approach(link))
         if (gap is not None and gap < 0) or (approach is not None and approach > 0):
             return
@@ -280,7 +281,7 @@ class CertifiedMeetings:
             return
         if gap:
             if approach is None:
-                self.predictor.push_doubtful(link)
+                doubtful(link)
             if not approach:
                 return
         else:
@@ -298,7 +299,7 @@ class CertifiedMeetings:
             return
         ball.use_bits(self._state.bits)
         if None in feet:
-            self.predictor.push_doubtful(link)
+            doubtful(link)
         else:
             self.predictor.push(self._meeting(link, 1), link)
 

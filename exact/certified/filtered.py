@@ -280,7 +280,7 @@ class DoubleFilter:
         """As `walls`, of faces: those whose line is surely met beyond their ends, or from behind, are left out.
 
         Where the circle touches the line, its place along it is off by what its place now is, as the gap's without
-        r |n|, which `off_gap` bounds; by what the speed along it is off, as that of approach, over the wait; and by
+        r |n|, which `blur_gap` bounds; by what the speed along it is off, as that of approach, over the wait; and by
         what the wait is off, over that speed; the products and sums are rounded by 8u of them.
         """
         fa = a.f
@@ -292,32 +292,32 @@ class DoubleFilter:
         x, y, vx, vy, t, late = fa
         for k, x0, y0, nx, ny, offset, norm, size in lines:
             approach = nx * vx + ny * vy
-            off = norm * flat
-            if approach > off:
+            blur = norm * flat
+            if approach > blur:
                 continue
             gap = nx * (x - x0) + ny * (y - y0) - offset
-            off_gap = 32 * UNIT * size + norm * far
-            early = off_gap + 2.0 * (abs(approach) + off) * late
+            blur_gap = 32 * UNIT * size + norm * far
+            early = blur_gap + 2.0 * (abs(approach) + blur) * late
             if gap < -early:
                 continue
-            if not (approach < -8.0 * off and gap > off_gap):
+            if not (approach < -8.0 * blur and gap > blur_gap):
                 unclear.append(k)
                 continue
             wait = -gap / approach
-            off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait
+            blur_wait = (blur_gap + wait * blur) / -approach + 8 * UNIT * wait
             time = t + wait
-            off_time = 2.0 * off_wait + 8 * UNIT * (t + wait)
-            if not (wait > off_time + late) or not isfinite(time):
+            blur_time = 2.0 * blur_wait + 8 * UNIT * (t + wait)
+            if not (wait > blur_time + late) or not isfinite(time):
                 unclear.append(k)
                 continue
             along, slide = (x - x0) * ny - (y - y0) * nx, vx * ny - vy * nx
             foot, beyond = along + slide * wait, nx * nx + ny * ny
-            off_foot = off_gap + wait * off + (abs(slide) + off) * 2.0 * off_wait
-            off_foot = 2.0 * off_foot + 16 * UNIT * (abs(along) + abs(slide) * wait + beyond)
-            if foot < -off_foot or foot > beyond + off_foot:
+            blur_foot = blur_gap + wait * blur + (abs(slide) + blur) * 2.0 * blur_wait
+            blur_foot = 2.0 * blur_foot + 16 * UNIT * (abs(along) + abs(slide) * wait + beyond)
+            if foot < -blur_foot or foot > beyond + blur_foot:
                 continue
-            if foot > off_foot and foot < beyond - off_foot:
-                found.append((time - off_time, time + off_time, k))
+            if foot > blur_foot and foot < beyond - blur_foot:
+                found.append((time - blur_time, time + blur_time, k))
             else:
                 unclear.append(k)
         return found, unclear

@@ -422,7 +422,9 @@ class Predictor(Generic[M]):
         self.faces = scene.faces
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
-        self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
+        self.points = frozenset(
+            i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0 and i not in scene.ends
+        )
         self._begun = False
         self._crowd: Crowd[M] | None = None
         self.few = False
@@ -557,9 +559,7 @@ class Predictor(Generic[M]):
         if pair_approach(gx, gy, vx, vy) >= zero:
             return
         link = link_of(a, b)
-        if link in standing or (
-            link.pushes and a.index in self.points and b.index in self.points and link.b not in self.scene.ends
-        ):
+        if link in standing or (link.pushes and a.index in self.points and b.index in self.points):
             return
         reach = self.reach(a, b)
         disc = pair_discriminant(dx, dy, vx, vy, reach)

@@ -202,7 +202,7 @@ def test_the_filter_is_never_wrong_beside_an_end():
 
 def test_a_bound_that_is_too_small_is_found(monkeypatch):
     source = inspect.getsource(DoubleFilter.faces)
-    faulty = source.replace("off_foot = 2.0 * off_foot +", "off_foot = 2.0**-12 * off_foot + 2.0**-12 *")
+    faulty = source.replace("blur_foot = 2.0 * blur_foot +", "blur_foot = 2.0**-12 * blur_foot + 2.0**-12 *")
     assert faulty != source
     scope = dict(vars(filtered))
     exec(textwrap.dedent(faulty), scope)
