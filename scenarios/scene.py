@@ -12,7 +12,7 @@ from .lazy import frozen, kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import TiePolicy, checked_truth, positive_count, positive_time
-from .surfaces import Face, check_segments, ends_of, lowered
+from .surfaces import SegmentFace, check_segments, ends_of
 from .things import Circle, Pocket, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -144,7 +144,9 @@ class Scene:
         seen: set[str | None] = set()
         for thing in (*self.circles, *self.walls, *self.pockets, *self.segments):
             if thing.id in seen:
-                raise SceneError(f"id {thing.id!r} is used twice; give everything an id of its own")
+                raise SceneError(
+                    f"id {thing.id!r} is used twice; give every circle, wall, segment and pocket an id of its own"
+                )
             seen.add(thing.id)
 
     @kept
@@ -162,8 +164,25 @@ class Scene:
 
     @kept
     def surfaces(self) -> Scene:
-        """The same scene with its segments as faces and ends (see `surfaces.py`); itself where it has none."""
-        return lowered(self, vars(self)["_lowered_touching"]) if self.segments else self
+        """The same scene as engines see it: segments as faces, after the walls, and ends, after the circles.
+
+        Itself where it has none.
+        """
+        if not self.segments:
+            return self
+        found = copy(self)
+        kept_values = vars(found)
+        for name in ("_hash", "ids", "surfaces", "faces"):
+            kept_values.pop(name, None)
+        ends = ends_of(self.segments)
+        faces = (SegmentFace.of(segment, back) for segment in self.segments for back in (False, True))
+        kept_values["ends"] = range(len(self.circles), len(self.circles) + len(ends))
+        put = object.__setattr__
+        put(found, "circles", (*self.circles, *ends))
+        put(found, "walls", (*self.walls, *faces))
+        put(found, "segments", ())
+        put(found, "touching", kept_values["_lowered_touching"])
+        return found
 
     @kept
     def ends(self) -> range:
@@ -174,7 +193,8 @@ class Scene:
     def faces(self) -> range:
         """Which of the walls are faces of segments: the last of them, and none but in `surfaces`."""
         return range(
-            next((k for k, wall in enumerate(self.walls) if isinstance(wall, Face)), len(self.walls)), len(self.walls)
+            next((k for k, wall in enumerate(self.walls) if isinstance(wall, SegmentFace)), len(self.walls)),
+            len(self.walls),
         )
 
     def with_changes(self, **changes: Any) -> Scene:

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from copy import copy
 from math import hypot, isfinite
-from typing import TYPE_CHECKING
 
 from .errors import SceneError
 from .lazy import frozen
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
 from .things import FIXED, Circle, Segment, Wall
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -24,14 +19,14 @@ if TYPE_CHECKING:
 
 
 @frozen
-class Face(Wall):
+class SegmentFace(Wall):
     """One side of a segment: a wall that only what lies on its left meets, strictly between its two points."""
 
     @classmethod
-    def of(cls, segment: Segment, back: bool) -> Face:
+    def of(cls, segment: Segment, back: bool) -> SegmentFace:
         """The left side of a segment, or its right side, which is the left one of the way back.
 
-        >>> face = Face.of(Segment(0, 0, 3, 4, id="s", r=5), back=False)
+        >>> face = SegmentFace.of(Segment(0, 0, 3, 4, id="s", r=5), back=False)
         >>> face.x0.text(), face.y0.text(), face.x1.text(), face.y1.text(), face.id
         ('-4', '3', '-1', '7', 's')
         """
@@ -45,31 +40,6 @@ class Face(Wall):
         scale = segment.r / (nx * nx + ny * ny).sqrt()
         dx, dy = scale * nx, scale * ny
         return cls(x0 + dx, y0 + dy, x1 + dx, y1 + dy, id=segment.id)
-
-
-def lowered(scene: Scene, touching: tuple[tuple[int, int], ...]) -> Scene:
-    """A scene of the same circles and walls in which segments are faces, after the walls, and ends, after the circles.
-
-    Args:
-        scene: with segments.
-        touching: the pairs at gap zero by index in it: circles and ends, then walls and faces.
-    """
-    found = copy(scene)
-    kept = vars(found)
-    for name in ("_hash", "ids", "surfaces", "faces"):
-        kept.pop(name, None)
-    faces = (Face.of(segment, back) for segment in scene.segments for back in (False, True))
-    ends = ends_of(scene.segments)
-    kept["ends"] = range(len(scene.circles), len(scene.circles) + len(ends))
-    values = {
-        "circles": (*scene.circles, *ends),
-        "walls": (*scene.walls, *faces),
-        "segments": (),
-        "touching": touching,
-    }
-    for name, value in values.items():
-        object.__setattr__(found, name, value)
-    return found
 
 
 def ends_of(segments: Sequence[Segment]) -> tuple[Circle, ...]:

@@ -89,14 +89,14 @@ def _far_end_not_met(monkeypatch):
 
 
 def _one_side(monkeypatch):
-    known = surfaces.Face.of
-    monkeypatch.setattr(surfaces.Face, "of", classmethod(lambda _, segment, back: known(segment, False)))
+    known = surfaces.SegmentFace.of
+    monkeypatch.setattr(surfaces.SegmentFace, "of", classmethod(lambda _, segment, back: known(segment, False)))
 
 
 def _thin(monkeypatch):
-    known = surfaces.Face.of
+    known = surfaces.SegmentFace.of
     bare = lambda segment: Segment(segment.x0, segment.y0, segment.x1, segment.y1, segment.id)  # noqa: E731
-    monkeypatch.setattr(surfaces.Face, "of", classmethod(lambda _, segment, back: known(bare(segment), back)))
+    monkeypatch.setattr(surfaces.SegmentFace, "of", classmethod(lambda _, segment, back: known(bare(segment), back)))
 
 
 def _slides_forgotten(monkeypatch):
