@@ -8,13 +8,13 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..scenarios.errors import SceneError
-from ..scenarios.lazy import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -122,7 +122,7 @@ def load_offered(name: str) -> Any:
 ROOT = __name__.rpartition(".compare")[0]
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class EngineEntry:
     """Where an engine lives and what it is, without importing it.
 

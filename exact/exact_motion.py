@@ -5,11 +5,12 @@ from __future__ import annotations
 import copyreg
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from flint import arb, fmpq
 
-from ..scenarios.lazy import frozen, kept
+from ..scenarios.lazy import kept
 from ..scenarios.numbers.nested_roots import Tower
 from ..scenarios.numbers.precision import (
     BITS_PER_DIGIT,
@@ -364,7 +365,7 @@ Source: TypeAlias = int | Link | str
 """The circle whose clock stands at a time; or the meeting that comes at it; or `REVERSAL`, RETURN, START."""
 
 
-@frozen
+@dataclass(frozen=True)
 class TimeFormula:
     """Computes a time from the state at the end of its instant."""
 
@@ -417,7 +418,7 @@ READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
 
 
-@frozen
+@dataclass(frozen=True)
 class Place:
     """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
-from ..scenarios.lazy import frozen
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import speed_change
@@ -114,7 +114,7 @@ def circles_of(*links: Link) -> tuple[int, ...]:
 L = TypeVar("L", Link, Round, Entry, AtWall)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class OfOne(RootFree, Generic[L]):
     """A root-free question about one contact, in words with a place for it; its circles are those it depends on."""
 
@@ -162,7 +162,7 @@ class Gap(OfOne[Link]):
         return self.link.gap(state)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Foot(OfOne[AtWall]):
     """Does a circle meet the line of a face beyond its start (positive), at it (zero) or before it? `far`: its end."""
 
@@ -173,7 +173,7 @@ class Foot(OfOne[AtWall]):
         return state.face_foot(self.link, self.far)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Beside(Plain):
     """Is a circle that slides along the line of a face, at the time of a meeting, beyond its start? `far`: its end.
 
@@ -238,7 +238,7 @@ class Rim(OfOne[Entry]):
         return state.rim(self.link)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Moment:
     """When two touch next: by a hit, or by a graze, which touches without pushing."""
 
@@ -259,7 +259,7 @@ class Moment:
         return self.link.parts(state)
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Sooner:
     """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
 
@@ -289,7 +289,7 @@ class Sooner:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 
@@ -324,7 +324,7 @@ class BeforeTime(Plain):
 # -- Questions about impulses at one instant: which contacts push, and whether their order matters.
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
@@ -383,7 +383,7 @@ class Pivot(Strength):
         return pivot
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Share(Strength):
     """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
 
@@ -398,7 +398,7 @@ class Share(Strength):
         return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Coupling(RootFree):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from copy import copy
-from dataclasses import field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
 from .errors import SceneError
-from .lazy import frozen, kept
+from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import TiePolicy, checked_truth, positive_count, positive_time
@@ -21,7 +21,7 @@ MAX_CIRCLES = 100_000
 THINGS = frozenset({"circles", "walls", "pockets", "segments"})
 
 
-@frozen
+@dataclass(frozen=True)
 class Scene:
     """Circles and walls at time 0, with the tie policy and, optionally, a reversal and a default horizon.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import hypot, isfinite
 
 from .errors import SceneError
-from .lazy import frozen
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
 from .things import FIXED, Circle, Segment, Wall
@@ -18,7 +18,7 @@ from .things import FIXED, Circle, Segment, Wall
 # ends, fixed circles, of radius 0 too. A corner belongs to its end: faces are open. An end that segments share is one.
 
 
-@frozen
+@dataclass(frozen=True, init=False)
 class SegmentFace(Wall):
     """One side of a segment: a wall that only what lies on its left meets, strictly between its two points."""
 

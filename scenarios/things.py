@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 from typing import Any, Literal
 
 from .errors import SceneError, cut
-from .lazy import frozen
 from .numbers.parsing import is_sympy
 from .numbers.quantity import ZERO, Quantity, QuantityLike
 from .settings import checked_truth
@@ -39,7 +39,7 @@ def _checked_id(kind: str, name: Any) -> None:
         raise SceneError(f"{kind}: id = {str(name)[:MAX_ID]!r} is not usable; write 1 to {MAX_ID} printable characters")
 
 
-@frozen
+@dataclass(frozen=True)
 class Circle:
     """A hard disc: centre (x, y), radius r, velocity (vx, vy), mass m.
 
@@ -144,7 +144,7 @@ def _is_infinite(m: Any) -> bool:
     return is_sympy(m) and str(m) == FIXED
 
 
-@frozen
+@dataclass(frozen=True)
 class Wall:
     """An infinitely long straight wall through (x0, y0) and (x1, y1), hard on both sides.
 
@@ -186,7 +186,7 @@ class Wall:
         return nx * (x - self.x0) + ny * (y - self.y0)
 
 
-@frozen
+@dataclass(frozen=True)
 class Segment:
     """A straight segment from (x0, y0) to (x1, y1), hard on both sides, `r` thick to each side, with round ends.
 
@@ -227,7 +227,7 @@ class Segment:
             raise SceneError(f"{_label('segment', id)}: r = {self.r.brief()}: half a thickness is 0 or more")
 
 
-@frozen
+@dataclass(frozen=True)
 class Pocket:
     """A round pocket: a circle's centre that comes within r of (x, y) has entered it."""
 

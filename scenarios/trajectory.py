@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
-from .lazy import frozen, kept
+from .lazy import kept
 from .numbers.quantity import Quantity, Real, real
 from .scene import Scene
 
@@ -43,7 +43,7 @@ class TieProof(Enum):
         return self not in (TieProof.ASSUMED, TieProof.FLOAT)
 
 
-@frozen
+@dataclass(frozen=True)
 class Tie:
     """Several contacts on one instant, and how that is known.
 
@@ -58,7 +58,7 @@ class Tie:
     bound: int | None = None
 
 
-@frozen
+@dataclass(frozen=True)
 class Assumption:
     """A decision that rests on less than proof; everything from its event on rests on it.
 
@@ -81,7 +81,7 @@ class Assumption:
         )
 
 
-@frozen
+@dataclass(frozen=True)
 class Event:
     """One instant at which contacts collide.
 
@@ -104,7 +104,7 @@ class Event:
     coupled: bool = False
 
 
-@frozen
+@dataclass(frozen=True)
 class Reversal:
     """The one moment at which every velocity was negated.
 
@@ -117,7 +117,7 @@ class Reversal:
     time: Real
 
 
-@frozen
+@dataclass(frozen=True)
 class Pocketing:
     """The centre of a circle enters a pocket.
 
@@ -135,7 +135,7 @@ class Pocketing:
 # -- What a run gives back: events, the reason it stopped, and the motion between them.
 
 
-@frozen
+@dataclass(frozen=True)
 class CircleState:
     """Where a circle is and how fast it goes, in the engine's own numbers."""
 
@@ -146,7 +146,7 @@ class CircleState:
     vy: Real
 
 
-@frozen
+@dataclass(frozen=True)
 class State:
     """All circles at one time, in scene order."""
 
@@ -177,7 +177,7 @@ class StopReason(Enum):
     INTERRUPTED = "interrupted"
 
 
-@frozen
+@dataclass(frozen=True)
 class Stop:
     """The reason for the end of a run, with the particulars."""
 
@@ -201,7 +201,7 @@ class Motion(Protocol):
         ...
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Progress:
     """How far a run is: instants done, and the time reached."""
 
@@ -213,7 +213,7 @@ class Progress:
 OnProgress: TypeAlias = Callable[[Progress], None]
 
 
-@frozen
+@dataclass(frozen=True)
 class Trajectory:
     """The history of one scene in one engine.
 

@@ -24,7 +24,9 @@ c, slope, bxx, bxy, byy, spin = symbols("c, slope, bxx, bxy, byy, spin")
 
 
 CHANGE = 1 + Integer(1)
-"""The law of impacts: 1 + e, by which the speed of approach is multiplied to change it; e, the restitution, is 1."""
+"""The law of impacts: 1 + e, by which the speed of approach is multiplied to change it; e, the restitution, is 1.
+
+Forms that hold for this e alone, as that of a mirror, do not pass their proof at another."""
 
 
 @dataclass(frozen=True)

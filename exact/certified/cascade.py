@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 
 from flint import arb, fmpq
 
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy import frozen
 from ...scenarios.numbers.tower_element import sign_of_root_sum
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
@@ -30,7 +30,7 @@ MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""
 
 
-@frozen
+@dataclass(frozen=True)
 class TieRule:
     """What is taken for a zero once every proof has failed.
 
@@ -71,7 +71,7 @@ proved nothing that more bits do not; choose proved, or assume:BITS (such as ass
 # -- What the rungs of the cascade decide from.
 
 
-@frozen
+@dataclass(frozen=True, eq=False, repr=False)
 class Grounds:
     """One run, as its rungs see it.
 
@@ -264,7 +264,7 @@ MAX_DEPTH = 7
 second and seven half of one; longer numbers take more, so the work is bounded too."""
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Hopeless:
     """A past that could not be replayed, and the work that did not suffice; None: no work does, it is too deep."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import isfinite
 from typing import Generic, Literal, NamedTuple, TypeAlias
 
-from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.work import product_units
@@ -592,7 +592,7 @@ def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) 
 # -- Numbers of a state that are asked for again and again.
 
 
-@frozen
+@dataclass(frozen=True)
 class OtherRun:
     """A place at a time of another run, which this run's log does not compute: what is at hand of it is told alone."""
 
@@ -600,7 +600,7 @@ class OtherRun:
         raise ValueError("the time is one of another run; ask for the place at its digits, such as at(time.digits(40))")
 
 
-@frozen
+@dataclass(frozen=True)
 class Velocity:
     """Computes a component of a circle's velocity."""
 
@@ -612,7 +612,7 @@ class Velocity:
         return flight.vx if self.axis == 0 else flight.vy
 
 
-@frozen
+@dataclass(frozen=True)
 class Constant:
     """A number that the scene gives."""
 

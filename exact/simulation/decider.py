@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ...scenarios.engine import horizon
-from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption, Tie
@@ -21,7 +20,7 @@ from .prediction import Arrival, ArrivalQueue
 # -- Where an event-driven run ends.
 
 
-@frozen
+@dataclass(frozen=True, eq=False)
 class Limits:
     """The limits of a run.
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol
 
 from ...scenarios import settings
-from ...scenarios.lazy import frozen
 from ...scenarios.settings import TiePolicy
 from ..numbers.system import BudgetSpent
 from ..question import Closing, Pivot, Question, Share, Slack, Strength
@@ -187,7 +187,7 @@ class Lasting:
         return self._links
 
 
-@frozen
+@dataclass(frozen=True, eq=False, repr=False)
 class Component:
     """Contacts that hang together through shared circles of finite or infinite mass, and those circles."""
 
@@ -222,7 +222,7 @@ def components(links: Sequence[Touch], touching: Lasting) -> list[Component]:
     return found
 
 
-@frozen
+@dataclass(frozen=True, eq=False, repr=False)
 class Rounds:
     """The outcome of the rounds in one component.
 

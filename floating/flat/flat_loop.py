@@ -18,7 +18,7 @@ from ...scenarios.trajectory import OnProgress, Stop
 from ..plain import PlainDecider
 from .flat_flights import FlatFlight, FlatFlights, FlatQueue
 from .flat_meetings import FlatMeetings
-from .inlined import rebound, strike
+from .flying import rebound, strike
 
 # -- The history of a flat run: a contact alone is noted in one stroke, and told in the general loop's terms when
 # read.

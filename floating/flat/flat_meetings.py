@@ -17,13 +17,11 @@ from ...exact.simulation.cells import FARTHEST as FAR
 from ...exact.simulation.cells import FloatFlight, cells_for
 from ...scenarios.scene import Scene
 from ..plain import PlainMeetings
-from . import inlined
+from . import flying
 from .flat_flights import FlatFlight, FlatFlights, FlatLine, FlatQueue
 
-# -- The formulas of the laws as the flat loop runs them: written by hand, inlined by a program, and compiled.
-#
-# `pairs` and `walls` are those of `inlined.py`, or of flying.c where there was a compiler when truebreak was
-# installed: the same operations in the same order (see `truebreak.exact.compiled`).
+# -- The formulas of the laws as the flat loop runs them: those of flying.py, or of flying.c where there was a compiler
+# when truebreak was installed: the same operations in the same order (see `truebreak.exact.compiled`).
 
 
 class Flying(Protocol):
@@ -39,8 +37,8 @@ class Flying(Protocol):
 
 
 compiled = cast("Flying | None", loaded(f"{__package__}._flying"))
-walls = inlined.walls if compiled is None else compiled.walls
-pairs = inlined.pairs if compiled is None else compiled.pairs
+walls = flying.walls if compiled is None else compiled.walls
+pairs = flying.pairs if compiled is None else compiled.pairs
 
 
 # -- Predictions among many circles, on flat flights: of each with those in the cells around it (see `Cells`).

@@ -1,5 +1,5 @@
 /* `pairs` and `walls` of flying.py, compiled: the same operations on doubles in the same order, so the same bits; the
- * same entries are queued in the same order. Built where there is a compiler; without it, inlined.py runs.
+ * same entries are queued in the same order. Built where there is a compiler; without it, flying.py runs.
  */
 #include "../../exact/compiled/reading.h"
 

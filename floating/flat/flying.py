@@ -1,8 +1,6 @@
 """Meetings predicted and contacts carried out, on flat flights: the laws' formulas, in the order of the general loop.
 
-`inlined.py` holds these functions with the formulas written out where they are called; it is what runs. It is
-generated, by `python -m truebreak.floating.flat`, from this file and `exact/laws/formulas.py`. `walls` and `pairs` are
-also in C, in flying.c, which runs where there was a compiler: what changes here changes there.
+`walls` and `pairs` are also in C, in flying.c, which runs where there was a compiler: what changes here changes there.
 """
 
 from __future__ import annotations

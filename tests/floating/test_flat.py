@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 
 from truebreak.floating import DoubleEngine
-from truebreak.floating.flat import __main__ as inlining
-from truebreak.floating.flat import flat_loop, flat_meetings, flying, inlined
+from truebreak.floating.flat import flat_loop, flat_meetings, flying
 from truebreak.floating.flat.flat_loop import follows
 from truebreak.floating.plain import EventEngine
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
@@ -139,19 +138,14 @@ def test_what_is_not_flat() -> None:
     assert not follows(scene, None)
 
 
-def test_the_formulas_written_out_are_current() -> None:
-    assert inlining.INLINED.read_text("utf-8") == inlining.render(), "run python -m truebreak.floating.flat"
-
-
-@pytest.mark.parametrize("code", [flying, inlined], ids=["as called", "in Python"])
 @pytest.mark.parametrize("name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "sliding", "graze", "huge"])
-def test_the_formulas_in_python_give_the_same(name: str, code: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_formulas_in_python_give_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, limits = SCENES[name]()
     run = DoubleEngine().run(scene, **limits)
     for module in (flat_meetings, flat_loop):
         for function in ("walls", "pairs", "strike", "rebound"):
             if hasattr(module, function):
-                monkeypatch.setattr(module, function, getattr(code, function))
+                monkeypatch.setattr(module, function, getattr(flying, function))
     assert told(DoubleEngine().run(scene, **limits)) == told(run)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.floating.flat import inlined
+from truebreak.floating.flat import flying
 from truebreak.floating.flat.flat_meetings import compiled
 
 pytestmark = pytest.mark.skipif(compiled is None, reason="nothing is compiled here")
@@ -78,7 +78,7 @@ def test_both_queue_the_same(seed: int) -> None:
     queued = looked = 0
     for k in range(50):
         runs = [run_of(Random(1000 * seed + k)) for _ in range(2)]
-        for run, code in zip(runs, (inlined, compiled), strict=True):
+        for run, code in zip(runs, (flying, compiled), strict=True):
             draw = Random(k)
             for i in range(len(run.flights)):
                 places = range(len(run.until))

@@ -45,7 +45,7 @@ from truebreak.exact.replay.contact import AtWall, Body, Flight, Pair
 from truebreak.exact.replay.state import Go, ReplayState
 from truebreak.exact.simulation import prediction
 from truebreak.floating import pymunk_run as pockets
-from truebreak.floating.flat import flying, inlined
+from truebreak.floating.flat import flying
 from truebreak.floating.knots import DoubleMotion
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
@@ -267,38 +267,33 @@ def flat(world: World, steps: int = STEPS):
     )
 
 
-both = pytest.mark.parametrize("code", [flying, inlined], ids=["as written", "inlined"])
-
-
-@both
-def test_the_flat_loop_predicts_and_carries_out_the_contact_of_two(code, monkeypatch):
+def test_the_flat_loop_predicts_and_carries_out_the_contact_of_two(monkeypatch):
     world = two(0)
-    monkeypatch.setattr(code, "sqrt", root_of)
+    monkeypatch.setattr(flying, "sqrt", root_of)
     f = flat(world)
-    code.pairs(f, 0, [f.flights[1]], ())
+    flying.pairs(f, 0, [f.flights[1]], ())
     ((time, _, i, j, _, _, wait, graze),) = f.heap
     assert (i, j, graze) == (0, 1, False)
     state = steps_of(plain(world), PAIR, (0, 1))
     assert time == state.instant
-    code.strike(f, 0, 1, time, wait)
+    flying.strike(f, 0, 1, time, wait)
     for (x, y, vx, vy, t, *_), body in zip(f.flights, state.bodies.values(), strict=True):
         assert (x, y, vx, vy, t) == body.flight[:5]
 
 
-@both
 @pytest.mark.parametrize("kind", WALLS)
-def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(code, kind):
+def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind):
     world = wall_world(kind)
     f = flat(world)
     x0, y0, nx, ny, nn, length = world.seen
     f.n, line = 1, (1, x0, y0, nx, ny, world.r * length, nn)
     f.lines = lambda i: (line,)
-    code.walls(f, 0, [line], ())
+    flying.walls(f, 0, [line], ())
     ((time, _, i, wall, _, _, wait, graze),) = f.heap
     assert (i, wall, graze) == (0, 1, False)
     state = steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,))
     assert time == state.instant
-    code.rebound(f, 0, 1, time, wait)
+    flying.rebound(f, 0, 1, time, wait)
     assert f.flights[0][:5] == state.bodies[0].flight[:5]
 
 
