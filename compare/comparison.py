@@ -134,6 +134,7 @@ def compare(
     causes: bool = True,
     bits: bool = False,
     sampled: bool = True,
+    audited: bool = True,
     max_seconds: float | None = None,
     progress: OnProgress | None = None,
 ) -> Comparison:
@@ -150,6 +151,7 @@ def compare(
         causes: whether to find out, by further runs, why an engine diverged.
         bits: whether to find out how many bits lead an engine to the end that cannot decide with those that it has.
         sampled: whether to measure how far apart the runs are over the time.
+        audited: whether the steps of an engine's run are audited where its history agrees.
         max_seconds: ends the whole comparison after about so many seconds; half of them at most are the
             reference's. What each run has by then is compared.
         progress: called now and then with how far a run is.
@@ -179,7 +181,9 @@ def compare(
     results = []
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
-        result = candidate_of(study, label, engine, found, outcomes, _noted(progress, label), sampled=sampled)
+        result = candidate_of(
+            study, label, engine, found, outcomes, _noted(progress, label), sampled=sampled, audited=audited
+        )
         if sampled and math.isnan(result.separation.final):
             cut.append(f"the position error of {label}")
         if causes and not watch.over:
@@ -257,6 +261,7 @@ def candidate_of(
     progress: OnProgress | None,
     *,
     sampled: bool = True,
+    audited: bool = True,
 ) -> Candidate:
     """One engine compared with the reference, without causes."""
     began = clock.perf_counter()
@@ -291,7 +296,9 @@ def candidate_of(
         pattern=pattern_of(found.history) if found.until is None else None,
         error=model_of(engine),
     )
-    return candidate if unable else replace(candidate, laws=_audited(study, engine, candidate))
+    if unable or (not audited and candidate.verdict == "agree"):
+        return candidate
+    return replace(candidate, laws=_audited(study, engine, candidate))
 
 
 def _audited(study: Study, engine: Engine, candidate: Candidate) -> Audit | None:

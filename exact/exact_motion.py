@@ -79,7 +79,7 @@ class RunLog:
         self.steps = steps
         self.lost = lost
         self.centred = centred
-        self._reached: dict[int, tuple[int, CentredState]] = {}
+        self._reached: dict[tuple[int, int], CentredState] = {}
         self._too_deep: list[frozenset[int]] = []
 
     def __getstate__(self) -> dict[str, Any]:
@@ -89,18 +89,19 @@ class RunLog:
     def in_balls(self, bits: int, upto: int) -> CentredState:
         """The state after the first `upto` steps, in balls computed with `bits` bits.
 
-        A state that came less far with these bits goes on from there, so that numbers asked for in the order of the
-        run cost one replay together.
+        The one that came farthest with these bits, but not too far, goes on from there, so that numbers asked for in
+        the order of the run cost one replay together.
         """
         ball.use_bits(bits)
-        done, state = self._reached.pop(bits, (0, None))  # what is ended half-way is not kept
-        if state is None or done > upto:
-            done, state = 0, CentredState(self.scene, self.centred)
+        done = max((reached for width, reached in self._reached if width == bits and reached <= upto), default=0)
+        state = self._reached.pop((bits, done), None)  # what is ended half-way is not kept
+        if state is None:
+            state = CentredState(self.scene, self.centred)
         if done < upto:
             replay(state, self.steps, range(done, upto))
         while len(self._reached) >= STATES_KEPT:
             del self._reached[next(iter(self._reached))]
-        self._reached[bits] = upto, state
+        self._reached[bits, upto] = state
         return state
 
     def begins(self, other: RunLog, upto: int) -> bool:
@@ -465,6 +466,11 @@ class ExactMotion:
         self.tape: Tape | None = None
 
     @kept
+    def _beside(self) -> dict[tuple[int, float], int]:
+        """Which knot a circle is past, at times beside an event that were asked for."""
+        return {}
+
+    @kept
     def _rough(self) -> list[list[float]]:
         """About when each knot is."""
         return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
@@ -598,8 +604,8 @@ class ExactMotion:
 
         at = np.asarray(times, dtype=np.float64)
         result = np.empty((len(at), len(self.knots), 4))
-        for i in range(len(self.knots)):
-            used, which = np.unique(self._knots_at(i, at), return_inverse=True)
+        for i, found in enumerate(self._knots_at(at)):
+            used, which = np.unique(found, return_inverse=True)
             pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
@@ -614,16 +620,28 @@ class ExactMotion:
                     result[row, i] = [_double(value) for value in near]
         return result
 
-    def _knots_at(self, i: int, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        """`_knot` of a circle for many times: only those that are beside an event's need more than doubles."""
+    def _knots_at(self, times: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+        """For each circle, `_knot` for many times: only those that are beside an event's need more than doubles.
+
+        These are told in the order of the log, so that they cost one replay together, and once for all samples.
+        """
         import numpy as np
 
-        rough, room = np.array(self._rough[i]), np.abs(times) * 2.0**-50
-        found = np.maximum(np.searchsorted(rough, times + room, side="right") - 1, 0)
-        least = np.maximum(np.searchsorted(rough, times - room, side="left") - 1, 0)
-        for row in np.nonzero(found != least)[0]:
-            found[row] = self._knot(i, Quantity.of(float(times[row])))
-        return found
+        room = np.abs(times) * 2.0**-50
+        told: list[NDArray[np.int64]] = []
+        unclear: list[tuple[int, int, int]] = []
+        for i, row in enumerate(self._rough):
+            rough = np.array(row)
+            found = np.maximum(np.searchsorted(rough, times + room, side="right") - 1, 0)
+            least = np.maximum(np.searchsorted(rough, times - room, side="left") - 1, 0)
+            unclear += [(self.knots[i][int(found[k])][5], i, int(k)) for k in np.nonzero(found != least)[0]]
+            told.append(found)
+        for _, i, k in sorted(unclear):
+            time = float(times[k])
+            if (i, time) not in self._beside:
+                self._beside[i, time] = self._knot(i, Quantity.of(time))
+            told[i][k] = self._beside[i, time]
+        return told
 
     def _pairs(self, i: int, k: int) -> list[tuple[float, float]]:
         """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits."""

@@ -55,8 +55,7 @@ BROKEN = LookupError, TypeError, ValueError, AttributeError, ArithmeticError, Re
 def refuse(wrong, text, fault=Refuted): demand(bool(wrong), [False], text, fault)
 def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
     if sign not in wanted: raise (Unsettled if sign is None else fault)(text)
-class Ledger: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
-cost = Ledger()
+class cost: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
 def charge(units, room=0):  # before they are spent
     cost.work, cost.room = cost.work + units, cost.room + room
     if cost.work > cost.most: raise Declined(f"costs more than {cost.most} units of work; --work=N")
@@ -67,14 +66,14 @@ class Sum(dict):  # an exact number: a sum of terms {roots: factor}, zero if non
     def __sub__(self, o): return self + -o
     def __add__(self, o):
         if None in self or None in o: return UNTOLD
-        for x in (*self.values(), *o.values(), 1): charge(6_000 + (size(x) ** 2 >> 5))
+        for x in (*self.values(), *o.values(), 1): charge(6_000 + spent(2 * size(x)) // 2)
         return Sum((k, x) for k in {**self, **o} if (x := self.get(k, 0) + o.get(k, 0)))
     def __mul__(self, o):
         if None in self or None in o: return UNTOLD if self and o else NONE
         refuse(len(self) * len(o) > Sum.most, "a product has too many terms", Declined)
         parts = defaultdict(lambda: defaultdict(int))  # by roots of both, whose squares are told
         for (j, x), (k, y) in product(self.items(), o.items()):
-            charge(20_000 + ((size(x) + size(y)) ** 2 >> 4))
+            charge(20_000 + 2 * spent(size(x) + size(y) + size(parts[j & k][j ^ k])))
             parts[j & k][j ^ k] += x * y
         sums = [(ks, Sum((k, x) for k, x in part.items() if x)) for ks, part in parts.items()]
         return sum((math.prod((Sum.squares[n] for n in ks), start=x) for ks, x in sums), NONE)
@@ -120,6 +119,7 @@ def enclosed(form):  # as a ball
 def sign_of(form): return enclosed(form).sign() if (sign := form.sign()) is None else sign
 NONE, ONE, UNTOLD = Sum(), Sum({frozenset(): Fraction(1)}), Sum({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
+def spent(long): return 4 * long + (long**2 >> 12)  # on two fractions of so many bits
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
     total = NONE
     for x, *ks in (term.split("*r") for term in re.findall("[+-]?[^+-]+", text)):

@@ -18,8 +18,6 @@ from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
@@ -319,7 +317,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     )
     if law is not None and _of_iterations(run, engine, measures, unit):
         law = None
-    told = () if law is not None else tuple(series(engine, run, unit, measures, finer_of, firmer_of, _played))
+    told = () if law is not None else tuple(series(engine, run, unit, measures))
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]
     kept: bool | None = False if law is not None or broken else None if open_ones else True
@@ -339,19 +337,23 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
 
 def _of_iterations(run: Trajectory, engine: Engine, measures: Measures, unit: float) -> bool:
     """Whether twice as many iterations of the engine's solver leave at most half of what its impulses miss."""
+    left = _iterated(engine, run, unit, float(run.final_time))
+    return left is not None and left.get("impulse", 0.0) <= defects(engine, measures).get("impulse", 0.0) / 2
+
+
+def _iterated(engine: Engine, run: Trajectory, unit: float, until: float) -> dict[str, float] | None:
+    """The defects with twice as many iterations of the engine's solver; None where it has none, or refuses."""
     firmer = firmer_of(engine)
-    if firmer is None or firmer.step is None:
-        return False
+    return None if firmer is None or firmer.step is None else _defects_of(firmer, run, unit, until)
+
+
+def _defects_of(engine: Engine, run: Trajectory, unit: float, until: float) -> dict[str, float] | None:
+    """The defects of another engine on a run's scene; None where it refuses it."""
     try:
-        found = measured(_played(firmer, run, float(run.final_time)), unit, firmer.step, firmer.rounds_input)
+        told = run_guarded(engine, run.scene, until=until, events=4 * len(run.events) + 64)
+        return defects(engine, measured(told, unit, engine.step or 0.0, engine.rounds_input))
     except SceneError:
-        return False
-    mine, left = defects(engine, measures), defects(firmer, found)
-    return left.get("impulse", 0.0) <= mine.get("impulse", 0.0) / 2
-
-
-def _played(engine: Engine, run: Trajectory, until: float) -> Trajectory:
-    return run_guarded(engine, run.scene, until=until, events=4 * len(run.events) + 64)
+        return None
 
 
 def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[Measures, dict[str, int]]:
@@ -549,22 +551,8 @@ def _middle_of(values: Sequence[float]) -> float:
     return sorted(values)[len(values) // 2] if values else 0.0
 
 
-def series(
-    engine: Engine,
-    run: Trajectory,
-    unit: float,
-    measures: Measures,
-    finer: Callable[[Engine], Engine | None],
-    firmer: Callable[[Engine], Engine | None],
-    play: Callable[[Engine, Trajectory, float], Trajectory],
-) -> list[Defect]:
-    """Each defect of a run, and what becomes of it as the step is halved.
-
-    Args:
-        finer: the engine with half the step, if it has one.
-        firmer: the engine with twice the iterations of its solver, if it iterates.
-        play: runs an engine on the scene up to a time.
-    """
+def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> list[Defect]:
+    """Each defect of a run, and what becomes of it as the step is halved, or with twice the solver's iterations."""
     from ..study import series_steps  # here, since it loads numpy, which engines of events do without
 
     step = engine.step or 0.0
@@ -578,38 +566,22 @@ def series(
     at: list[tuple[float, dict[str, float]]] = [(step, _within(engine, measures, until))]
     chosen: Engine | None = engine
     for _ in range(HALVINGS):
-        chosen = None if chosen is None else finer(chosen)
+        chosen = None if chosen is None else finer_of(chosen)
         if chosen is None or chosen.step is None or until > most * chosen.step:
             break
         most -= until / chosen.step
-        try:
-            told = play(chosen, run, until)
-            at.append((chosen.step, defects(chosen, measured(told, unit, chosen.step, chosen.rounds_input))))
-        except SceneError:
+        sizes = _defects_of(chosen, run, unit, until)
+        if sizes is None:
             break
+        at.append((chosen.step, sizes))
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
-    return [_iterated(defect, engine, run, unit, until, firmer, play) for defect in judged]
-
-
-def _iterated(
-    defect: Defect,
-    engine: Engine,
-    run: Trajectory,
-    unit: float,
-    until: float,
-    firmer: Callable[[Engine], Engine | None],
-    play: Callable[[Engine, Trajectory, float], Trajectory],
-) -> Defect:
-    """What impacts miss is of the solver's iterations where twice as many leave half of it."""
-    chosen = firmer(engine) if defect.kind in ("several", "impulse") and defect.of_step is not True else None
-    if chosen is None or chosen.step is None:
-        return defect
-    try:
-        told = defects(chosen, measured(play(chosen, run, until), unit, chosen.step, chosen.rounds_input))
-    except SceneError:
-        return defect
-    left = told.get(defect.kind, 0.0)
-    return replace(defect, kind="iterations", finest=left, of_step=True) if left <= defect.size / 2 else defect
+    for place, defect in enumerate(judged):
+        if defect.kind in ("several", "impulse") and defect.of_step is not True:
+            sizes = _iterated(engine, run, unit, until)
+            left = math.inf if sizes is None else sizes.get(defect.kind, 0.0)
+            if left <= defect.size / 2:
+                judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
+    return judged
 
 
 def _until(run: Trajectory, measures: Measures, impacts: int) -> float:

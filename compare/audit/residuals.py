@@ -193,7 +193,7 @@ class Laws:
                 yield self._flown(k, instant.before[k], after, events)
         left = instant.after
         if instant.turned:
-            yield from self._turned(instant)
+            yield from self._turned(instant, events)
             return
         if not instant.impulses:
             for k, after in left.items():
@@ -243,10 +243,13 @@ class Laws:
             self._fastest = fast = max(fast, self._fastest)
         return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * fast + LEAST)
 
-    def _turned(self, instant: ReportedInstant) -> Iterator[Residual]:
+    def _turned(self, instant: ReportedInstant, events: int) -> Iterator[Residual]:
         """At a reversal every velocity is negated; of what is hit at that very moment, the energy is kept."""
         hit = instant.circles(self.count)
         energy, room = arb(0), 0.0
+        fastest = max((max(instant.before[k].speed, self._left(k, instant)) for k in hit), default=0.0)
+        met = [self.meeting(pair, instant, events) for pair in instant.impulses]
+        bent = sum(meeting.bend(2 * fastest, 2 * fastest) for meeting in met)
         for k, after in instant.after.items():
             if not self.moving[k]:
                 continue
@@ -256,7 +259,8 @@ class Laws:
                 continue
             mass = 1 / self.things[k].weight
             energy += mass * (after.vx**2 + after.vy**2 - before.vx**2 - before.vy**2) / 2
-            room += 2 * IMPULSE_UNITS * self.unit * float(mass) * (before.speed + after.speed) ** 2
+            speed = before.speed + after.speed
+            room += float(mass) * speed * (2 * IMPULSE_UNITS * self.unit * speed + bent)
         if hit:
             yield Residual("energy", instant.impulses[0], size_of(energy), room + LEAST)
 
@@ -422,7 +426,7 @@ class Laws:
             root = math.sqrt(self.things[k].share)
             wanted[k] = float(x.mid()) / root, float(y.mid()) / root
         strengths = self._sharpened(strengths_of(columns, wanted), columns, links, met, change)
-        bent = max(met[link].bent for link in links)
+        bent = max(met[link].bend(2 * fastest, 2 * fastest) for link in links)  # two at rest may be fast a round later
         rounds = max(len(pairs), len(links))
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
         for k in circles:

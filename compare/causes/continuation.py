@@ -32,11 +32,11 @@ from ...exact.laws.formulas import (
 )
 from ...exact.numbers import ball
 from ...exact.replay.contact import AtWall, Entry, Flight, Pair, is_flat
-from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, step_units
+from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
 from ..audit.transcript import ReportedInstant, Transcript
-from .decision import DecidingNumber, FlightBalls, OwnFlight, Pairing, RunReader, nearest
+from .decision import DecidingNumber, FlightBalls, Pairing, RoundedState, RunReader
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -133,57 +133,6 @@ KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTIO
 
 ROUNDED = 2.0**10
 """Units in the last place of its speeds by which an impulse may be off by rounding, times the places over the radii."""
-
-
-class RoundedState(ReplayState[arb]):
-    """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
-
-    Args:
-        bits: None: nothing is rounded.
-    """
-
-    def __init__(self, scene: Scene, bits: int | None) -> None:
-        super().__init__(scene, ball.BALLS)
-        self._bits = bits
-        if bits is None:
-            return
-        for circle, body in zip(scene.circles, self.bodies.values(), strict=True):
-            x, y, vx, vy, r = map(self._near, (circle.x, circle.y, circle.vx, circle.vy, circle.r))
-            body.r = r
-            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
-            if isinstance(circle.m, Quantity):
-                body.w = 1 / self._near(circle.m)
-
-    def _near(self, value: Quantity) -> arb:
-        return ball.constant(value if self._bits is None else nearest(value, self._bits))
-
-    def line(self, circle: int, wall: int) -> SeenWall[arb]:
-        """As `Flights.line`, of the rounded wall."""
-        if self._bits is not None and wall not in self._lines:
-            exact = self.scene.walls[wall]
-            x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
-            self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
-        return super().line(circle, wall)
-
-    def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
-        nn = nx * nx + ny * ny
-        length = nn.sqrt()
-        self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
-
-    def towards(self, other: RoundedState, share: arb) -> RoundedState:
-        """The state a share of the way to another one of the same scene: places, speeds, radii, 1/m and walls."""
-        made = RoundedState(self.scene, None)
-        for k, body in made.bodies.items():
-            one, two = self.bodies[k], other.bodies[k]
-            x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
-            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
-            body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
-        for wall in range(len(self.scene.walls)):
-            one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
-            made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))
-            if self.sides.negative(0, wall):
-                made._lines[wall] = made._lines[wall][1], made._lines[wall][0]
-        return made
 
 
 class Continuation:
@@ -572,20 +521,16 @@ class _Carried(RunReader):
             return self._turned_rows[k]
         return self._first[k] if anchor is None else self._seen.get((k, anchor), self._first[k])
 
-    def radius(self, name: str, bits: int) -> arb:
-        """As it is carried."""
-        return self._state.bodies[self.places[name]].r
-
-    def line(self, circle: str, wall: str, bits: int) -> SeenWall[arb]:
-        """As it is carried."""
-        return self._state.line(self.places[circle], self.places[wall] - len(self.scene.circles))
+    def things(self, bits: int) -> RoundedState:
+        """As they are carried."""
+        return self._state
 
     def value_once(self, decision: DecidingNumber, bits: int) -> arb | None:
         """The number that decides, at so many bits and no more."""
         found = self._value(decision, bits)
         return found if found is not None and found.is_finite() else None
 
-    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
+    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing) -> bool:
         """No zero is proved of carried flights."""
         return False
 

@@ -7,14 +7,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
 
 from flint import arb
 
 from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.state import SeenWall
+from ...exact.replay.contact import Flight
+from ...exact.replay.state import ReplayState, SeenWall
 from ...floating.knots import DoubleMotion
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real, real
@@ -79,43 +80,16 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
     >>> rounded(scene).circles[0].x == scene.circles[0].x, rounded(rounded(scene)) == rounded(scene)
     (False, True)
     """
-    return _with_numbers(scene, lambda value: nearest(value, bits))
-
-
-def shifted(scene: Scene, share: Quantity, bits: int = DOUBLE_BITS) -> Scene:
-    """The scene with every number a share of the way to the nearest one of so many bits.
-
-    Raises:
-        SceneError: as `rounded`.
-
-    >>> scene = Scene([Circle("1/3", 0)])
-    >>> shifted(scene, Quantity.of(1)).circles == rounded(scene).circles
-    True
-    """
-    return _with_numbers(scene, lambda value: value + (nearest(value, bits) - value) * share)
-
-
-def wall_numbers(wall: Wall, bits: int) -> tuple[Quantity, Quantity, Quantity, Quantity]:
-    """x0, y0, x1, y1 of a wall, rounded.
-
-    >>> [value.text() for value in wall_numbers(Wall(0, "1/3", 1, "1/3"), 2)]
-    ['0', '3/8', '1', '3/8']
-    """
-    return tuple(nearest(value, bits) for value in (wall.x0, wall.y0, wall.x1, wall.y1))  # pyright: ignore[reportReturnType]
-
-
-def _with_numbers(scene: Scene, changed: Callable[[Quantity], Quantity]) -> Scene:
-    """The scene with every coordinate, radius, velocity and mass changed in one way."""
     circles = [
         Circle(
-            *map(changed, (c.x, c.y, c.r, c.vx, c.vy)),
-            m=c.m if isinstance(c.m, str) else changed(c.m),
+            *(nearest(value, bits) for value in (c.x, c.y, c.r, c.vx, c.vy)),
+            m=c.m if isinstance(c.m, str) else nearest(c.m, bits),
             id=c.id,
             point=c.point,
         )
         for c in scene.circles
     ]
-    walls = [Wall(*map(changed, (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    walls = [Wall(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
     return scene.with_changes(circles=circles, walls=walls)
 
 
@@ -126,6 +100,57 @@ def _double(value: Quantity) -> float:
         raise SceneError(f"{value.text()[:40]}: is beyond the doubles") from None
 
 
+class RoundedState(ReplayState[arb]):
+    """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
+
+    Args:
+        bits: None: nothing is rounded.
+    """
+
+    def __init__(self, scene: Scene, bits: int | None) -> None:
+        super().__init__(scene, ball.BALLS)
+        self._bits = bits
+        if bits is None:
+            return
+        for circle, body in zip(scene.circles, self.bodies.values(), strict=True):
+            x, y, vx, vy, r = map(self._near, (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+            body.r = r
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
+            if isinstance(circle.m, Quantity):
+                body.w = 1 / self._near(circle.m)
+
+    def _near(self, value: Quantity) -> arb:
+        return ball.constant(value if self._bits is None else nearest(value, self._bits))
+
+    def line(self, circle: int, wall: int) -> SeenWall[arb]:
+        """As `Flights.line`, of the rounded wall."""
+        if self._bits is not None and wall not in self._lines:
+            exact = self.scene.walls[wall]
+            x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
+            self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
+        return super().line(circle, wall)
+
+    def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
+        nn = nx * nx + ny * ny
+        length = nn.sqrt()
+        self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
+
+    def towards(self, other: RoundedState, share: arb) -> RoundedState:
+        """The state a share of the way to another one of the same scene: places, speeds, radii, 1/m and walls."""
+        made = RoundedState(self.scene, None)
+        for k, body in made.bodies.items():
+            one, two = self.bodies[k], other.bodies[k]
+            x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
+            body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
+        for wall in range(len(self.scene.walls)):
+            one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
+            made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))
+            if self.sides.negative(0, wall):
+                made._lines[wall] = made._lines[wall][1], made._lines[wall][0]
+        return made
+
+
 # -- what was decided
 
 
@@ -133,8 +158,7 @@ FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""
 
 
-@dataclass(frozen=True)
-class OwnFlight:
+class OwnFlight(NamedTuple):
     """One circle from its last meeting on: x, y, vx, vy at time t, in the engine's own numbers."""
 
     t: Real
@@ -327,6 +351,7 @@ class RunReader:
         self._rounds_to = rounds_to
         self.turned_after, self._until = turned_after, until
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
+        self._things: dict[int, RoundedState] = {}
         self._states: dict[int, State] = {}
         self._numbers: dict[tuple[str, int | None, bool, int], FlightBalls] = {}
 
@@ -402,7 +427,8 @@ class RunReader:
         later = at if ball.sign_of(at - bt) in (0, 1) else bt
         ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
         bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
-        reach = self.radius(pairing.body, bits) + self.radius(pairing.partner, bits)
+        bodies = self.things(bits).bodies
+        reach = bodies[self.places[pairing.body]].r + bodies[self.places[pairing.partner]].r
         return later, bx - ax, by - ay, bvx - avx, bvy - avy, reach
 
     def _turned(self, pairing: Pairing) -> bool:
@@ -418,26 +444,17 @@ class RunReader:
         if flight is None:
             return None
         t, x, y, vx, vy = flight
-        x0, y0, nx, ny, _, length = self.line(pairing.body, pairing.partner, bits)
-        gap = law.wall_gap(x, y, x0, y0, nx, ny, self.radius(pairing.body, bits) * length)
+        circle, things = self.places[pairing.body], self.things(bits)
+        x0, y0, nx, ny, _, length = things.line(circle, self.places[pairing.partner] - len(self.scene.circles))
+        gap = law.wall_gap(x, y, x0, y0, nx, ny, things.bodies[circle].r * length)
         return t, gap, law.wall_approach(vx, vy, nx, ny), length
 
-    def radius(self, name: str, bits: int) -> arb:
-        """Of a circle, as the run has it."""
-        exact = self.scene.circles[self.places[name]].r
-        return (exact if self._rounds_to is None else nearest(exact, self._rounds_to)).ball(bits)
-
-    def line(self, circle: str, wall: str, bits: int) -> SeenWall[arb]:
-        """A wall as seen from a circle, as the run has it."""
-        place = self.places[circle]
-        exact = self.scene.walls[self.places[wall] - len(self.scene.circles)]
-        near = exact if self._rounds_to is None else Wall(*wall_numbers(exact, self._rounds_to))
-        nx, ny = near.normal
-        if exact.height(self.scene.circles[place].x, self.scene.circles[place].y).sign() < 0:
-            nx, ny = -nx, -ny
-        x0, y0, mx, my = (value.ball(bits) for value in (near.x0, near.y0, nx, ny))
-        square = mx * mx + my * my
-        return SeenWall(x0, y0, mx, my, square, ball.root(square))
+    def things(self, bits: int) -> RoundedState:
+        """Radii and walls as the run has them."""
+        if bits not in self._things:
+            with ball.precision(2 * bits):
+                self._things[bits] = RoundedState(self.scene, self._rounds_to)
+        return self._things[bits]
 
     def is_wall(self, pairing: Pairing) -> bool:
         """Whether the partner is a wall."""
@@ -498,10 +515,10 @@ class RunReader:
             return None
         _, dx, dy, vx, vy, reach = relative
         if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
-            least, is_zero = ball.root(dx * dx + dy * dy) - reach, touches_exactly
+            least, zero = ball.root(dx * dx + dy * dy) - reach, pair_gap
         else:
-            least, is_zero = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach, grazes_exactly
-        return arb(0) if ball.sign_of(least) is None and self._proves(is_zero, pairing) else least
+            least, zero = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach, pair_discriminant
+        return arb(0) if ball.sign_of(least) is None and self._proves(zero, pairing) else least
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""
@@ -515,56 +532,30 @@ class RunReader:
         x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
-    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
-        """Whether a zero is proved, where the flights' exact values are short."""
+    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing) -> bool:
+        """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
         names = pairing.body, pairing.partner
-        one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
-        radii = [c.r for c in self.scene.circles if c.id in names]
-        if self._rounds_to is not None:
-            radii = [nearest(r, self._rounds_to) for r in radii]
-        return one is not None and other is not None and is_zero(one, other, radii[0] + radii[1])
+        flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
+        exact = [flight for flight in map(_exact, flights) if flight is not None]
+        if len(exact) < 2:
+            return False
+        radii = [
+            c.r if self._rounds_to is None else nearest(c.r, self._rounds_to)
+            for c in self.scene.circles
+            if c.id in names
+        ]
+        apart = _apart(*exact)
+        return _is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
 
 
 # -- zeros that are proved
 
+Exact: TypeAlias = tuple[Quantity, Quantity, Quantity, Quantity, Quantity]
+"""t, x, y, vx, vy of a flight."""
+
 LONGEST_TEXT = 400
 """Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`
 tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
-
-
-class _Exact(NamedTuple):
-    """A flight in exact numbers."""
-
-    t: Quantity
-    x: Quantity
-    y: Quantity
-    vx: Quantity
-    vy: Quantity
-
-
-def grazes_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
-    """Whether two circles are proved to pass each other at a least distance of exactly zero.
-
-    Args:
-        reach: the sum of their radii.
-    """
-    flights = _exact(one), _exact(other)
-    if flights[0] is None or flights[1] is None:
-        return False
-    return _is_zero(pair_discriminant, *_apart(flights[0], flights[1]), reach)
-
-
-def touches_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
-    """Whether two circles are proved to touch, neither apart nor overlapping, where the later of their flights begins.
-
-    Args:
-        reach: the sum of their radii.
-    """
-    flights = _exact(one), _exact(other)
-    if flights[0] is None or flights[1] is None:
-        return False
-    dx, dy, _, _ = _apart(flights[0], flights[1])
-    return _is_zero(pair_gap, dx, dy, reach)
 
 
 def exact_zero(reference: Trajectory, event: int) -> str | None:
@@ -581,17 +572,16 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
             return f"{one} and {other} touch and do not approach"
         if float(pair_approach(dx, dy, vx, vy)) < 0 and _is_zero(pair_discriminant, dx, dy, vx, vy, reach):
             return f"{one} and {other} graze"
-    for (name, flight), wall in product(flights.items(), reference.scene.walls):
-        moves = flight.vx.sign() or flight.vy.sign()
-        if moves and _is_zero(wall_approach, flight.vx, flight.vy, *wall.normal):
+    for (name, (*_, vx, vy)), wall in product(flights.items(), reference.scene.walls):
+        if (vx.sign() or vy.sign()) and _is_zero(wall_approach, vx, vy, *wall.normal):
             return f"{name} flies parallel to {wall.id}"
     return None
 
 
-def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
+def _flights_before(reference: Trajectory, event: int) -> dict[str, Exact]:
     """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
     met = history(reference).meetings
-    flights: dict[str, _Exact] = {}
+    flights: dict[str, Exact] = {}
     for circle in reference.scene.circles:
         past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
         time = reference.events[past[-1]].time if past else Quantity.of(0)
@@ -602,10 +592,10 @@ def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
     return flights
 
 
-def _exact(flight: OwnFlight) -> _Exact | None:
+def _exact(flight: OwnFlight | None) -> Exact | None:
     """A flight in exact numbers, where they are short."""
-    values = [short_quantity(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
-    return None if None in values else _Exact(*(q for q in values if q is not None))
+    values = [] if flight is None else [short_quantity(value) for value in flight]
+    return None if None in values or len(values) < 5 else cast("Exact", tuple(values))
 
 
 def short_quantity(value: Real) -> Quantity | None:
@@ -614,12 +604,13 @@ def short_quantity(value: Real) -> Quantity | None:
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
 
 
-def _apart(one: _Exact, other: _Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+def _apart(one: Exact, other: Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:
     """d and v from one to the other, at the later of the times from which they fly."""
-    later = one.t if (one.t - other.t).sign() >= 0 else other.t
-    ax, ay = advance(one.x, one.vx, later - one.t), advance(one.y, one.vy, later - one.t)
-    bx, by = advance(other.x, other.vx, later - other.t), advance(other.y, other.vy, later - other.t)
-    return bx - ax, by - ay, other.vx - one.vx, other.vy - one.vy
+    (s, *a), (t, *b) = one, other
+    later = s if (s - t).sign() >= 0 else t
+    ax, ay = advance(a[0], a[2], later - s), advance(a[1], a[3], later - s)
+    bx, by = advance(b[0], b[2], later - t), advance(b[1], b[3], later - t)
+    return bx - ax, by - ay, b[2] - a[2], b[3] - a[3]
 
 
 def _is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:

@@ -217,7 +217,9 @@ def diagnosed(
     'input rounding + arithmetic in impacts'
     """
     closed = displacement is not None and any(e.share is not None for e in experiments)
-    made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), NOTHING_TRIED, displacement, closed, runs)
+    left = [row for row in experiments if row.cause is CauseName["UNKNOWN"] or "not determined" in row.result]
+    why = "; ".join(_why(row) for row in left if row.suffices is None) or NOTHING_TRIED
+    made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), why, displacement, closed, runs)
     enough = made.sufficient
     if enough and enough[0].entry.rank < SHARE_RANK:
         return _named(made, enough[:1])
@@ -244,6 +246,11 @@ def diagnosed(
         large = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if abs(sizes[name]) >= SMALL]
         return _named(made, tuple(_chief(each, families[each]) for each in large))
     return _named(made, enough[:1]) if enough else made
+
+
+def _why(row: Experiment) -> str:
+    """Why it is not determined what comes of a cause, by its name where it has one."""
+    return row.result if row.cause is CauseName["UNKNOWN"] else f"{row.cause.value}: {row.result}"
 
 
 def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:

@@ -20,9 +20,8 @@ from ..alignment.align import Span, align
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
-from ..deadline import NO_TIME
 from ..validation import falls
-from .decision import short_quantity
+from .decision import RunReader, answer, short_quantity
 from .diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
@@ -39,6 +38,9 @@ REORDERED = 2.0**16
 """Units in the last place by which rounding may move a decision in whatever order of operations: the discriminant as
 (d.v)^2 - |v|^2 (|d|^2 - R^2) loses (|d| / R)^2 against its stable form, so much at 256 radii."""
 
+MOST_ROUNDED = 2.0**-10
+"""Share of the largest size up to which that is said of engines of few bits."""
+
 ALIKE = 2.0**-12
 """Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
 
@@ -47,6 +49,9 @@ DIGITS = 80
 
 ORDERS = 6
 """Orders drawn from seeds that are tried beside the named policies."""
+
+FARTHER = 8
+"""Times the decision's own time up to which a run is carried on to see whether two histories agree up to there."""
 
 MOST_INSTANTS = 64
 """Events for which the exact law is run from an engine's own state before a tie."""
@@ -152,10 +157,11 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
             return [_resolved_otherwise(lab, together)]
         told = "no order is in question: in the exact motion the two touch, so that any error decides"
         return [Experiment(CauseName["TIE"], told, None, False)]
-    return lab.tried(lambda: _by_runs(lab, together), [Experiment(CauseName["TIE"], NO_TIME)])
+    return _by_runs(lab, together)
 
 
 def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
+    """What chose, for an engine of events."""
     name, cause = lab.name, CauseName["TIE"]
     if _given_does(lab):
         told = f"the exact law on the scene in {lab.numbers} has the contacts that {name} has; arithmetic adds nothing"
@@ -177,6 +183,8 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     for policy in ("simultaneous", "sequential", *(f"sequential:seed={seed}" for seed in range(ORDERS))):
         if before.leads_to_the_same(lab, policy):
             return [Experiment(cause, f"{own} does as {name} does under another policy, {policy}", None, True)]
+    if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
+        return [_resolved_otherwise(lab, together)]
     if laws is not None and laws.kept:
         told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
         return [Experiment(CauseName["IMPACTS"], told, None, True)]
@@ -220,9 +228,15 @@ def _given_does(lab: Laboratory) -> bool:
     if lab.given is None or lab.given.digest == lab.study.scene.digest:
         return False
     run = lab.given_run
-    span = Span(len(run.events), lab.last_time)
-    parted = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits).divergence
-    return parted is None or parted.time > lab.last_time
+    while True:
+        span = Span(len(run.events), lab.last_time)
+        found = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits)
+        if found.divergence is not None or not found.unsettled:
+            return found.divergence is None or found.divergence.time > lab.last_time
+        until, more = float(run.final_time), found.wanted.reference
+        if more is None or not until < more <= FARTHER * lab.last_time:
+            return False
+        run = lab.run(lab.study.truth, lab.given, 1.125 * more)
 
 
 @dataclass(frozen=True)
@@ -335,11 +349,6 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return [Experiment(CauseName["ARITHMETIC"], "its numbers are exact", 0.0, False)]
     if lab.decision is None or lab.margin is None:
         return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
-    late = [Experiment(CauseName["ARITHMETIC"], NO_TIME)]
-    return lab.tried(lambda: _shares(lab, rows), late)
-
-
-def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     account = lab.accounted
     if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
@@ -369,6 +378,9 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0:
         itself = -float(lab.got.mid())
         total += itself
+    if itself is not None and total == 0.0:
+        told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}, and its answer differs"
+        return [Experiment(CauseName["UNKNOWN"], f"the exact margin is 0, so that any error decides; {told}")]
     lab.displacement = total
     order = [*CauseName]
     parts = sorted(account.contributions, key=lambda part: order.index(part.cause))
@@ -382,8 +394,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
         earlier, free = None, ""
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
-                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            if flips and not _changes_freely(lab):
+                flips, free = None, "; run freely, it does not"
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if free:
@@ -422,16 +434,22 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         cause = CauseName["DECISION"]
         if lab.engine.step is not None:  # of two meetings within one step it has both at the end of it
             cause = CauseName["LATENESS" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
-            told += ", as it looks at the ends of steps only"
+            meet = lab.decision is not None and answer(lab.decision, lab.got) == -1
+            told += ", as it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
         size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
         found = [row for row in found if row.cause is not cause or row.share is None]
         found.append(Experiment(cause, told, size, None, size / total if total else None))
     return found
 
 
-def _several_before(lab: Laboratory) -> bool:
-    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
-    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
+def _changes_freely(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it does not pass the decision either.
+
+    The two in question may touch too late to matter; and off an instant, several contacts are not what they are on it.
+    """
+    if any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event]):
+        return _given_does(lab)
+    return lab.given is None or lab.given_alignment.divergence is not None or lab.given_alignment.unsettled
 
 
 def _audited(lab: Laboratory) -> bool:
@@ -446,7 +464,7 @@ def _rounded_away(lab: Laboratory) -> float | None:
     if lab.got is None or laws is None or laws.kept is not True:
         return None
     size = -float(lab.got.mid())
-    return size if abs(size) <= REORDERED * 2.0**-lab.bits * max(lab.scale, lab.last_time) else None
+    return size if abs(size) <= min(REORDERED * 2.0**-lab.bits, MOST_ROUNDED) * max(lab.scale, lab.last_time) else None
 
 
 def _short(lab: Laboratory, size: float) -> bool:
@@ -490,7 +508,7 @@ def _input_by_run(lab: Laboratory) -> list[Experiment]:
     earlier = _left_before(lab)
     if earlier is not None:
         told = f"the exact law on the scene in {lab.numbers} differs from the reference at event {earlier} already"
-        return [Experiment(cause, told, None, lab.engine.step is None or None)]
+        return [Experiment(cause, f"{told}; its share of this one is not determined")]
     return [Experiment(cause, "its share is not determined")]
 
 
@@ -498,8 +516,8 @@ def _left_before(lab: Laboratory) -> int | None:
     """The event at which the exact run of the scene as the engine is given it lacks what leads to the decision."""
     if lab.given is None or lab.given.digest == lab.study.scene.digest or not lab.pairings:
         return None
-    reader = lab.reader(lab.given_run, None)
-    if all(reader.follows(pairing) for pairing in lab.pairings):
+    found = lab.given_alignment
+    reader = RunReader(lab.given_run, found.walks)
+    if found.divergence is None or all(reader.follows(pairing) for pairing in lab.pairings):
         return None
-    found = align(lab.reference, lab.given_run, span=lab.span, instants=False).divergence
-    return None if found is None else found.event
+    return found.divergence.event

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from ..alignment.align import align
 from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED
-from ..deadline import NO_TIME
 from ..foreign.guard import finer_of, firmer_of
 from ..study import finer_by, series_steps
 from .decision import decisions
@@ -25,15 +24,9 @@ MOST_HALVINGS = 8
 
 
 def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """The step halved again and again, for an engine that takes steps."""
+    """The step halved again and again, for an engine that takes steps, as far as counted work allows."""
     if lab.engine.step is None:
         return []
-    return [lab.tried(lambda: _series(lab), Experiment(CauseName["STEP"], NO_TIME))]
-
-
-def _series(lab: Laboratory) -> Experiment:
-    """The step halved again and again, as far as counted work allows."""
-    assert lab.engine.step is not None
     until, told = lab.until(lab.engine.step), list[str]()
     agrees: list[bool] = []
     for halvings in range(1, MOST_HALVINGS + 1):
@@ -46,17 +39,16 @@ def _series(lab: Laboratory) -> Experiment:
         if agrees[-2:] == [True, True] and not _by_chance(lab):
             break
     if not agrees and finer_of(lab.engine) is None:
-        return Experiment(CauseName["STEP"], f"not tried: {lab.name} has no finer step to offer")
+        return [Experiment(CauseName["STEP"], f"not tried: {lab.name} has no finer step to offer")]
     if not agrees:
-        return Experiment(
-            CauseName["STEP"], f"not tried: a finer step takes more than {series_steps(lab.engine):,} steps"
-        )
+        why = f"a finer step takes more than {series_steps(lab.engine):,} steps"
+        return [Experiment(CauseName["STEP"], f"not tried: {why}")]
     first = agrees.index(True) if True in agrees else len(agrees)
     enough = agrees[-1] and (all(agrees[first:]) or not _by_chance(lab))
     runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     if first > 1 and all(agrees[first:]):
         runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]
-    return Experiment(CauseName["STEP"], f"with a step of {', '.join(runs)}", None, enough)
+    return [Experiment(CauseName["STEP"], f"with a step of {', '.join(runs)}", None, enough)]
 
 
 def _by_chance(lab: Laboratory) -> bool:
@@ -66,47 +58,36 @@ def _by_chance(lab: Laboratory) -> bool:
 
 
 def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """Four times as many, and sixteen, for an engine that takes steps."""
+    """Four times as many iterations of the solver, and sixteen, for an engine that takes steps."""
+    cause, more = CauseName["ITERATIONS"], firmer_of(lab.engine)
     if lab.engine.step is None:
         return []
-    return [lab.tried(lambda: _iterations(lab), Experiment(CauseName["ITERATIONS"], NO_TIME))]
-
-
-def _iterations(lab: Laboratory) -> Experiment:
-    """The solver's iterations doubled twice, and four times."""
-    more = firmer_of(lab.engine)
     if more is None:
-        return Experiment(CauseName["ITERATIONS"], "it iterates nothing", None, False)
-    last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
+        return [Experiment(cause, "it iterates nothing", None, False)]
+    last = lab.divergence.time + REPEATED * lab.engine.step
     earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
     laws = lab.candidate.laws
     iterated = laws is not None and any(defect.kind == "iterations" for defect in laws.defects)
     if not iterated and not any(len(e.contacts) > 1 for e in earlier):
-        return Experiment(CauseName["ITERATIONS"], "no step had several contacts", None, False)
+        return [Experiment(cause, "no step had several contacts", None, False)]
     until, most = lab.until(lab.engine.step), series_steps(lab.engine)
-    if until > most * (lab.engine.step or math.inf):
-        return Experiment(CauseName["ITERATIONS"], f"not tried: it takes more than {most:,} steps")
-    told: list[str] = []
+    if until > most * lab.engine.step:
+        return [Experiment(cause, f"not tried: it takes more than {most:,} steps")]
+    told, agrees = list[str](), False
     for times in ("four", "sixteen"):
         more = firmer_of(firmer_of(more) or more) or more if told else firmer_of(more) or more
         agrees = gone(lab, lab.run(more, lab.study.scene, until), more.step)
         told.append(f"with {times} times as many it {'agrees' if agrees else 'differs too'}")
         if agrees:
             break
-    return Experiment(CauseName["ITERATIONS"], ", ".join(told), None, agrees)
+    return [Experiment(cause, ", ".join(told), None, agrees)]
 
 
 def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """Whether a circle that should be met is passed through, for an engine that takes steps."""
-    if lab.engine.step is None:
+    """Whether two that should meet overlap for less than a step, and between two of its instants."""
+    cause, step = CauseName["TUNNELLING"], lab.engine.step
+    if step is None:
         return []
-    return [lab.tried(lambda: _tunnelling(lab), Experiment(CauseName["TUNNELLING"], NO_TIME))]
-
-
-def _tunnelling(lab: Laboratory) -> Experiment:
-    """Whether the two overlap for less than a step, and between two of its instants."""
-    step = lab.engine.step
-    assert step is not None
     missed = [d for d in decisions(lab.reference, lab.candidate.trajectory, lab.candidate.alignment) if d.kind == "hit"]
     for decision in missed:
         if decision.first.partner != lab.divergence.expected:
@@ -122,12 +103,9 @@ def _tunnelling(lab: Laboratory) -> Experiment:
         whole = math.floor((leave - base) / step) * step + base
         body, partner = decision.first.body, decision.first.partner
         told = f"{body} and {partner} overlap for {leave - enter:.3g}, a step takes {step:.3g}"
-        if whole < enter:
-            return Experiment(
-                CauseName["TUNNELLING"], f"{told}, and none ends in between: they pass through each other", None, True
-            )
-        return Experiment(CauseName["TUNNELLING"], told, None, False)
-    return Experiment(CauseName["TUNNELLING"], "no circle that it should meet is passed through", None, False)
+        through = ", and none ends in between: they pass through each other" if whole < enter else ""
+        return [Experiment(cause, told + through, None, whole < enter)]
+    return [Experiment(cause, "no circle that it should meet is passed through", None, False)]
 
 
 def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:

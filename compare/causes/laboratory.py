@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,7 +14,7 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
 from ..alignment.instants import DOUBLE_BITS, Kind
-from ..deadline import OutOfTime, time_to_read
+from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
 from .decision import DecidingNumber, Pairing, RunReader, answer, decisions, rounded
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory
+    from ..alignment.align import Alignment
     from ..candidate import Candidate
     from ..study import Study
     from .budget import Account
@@ -138,6 +139,11 @@ class Laboratory:
         assert self.given is not None
         return self.run(self.study.truth, self.given, self.until(None))
 
+    @cached_property
+    def given_alignment(self) -> Alignment:
+        """How that run has the reference's contacts, up to the divergence."""
+        return align(self.reference, self.given_run, span=self.span)
+
     @property
     def tied(self) -> bool:
         """Whether what is in question is an order of meetings that the reference has at one instant."""
@@ -160,24 +166,10 @@ class Laboratory:
         except OutOfTime:
             return otherwise
 
-    def check_time(self) -> None:
-        """Ends what is tried once the user's seconds are over.
-
-        Raises:
-            OutOfTime: then.
-        """
-        if self.study.watch.over:
-            raise OutOfTime(str(self.study.watch.is_up()))
-
     @property
     def scale(self) -> float:
         """The largest coordinate or radius of the scene."""
         return max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in self.study.scene.circles)
-
-    def reader(self, run: Trajectory, step: float | None, *, rounded: bool = False) -> RunReader:
-        """Another run at the decision; `rounded`: with the radii and walls that the engine is given."""
-        walks = align(self.reference, run, span=self.span, step=step, instants=False).walks
-        return RunReader(run, walks, self._rounds_to if rounded else None, self.turned)
 
     @property
     def span(self) -> Span:
@@ -200,13 +192,6 @@ class Laboratory:
             return False
         return not self.changes(self.got) or answer(self.decision, value) == answer(self.decision, self.got)
 
-    def moved(self, value: arb | None, start: arb | None) -> float | None:
-        """How far a value lies from another."""
-        if value is None or start is None:
-            return None
-        with ball.precision(4096):
-            return float((value - start).mid())
-
 
 def rounded_or_none(scene: Scene, bits: int) -> Scene | None:
     """The scene in numbers of so many bits; None if it is no longer valid."""
@@ -225,17 +210,14 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     says so.
     """
     rows: list[Experiment] = []
-    for cause in CAUSES.values():
-        lawless = any(map(_breaks_a_law, rows))
+    for name, cause in CAUSES.items():
+        lawless = any(row.suffices is True and row.cause.entry.rank == LAW_RANK for row in rows)
         if cause.experiment is not None and not (lawless and cause.rank > LAW_RANK):
-            rows += _function(cause.experiment)(lab, rows)
+            function, late = _function(cause.experiment), Experiment(CauseName[name], NO_TIME)
+            rows += lab.tried(partial(function, lab, rows), [late])
     margin = None if lab.margin is None else float(lab.margin.mid())
     account = lab.account
     return diagnosed(rows, margin, lab.displacement, 0 if account is None else account.runs)
-
-
-def _breaks_a_law(row: Experiment) -> bool:
-    return row.suffices is True and row.cause.entry.rank == LAW_RANK
 
 
 def _function(path: str) -> Callable[..., list[Experiment]]:

@@ -1,4 +1,4 @@
-"""Certified runs kept between calls: each in a file of its own, found by all that decides it."""
+"""What is kept between calls: certified runs and what is computed of them, each found by all that decides it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ import sys
 import time as clock
 import warnings
 import zlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...exact.exact_engine import ExactEngine
 from ...exact.exact_motion import ExactMotion
@@ -200,15 +202,19 @@ def _keep(path: Path, run: Trajectory) -> None:
     """Writes a run beside its place and moves it there; makes room first."""
     import gzip
 
-    from ...scenarios.disk import write_file
     from .saved import saved_run
 
     try:
         data = gzip.compress(saved_run(run).encode(), compresslevel=1, mtime=0)
     except SceneError:  # a scene that no file can hold
         return
-    if len(data) > MOST_BYTES // LARGEST_SHARE:
-        return
+    if len(data) <= MOST_BYTES // LARGEST_SHARE:
+        _write(path, data)
+
+
+def _write(path: Path, data: bytes) -> None:
+    from ...scenarios.disk import write_file
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _make_room(path.parent, len(data))
@@ -232,3 +238,55 @@ def _make_room(folder: Path, size: int) -> None:
         with contextlib.suppress(OSError):
             path.unlink()
         taken -= each
+
+
+# -- What is computed of a certified run: JSON values, kept and found by a key.
+
+VALUE_SECONDS = 0.02
+"""Processor time from which on a value is kept: reading one takes 2 to 4 milliseconds."""
+
+CODE = ("scenarios", "exact", "floating", "compare")
+"""Folders whose files decide such a value; where one of them is changed, nothing that was kept before is found."""
+
+
+def kept_value(key: Sequence[Any], compute: Callable[[], Any]) -> Any:
+    """A JSON value, as it was kept under a key; else computed, and kept if that cost something.
+
+    Args:
+        key: all that decides the value, beside the code: JSON values, a scene's digest among them.
+    """
+    folder = cache_folder()
+    if folder is None:
+        return compute()
+    import gzip
+    import json
+    from hashlib import sha256
+
+    told = json.dumps([VERSION, _code(), *key])
+    path = folder / f"value-{sha256(told.encode()).hexdigest()}.json.gz"
+    try:
+        kept = json.loads(gzip.decompress(path.read_bytes()))
+        if kept["key"] == told:
+            with contextlib.suppress(OSError):
+                os.utime(path)
+            return kept["value"]
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (*DAMAGE, ValueError, KeyError, TypeError) as error:
+        _damaged(path, str(error))
+    began = clock.process_time()
+    value = compute()
+    if clock.process_time() - began >= VALUE_SECONDS:
+        _write(path, gzip.compress(json.dumps({"key": told, "value": value}).encode(), compresslevel=1, mtime=0))
+    return value
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    """Which files compute values: their names, sizes and times."""
+    from hashlib import sha256
+
+    top = Path(__file__).parents[2]
+    files = sorted(path for name in CODE for path in (top / name).rglob("*") if path.suffix in (".py", ".so", ".pyd"))
+    found = [(str(path.relative_to(top)), (told := path.stat()).st_size, told.st_mtime_ns) for path in files]
+    return sha256(repr(found).encode()).hexdigest()

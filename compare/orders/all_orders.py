@@ -374,17 +374,20 @@ class Search:
 class Attended:
     """An engine for `all_orders`, whose runs are taken for outcomes only if they went to their own end.
 
-    Once the seconds are over, or so many runs were made, it has no more outcomes: a branch ends at once, and a draw
-    repeats what is known.
+    Once the seconds are over, so many runs were made, or so many signs were proved in nested roots, it has no more
+    outcomes: a branch ends at once, and a draw repeats what is known. A branch that is given up counts as many signs as
+    the run before it.
 
     Attributes:
         cut: whether that has happened.
         drawn: how many orders were drawn at random before.
     """
 
-    def __init__(self, engine: Runner, watch: Clock | None = None, runs: int | None = None) -> None:
+    def __init__(
+        self, engine: Runner, watch: Clock | None = None, runs: int | None = None, signs: int | None = None
+    ) -> None:
         self._engine = engine
-        self._left = runs
+        self._left, self._signs = runs, signs
         self._watch = Clock(None) if watch is None else watch
         self._last: Trajectory | None = None
         self.cut = False
@@ -404,13 +407,17 @@ class Attended:
         Raises:
             KeyboardInterrupt: if the user interrupts the run.
         """
-        if not self._watch.over and self._left != 0:
+        if not self._watch.over and self._left != 0 and (self._signs is None or self._signs > 0):
             self._left = None if self._left is None else self._left - 1
             watched = self._watch.watched(progress)
             try:
                 run = uninterrupted(self._engine.run_with(scene, policy, until=until, events=events, progress=watched))
             except TimeIsUp:  # before the run has begun, say; what was found before stays
                 run = None
+            except BranchDone:
+                self._charge(self._last)
+                raise
+            self._charge(run)
             if run is not None and not (run.stop.reason is StopReason.BUDGET and self._watch.over):
                 self._last = run
                 self.drawn += not isinstance(policy, Scripted)
@@ -419,6 +426,11 @@ class Attended:
         if isinstance(policy, Scripted) or self._last is None:
             raise BranchDone("out of time")
         return self._last
+
+    def _charge(self, run: Trajectory | None) -> None:
+        """Counts the signs that a run has proved in nested roots."""
+        if self._signs is not None and run is not None:
+            self._signs -= int(run.plan.get("tower", 0))
 
 
 def search_orders(

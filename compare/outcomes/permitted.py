@@ -43,6 +43,9 @@ ORDER_WORK = 6_000
 LEAST_RUNS = 96
 """Runs that are made in any case, those included whose branch comes to a state that is known."""
 
+ORDER_SIGNS = 12
+"""Signs that these runs may prove in nested roots, which take as long as a hundred events."""
+
 LEAST_CAP, GREATEST_CAP = 8, 256
 """Least and greatest number of outcomes that are followed."""
 
@@ -147,7 +150,7 @@ def permitted_patterns(
             _add(patterns, span.pattern(run))
         work = max(1, len(reference.events) * len(scene.circles))
         cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
-        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))
+        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work), ORDER_SIGNS)
         tree = all_orders(
             attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress, ends=False
         )

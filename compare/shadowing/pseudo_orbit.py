@@ -320,12 +320,8 @@ def _misfits(
 
 
 def _largest(residuals: Sequence[Sequence[arb]]) -> float:
-    """log2 of the largest, whatever its size."""
-    return max(_exponent(value) for row in residuals for value in row)
-
-
-def _exponent(value: arb) -> float:
-    top = value.abs_upper()
+    """log2 of the largest, whatever its size: upper ends are exact numbers, of which one is the largest."""
+    top = max(value.abs_upper() for row in residuals for value in row)
     return -inf if top.is_zero() else float(top.log() / arb(2).log())
 
 

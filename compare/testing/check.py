@@ -23,7 +23,7 @@ from ..comparison import Comparison, compare
 from ..deadline import OutOfTime, time_limit
 from ..engines import ENGINES
 from ..engines import engine as engine_named
-from ..files.cache import cached
+from ..files.cache import CachedEngine, cached, kept_value
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import PatternRelation, permitted_patterns
@@ -402,6 +402,17 @@ def _why_nothing(reach: Reach) -> str:
     return f"an exact tie at event {reach.limit.event}" if reach.limit.tie else str(reach.limit)
 
 
+def _span(run: Trajectory) -> tuple[int, float]:
+    """How many events a run has, and when it ends."""
+    return len(run.events), float(run.final_time)
+
+
+def _plain(found: tuple[LocalError, Reach, tuple[int, float]]) -> list[Any]:
+    """What was found of a reach, in JSON values."""
+    local, reach, span = found
+    return [dataclasses.asdict(local), dataclasses.asdict(reach), list(span)]
+
+
 @dataclass
 class _Case:
     """One check under way."""
@@ -424,20 +435,20 @@ class _Case:
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
         if self.permitted and (given or len(self.scene.circles) > MOST_CIRCLES):
-            asserted = [*self._permitted(comparison, None), *self._audited(comparison.reference, comparison)]
+            asserted = [*self._permitted(comparison, None), *self._audited(_span(comparison.reference), comparison)]
         elif self.permitted:
             reference, local, reach = self._reach(bits)
             self._up_to_a_tie(comparison, reach, local)
-            asserted = [*self._permitted(comparison, local), *self._audited(reference, comparison)]
+            asserted = [*self._permitted(comparison, local), *self._audited(_span(reference), comparison)]
         else:
             self._same_history(comparison, None)
             self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
-            asserted += self._audited(comparison.reference, comparison)
+            asserted += self._audited(_span(comparison.reference), comparison)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
         """The history is required to its horizon, and every step is audited."""
-        reference, local, reach = self._reach(bits)
+        local, reach, span = self._kept_reach(bits)
         comparison, asserted = None, []
         if reach.events or reach.whole:
             limits: dict[str, Any] = {"events": reach.events}
@@ -455,7 +466,7 @@ class _Case:
             if comparison is not None:
                 asserted.append(f"past the certified horizon: {reach.limit}")
             asserted += self._tie_resolved(reach.limit)
-        asserted += [*self._audited(reference, comparison), *self.demand.told]
+        asserted += [*self._audited(span, comparison), *self.demand.told]
         return self._done(asserted, reach, comparison)
 
     @property
@@ -468,6 +479,32 @@ class _Case:
         if not isinstance(self.engine, LogEngine) or self.engine.over:
             return None
         return float(self.engine.last.final_time)
+
+    def _kept_reach(self, bits: int | None) -> tuple[LocalError, Reach, tuple[int, float]]:
+        """What one contact may cost, how far that reaches, and the events and the end of the true run by which that is
+        known: kept between calls where all that decides it is known."""
+
+        def found() -> tuple[LocalError, Reach, tuple[int, float]]:
+            run, local, reach = self._reach(bits)
+            return local, reach, _span(run)
+
+        engine = self.engine
+        whose: list[Any] = [engine.rounds_input]
+        if engine.step is not None:
+            from ...floating.pymunk_engine import PymunkEngine
+
+            if type(engine) is not PymunkEngine:  # another's lateness may change with its library
+                return found()
+            from pymunk import version
+
+            whose = [repr(engine), version]
+        if not isinstance(self.truth, CachedEngine):
+            return found()
+        limits = [self.scene.events, str(self.scene.until), self._log_end]
+        key = ["reach", self.scene.digest, str(self.scene.tie_policy), self.truth.work, limits, bits, *whose]
+        local, reach, span = kept_value(key, lambda: _plain(found()))
+        limit = None if reach["limit"] is None else OutOfReach(**reach["limit"])
+        return LocalError(**local), Reach(**{**reach, "limit": limit}), (span[0], span[1])
 
     def _reach(self, bits: int | None) -> tuple[Trajectory, LocalError, Reach]:
         """The true run as far as it is needed, what one contact may cost, and how far that reaches."""
@@ -490,7 +527,12 @@ class _Case:
 
     def _compared(self, **limits: Any) -> Comparison:
         return compare(
-            self.scene, [self.name if self.asked else self.engine], reference=self.truth, sampled=False, **limits
+            self.scene,
+            [self.name if self.asked else self.engine],
+            reference=self.truth,
+            sampled=False,
+            audited=False,
+            **limits,
         )
 
     def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
@@ -572,13 +614,13 @@ class _Case:
             raise CheckFailed(f"{self._failure(comparison, None)}\n  permitted: {relation.value}", comparison)
         return [] if relation is None else [f"its tie: {relation.value}"]
 
-    def _audited(self, reference: Trajectory, comparison: Comparison | None) -> list[str]:
+    def _audited(self, span: tuple[int, float], comparison: Comparison | None) -> list[str]:
         """Every step of the engine's run keeps the laws; of a log without states nothing of that is known."""
-        until = PAST * float(reference.final_time) or None
+        until = PAST * span[1] or None
         if isinstance(self.engine, LogEngine):
             run = self.engine.last
         else:
-            told = run_guarded(self.engine, self.scene, until=until, events=4 * len(reference.events) + 64)
+            told = run_guarded(self.engine, self.scene, until=until, events=4 * span[0] + 64)
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
         found = audit_run(run, self.engine)
         if found.kept is False:

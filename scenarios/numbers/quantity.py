@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, SupportsFloat, TypeAlias, TypeVar, runtime_checkable
 
@@ -498,6 +499,12 @@ class Real(Protocol):
         ...
 
 
+@lru_cache(maxsize=64)
+def _is_real(kind: type) -> bool:
+    """Whether numbers of a type are `Real`: asked once, since looking at a protocol takes ten times as long."""
+    return all(callable(getattr(kind, name, None)) for name in ("__float__", "bounds", "text", "digits", "ball"))
+
+
 def real(value: Any) -> Real:
     """A number of any engine as a `Real`: those of an engine that hands back plain floats are doubles.
 
@@ -506,7 +513,7 @@ def real(value: Any) -> Real:
     """
     if type(value) is float:
         return Double(value)
-    if isinstance(value, Real):
+    if _is_real(value.__class__) or isinstance(value, Real):
         return value
     if isinstance(value, float):
         return Double(value)

@@ -15,14 +15,16 @@ from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.study import Study, run_or_unable
 from truebreak.exact import ExactEngine
+from truebreak.exact.numbers.system import Undecided
 from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, State, Trajectory, Wall
 
 DIGITS = 120
 """Decimal digits by which numbers with roots are rounded; a number this near to a rounding's edge would be missed."""
 
 HALVINGS = 8
-MOST_STEPS = 100_000
-"""How far finer steps are run: 1/256 of the step, and so many steps at most in one run."""
+MOST_STEPS, FARTHER = 100_000, 8
+"""How far finer steps are run: 1/256 of the step, and so many steps at most in one run; a few times as many where it is
+claimed that a finer one passes."""
 
 PAST = 3
 """Events past the one in question to which runs go."""
@@ -34,6 +36,10 @@ def rational(value: Quantity) -> Fraction:
     return Fraction(value.digits(DIGITS)) if exact is None else exact
 
 
+PAIR = 106
+"""Bits of a pair of doubles: the nearest double, and the nearest to what it leaves."""
+
+
 def nearest(value: Fraction, bits: int) -> Fraction:
     """The nearest number of so many bits, ties to even; the exponent has no limits.
 
@@ -42,6 +48,9 @@ def nearest(value: Fraction, bits: int) -> Fraction:
     """
     if not value:
         return value
+    if bits == PAIR:
+        high = nearest(value, PAIR // 2)
+        return high + nearest(value - high, PAIR // 2)
     exponent = abs(value.numerator).bit_length() - value.denominator.bit_length()
     unit = Fraction(2) ** (exponent - bits)
     while abs(value) / unit >= 2**bits:
@@ -124,10 +133,12 @@ class Runs:
         if parted is None:
             agreed = alignment.verdict == "agree" or alignment.agreed > max(self.at.event, self.at.expected_event)
             return PASSES if agreed else OPEN
+        mine, theirs = ((d.body, d.kind, d.expected, d.got, d.own_event) for d in (self.at, parted))
+        if mine == theirs:
+            return SAME
         if parted.event != self.at.event:
             return PASSES if parted.event > self.at.event else EARLIER
-        mine, theirs = ((d.body, d.kind, d.expected, d.got) for d in (self.at, parted))
-        if mine == theirs:
+        if mine[:4] == theirs[:4]:
             return SAME
         return PASSES if parted.expected_event > self.at.expected_event else OTHER
 
@@ -145,6 +156,14 @@ class Runs:
     @cached_property
     def finer(self) -> list[tuple[float, str]]:
         """What finer steps do, down to the second in a row that passes."""
+        return self._finer(MOST_STEPS)
+
+    @cached_property
+    def finest(self) -> list[tuple[float, str]]:
+        """The same, farther."""
+        return self.finer if PASSES in [s for _, s in self.finer] else self._finer(MOST_STEPS * FARTHER)
+
+    def _finer(self, most: int) -> list[tuple[float, str]]:
         done: list[tuple[float, str]] = []
         engine = self.engine
         end = max(t for t in (self.at.time, self.at.expected_time, self.at.got_time) if t is not None)
@@ -152,7 +171,7 @@ class Runs:
             engine = engine.finer()
             if (
                 engine is None
-                or end / engine.step > MOST_STEPS / max(1.0, dear(engine))
+                or end / engine.step > most / max(1.0, dear(engine))
                 or [s for _, s in done[-2:]] == [PASSES, PASSES]
             ):
                 break
@@ -298,20 +317,28 @@ SMALL = Fraction(1, 2**150)
 
 
 def decimal(value: Any) -> Decimal:
-    """A number of a run: certified digits of an exact one, else the double that it is."""
+    """A number of a run: certified digits of an exact one, else its double; 0 where it is not told from 0."""
     try:
         return Decimal(value.digits(100))
+    except Undecided:
+        return Decimal(0)
     except (AttributeError, ValueError):
         return Decimal(value.numerator) / value.denominator if isinstance(value, Fraction) else Decimal(float(value))
+
+
+def rows_after(run: Trajectory, event: int) -> dict[str, tuple[Decimal, ...]]:
+    """x, y, vx, vy of every circle after an event; at the start for -1."""
+    state = run.after(event) if event >= 0 else run.at(0)
+    return {str(c.id): tuple(decimal(getattr(c, key)) for key in ("x", "y", "vx", "vy")) for c in state.circles}
 
 
 def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
-    The least gap of the body and each circle in question, and the time between its two meetings, where it has two.
+    The least gap of the body and each circle in question from the last contact of either on, its speed away from each
+    wall, and the time between its two meetings, where it has two.
     """
-    state = run.after(event - 1) if event else run.at(0)
-    rows = {c.id: tuple(decimal(getattr(c, key)) for key in ("x", "y", "vx", "vy")) for c in state.circles}
+    rows = rows_after(run, event - 1)
     radii = {str(c.id): decimal(c.r) for c in scene.circles}
     walls = {str(w.id): w for w in scene.walls}
     found: dict[str, Decimal] = {}
@@ -328,6 +355,14 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
             )
             if speed:
                 found[f"gap to {other}"] = abs(cross) / speed.sqrt() - reach
+                last = max(
+                    (e.index for e in run.events[:event] for pair in e.impulses if {at.body, other} & {*pair}),
+                    default=-1,
+                )
+                then = rows_after(run, last)
+                dx0, dy0 = (b - a for a, b in zip(then[at.body][:2], then[other][:2], strict=True))
+                if dx0 * ux + dy0 * uy > 0:  # from there on they part
+                    found[f"gap to {other}"] = (dx0 * dx0 + dy0 * dy0).sqrt() - reach
                 root = speed * reach * reach - cross * cross
                 if near < 0 < root:
                     waits.append((dx * dx + dy * dy - reach * reach) / (-near + root.sqrt()))
@@ -336,6 +371,7 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
             length = ((x1 - x0) ** 2 + (y1 - y0) ** 2).sqrt()
             height = ((y0 - y1) * (x - x0) + (x1 - x0) * (y - y0)) / length
             rise = ((y0 - y1) * vx + (x1 - x0) * vy) / length
+            found[f"speed from {other}"] = rise if height > 0 else -rise
             if height * rise < 0:
                 waits.append((abs(height) - radii[at.body]) / abs(rise))
     if len(waits) == 2:

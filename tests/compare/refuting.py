@@ -140,7 +140,9 @@ def said_of(candidate: Candidate) -> Said:
         causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
         named = getattr(found, "sufficient", found.causes if len(causes) == 1 else ())
         enough = frozenset(kind for name in named for kind in kinds_of(name) if kind != UNKNOWN)
-        return Said(causes, enough, tuple(shares), found.displacement, found.closed, alone=alone)
+        tried = getattr(found, "experiments", ())
+        no = frozenset(kind for e in tried if e.suffices is False for kind in kinds_of(e.cause))
+        return Said(causes, enough, tuple(shares), found.displacement, found.closed, no, alone)
     name = str(getattr(found.name, "value", found.name))
     causes = tuple(kind for kind in kinds_of(found.name) if kind != UNKNOWN)
     listed = {UNKNOWN: (), name: causes}
@@ -192,7 +194,7 @@ TOUCH = 2.0**-30
 
 
 def account(said: Said) -> Iterator[Refutation]:
-    """Whether the account adds up, and is led by its largest share."""
+    """Whether the account adds up, and is led by its largest share, of those that were not seen to be too little."""
     told = [s for s in said.shares if s.contribution is not None]
     if said.displacement is not None and told:
         total = math.fsum(s.contribution or 0.0 for s in told)
@@ -216,7 +218,9 @@ def account(said: Said) -> Iterator[Refutation]:
     for s in said.shares:
         by_kind[s.kind] += s.share or 0.0  # type: ignore[assignment]
     if said.closed and main in by_kind and main in ROUNDING:
-        top = max(by_kind, key=lambda kind: by_kind[kind])
+        top = max(
+            (kind for kind in by_kind if kind == main or kind not in said.refused), key=lambda kind: by_kind[kind]
+        )
         if by_kind[top] > by_kind[main] * (1 + CLOSE):
             yield Refutation(main, "largest share", f"{top} has {by_kind[top]:.3g}, {main} {by_kind[main]:.3g}")
 
@@ -253,7 +257,7 @@ def _step(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         at = f"with a step of {runs.step_passes!r} on the same input it passes the event"
         yield Refutation(min(main), "finer step passes", at)
     for claim in sorted(claims & OF_STEP):
-        states = [s for _, s in runs.finer]
+        states = [s for _, s in (runs.finest if claim in (STEP, TUNNELLING) else runs.finer)]
         if not states and runs.engine.finer() is None:
             yield Refutation(claim, "no finer step", "there is no finer step")
         elif claim in (STEP, TUNNELLING) and PASSES not in states and len(states) >= 3:
@@ -349,7 +353,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                 if not any(key == f"gap to {name}" for name in moved) and not (moved and key == "time between")
             }
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
-            if both and not close:
+            left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
+            if both and not close and not left_out:  # else the decision may be about what has moved
                 yield Refutation(
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )

@@ -92,10 +92,10 @@ def test_a_run_cut_short_is_no_evidence(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_an_account_without_time_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(f"{ROOM}.evidence._shares", over)
+    monkeypatch.setattr(f"{ROOM}.evidence.shares", over)
     found, candidate = told()
     assert candidate.diagnosis is not None
-    assert results(candidate)[CauseName.ARITHMETIC] == NO_TIME
+    assert results(candidate)[CauseName.INPUT] == NO_TIME
     assert candidate.diagnosis.name is CauseName.UNKNOWN
     assert found.cut == ("part of why double",)
     assert candidate.margin is not None
@@ -104,14 +104,14 @@ def test_an_account_without_time_is_not_tried(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.parametrize(
     ("where", "cause"),
-    [("_series", CauseName.STEP), ("_tunnelling", CauseName.TUNNELLING), ("_iterations", CauseName.ITERATIONS)],
+    [("step", CauseName.STEP), ("tunnelling", CauseName.TUNNELLING), ("iterations", CauseName.ITERATIONS)],
 )
 def test_what_of_a_step_was_not_tried_says_so(where: str, cause: CauseName, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(f"{ROOM}.finer_steps.{where}", over)
     found, candidate = told("pymunk")
     assert candidate.diagnosis is not None
     assert results(candidate)[cause] == NO_TIME
-    assert (candidate.diagnosis.name is CauseName.STEP) == (where != "_series")
+    assert (candidate.diagnosis.name is CauseName.STEP) == (where != "step")
     assert found.cut == ("part of why pymunk",)
 
 

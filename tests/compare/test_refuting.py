@@ -72,6 +72,10 @@ SAMPLE = [
     ("near-tie:k=40", "double", None),
     ("pinball", "double", 40),
     ("inscribed", "single", 12),
+    ("gas", "single", 220),
+    ("lorentz", "double", 220),
+    ("pinball", "quad", 220),
+    ("grazing", "pymunk:dt=1/1024", 24),
 ]
 
 

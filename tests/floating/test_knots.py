@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truebreak.floating import knots
+from truebreak.compare.engines import engine
+from truebreak.floating import interval, knots
 from truebreak.floating.knots import DoubleKnot, DoubleMotion
-from truebreak.scenarios import Quantity
+from truebreak.scenarios import Quantity, catalogue
 
 BOUNCE = DoubleMotion(
     [
@@ -74,3 +75,14 @@ def test_sample_is_state_at_many_times(history: list[list[DoubleKnot]], times: l
     assert sampled.shape == (len(times), len(history), 4)
     for row, time in zip(sampled, times, strict=True):
         np.testing.assert_array_equal(row, np.array(motion.state(time), dtype=float))
+
+
+def test_a_run_in_intervals_looks_up_what_stands_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, flown = engine("interval").run(catalogue.build("siam")), list[object]()
+    times = [float(run.final_time) * k / 3 for k in range(3)]
+    each = [[[float(value) for value in row] for row in run.motion.state(time)] for time in times]
+    carry = interval._flown
+    monkeypatch.setattr(interval, "_flown", lambda knot, time: flown.append(knot) or carry(knot, time))
+    assert run.motion.sample(times).tolist() == each
+    hit = sum(len(row) > 1 for row in run.motion.knots)
+    assert 0 < len(flown) <= hit * len(times) < len(run.motion.knots)

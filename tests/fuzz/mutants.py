@@ -22,6 +22,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from itertools import count, islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread, local
@@ -144,12 +145,12 @@ def _pass_on(lines: Any, queue: SimpleQueue[str]) -> None:
     queue.put("")
 
 
-def tasks(kinds: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """The kinds in turn, from seed 0 on."""
-    seed = 0
-    while True:
-        yield from ((kind, seed) for kind in kinds)
-        seed += 1
+def tasks(kinds: Sequence[str], rows: str, start: int) -> Iterator[tuple[str, int]]:
+    """The kinds in turn; of scenes by the covering array only those in whose rows some ingredients are."""
+    from fuzz.ingredients import row_of
+
+    for seed in count(start):
+        yield from ((kind, seed) for kind in kinds if kind != "mixed" or row_of(seed).issuperset(rows.split()))
 
 
 def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]], patience: float) -> str:
@@ -163,7 +164,7 @@ def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]], patie
     return "" if outcome == "hang" and right["seconds"] > patience / 4 else outcome
 
 
-def tried(mutant: Mutant, original: Player, kinds: Sequence[str], scenes: int, patience: float) -> Result:
+def tried(mutant: Mutant, original: Player, cases: Iterator[tuple[str, int]], scenes: int, patience: float) -> Result:
     """Plants a mutant in a copy of the original, and looks for it."""
     start = clock.monotonic()
     with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
@@ -177,9 +178,7 @@ def tried(mutant: Mutant, original: Player, kinds: Sequence[str], scenes: int, p
         try:
             if problem := player.start():
                 return result("broken", "", "", -1, 0, problem)
-            for played, (kind, seed) in enumerate(tasks(kinds)):
-                if played == scenes:
-                    break
+            for played, (kind, seed) in enumerate(islice(cases, scenes)):
                 verdict = player.examine(kind, seed, patience)
                 how = shows(verdict, lambda: original.examine(kind, seed, 3 * patience), patience)  # noqa: B023
                 if how:
@@ -202,7 +201,8 @@ def run(mutants: Sequence[Mutant], options: argparse.Namespace) -> list[Result]:
             if not hasattr(mine, "original"):
                 mine.original = Player(home)
                 originals.append(mine.original)
-            found = tried(mutant, mine.original, kinds, options.scenes, options.patience)
+            cases = tasks(kinds, options.rows, options.start)
+            found = tried(mutant, mine.original, cases, options.scenes, options.patience)
             print(told(found), flush=True)
             if options.out:
                 with Path(options.out).open("a") as file:
@@ -254,6 +254,8 @@ def main() -> int:
     parser.add_argument("--only", help="names, or beginnings of names, with commas between; all if not given")
     parser.add_argument("--scenes", type=int, default=SCENES, help="scenes after which a mutant counts as surviving")
     parser.add_argument("--kinds", help="kinds, with commas between; all if not given")
+    parser.add_argument("--rows", default="", help="of `mixed` only scenes in whose rows these ingredients are")
+    parser.add_argument("--start", type=int, default=0, help="the first seed")
     parser.add_argument("--jobs", type=int, default=1, help="mutants at a time")
     parser.add_argument("--patience", type=float, default=PATIENCE, help="seconds until a scene counts as a hang")
     parser.add_argument("--out", help="a file to which each result is added as a line")

@@ -97,7 +97,9 @@ def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     if len(run.events) < 2 or (turns and case.until is None and case.events is None):
         return False
     k = draw.randrange(1, len(run.events))
-    limits: dict[str, Any] = {"events": k} if draw.random() < 0.5 else {"until": _between(run, k)}
+    limits: dict[str, Any] = {"events": k}
+    if draw.random() >= 0.5:  # a double may lie past thousands of events that are closer to each other than doubles
+        limits = {"until": _between(run, k), "events": len(run.events)}
     first = engine.run(case.scene, **limits)
     if first.stop.reason.name in GAVE_UP or not first.events or len(first.events) >= len(run.events):
         return False
@@ -182,22 +184,27 @@ def beside_deep_numbers(run: Trajectory, mix: Mixed, draw: Random, engine: Any) 
     return the_same(run, other, "beside deep numbers")
 
 
-def by_form(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
-    """Out of the field from the first blow on, so that ties are proved by the form of the past: the same."""
+def by_form(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """Out of the field from the first blow on, so that ties are proved by the form of the past: the same, also if
+    broken off and resumed."""
     with field_up_to(0):
         less = ExactEngine(work=FORM_WORK) if isinstance(engine, ExactEngine) else engine
-        return the_same(run, again(mix.case, less), "by form")
+        found = the_same(run, other := again(mix.case, less), "by form")
+        if found and "resume" in mix.row:
+            resumed(other, mix, draw, less)
+        return found
 
 
 def prefix(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
-    """A run to fewer events has the first of them."""
-    scene = mix.case.scene
-    if len(run.events) < 2 or run.stop.reason.name in GAVE_UP or scene.reverse_at or scene.reverse_after:
+    """A run to fewer events has the first of them, and the reversal if it comes before the last."""
+    scene, turned = mix.case.scene, run.reversal.after if run.reversal else 0
+    if len(run.events) < 2 or run.stop.reason.name in GAVE_UP:
         return False
-    k = draw.randrange(1, len(run.events))
+    k = turned if turned and draw.random() < 0.5 else draw.randrange(1, len(run.events))
     short = engine.run(scene, events=k)
     if short.stop.reason.name in GAVE_UP:
         return False
+    expect(bool(short.reversal) == (run.reversal is not None and turned < k), f"prefix: reversal {short.reversal}")
     for mine, other in zip(run.events[:k], short.events, strict=True):
         expect(mine.contacts == other.contacts, f"prefix: event {mine.index} has {other.contacts}, not {mine.contacts}")
         expect(mine.time.digits(40) == other.time.digits(40), f"prefix: time of event {mine.index}")
@@ -216,6 +223,8 @@ def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
         return False
     back = engine.run(scene.with_changes(reverse_at=half), until=2 * half, events=MOST_BACK)
     if back.stop.reason.name in (*GAVE_UP, "EVENTS") or any(len(event.contacts) > 1 for event in back.events):
+        return False
+    if back.pocketings:  # after the last event that was asked for
         return False
     with _precision(BITS):
         if back.events and not back.events[-1].time.ball(BITS) < _ball(2 * half):

@@ -266,3 +266,28 @@ def test_the_cause_is_found(case: Known) -> None:
 @pytest.mark.parametrize("case", [c for c in KNOWN if c.causes == {CauseName.ITERATIONS}], ids=lambda case: case.label)
 def test_a_solver_that_is_not_stopped_early_agrees(case: Known) -> None:
     assert compare(case.scene(), ["pymunk"], **case.limits).verdict == "agree"
+
+
+class OfItsOwnOrder(DoubleEngine):
+    """Takes the contacts of an instant one after the other, in an order of its own, whatever the scene's policy."""
+
+    scene_keys = Declared.scene_keys - {"tie_policy"}
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        return replace(super().run(scene.with_changes(tie_policy="sequential:seed=77"), **limits), scene=scene)
+
+
+def test_an_engine_that_follows_no_policy_resolves_a_tie_otherwise_and_no_rounding_chose() -> None:
+    found = compare(catalogue.build("rack:rows=3,pockets=no,speed=8"), [OfItsOwnOrder()], events=3).candidates[0]
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.TIE
+    assert "does not follow simultaneous" in found.diagnosis.finding
+
+
+def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
+    """The exact run of the pinball in pairs of doubles lacks event 34, which `quad` has: its input is not the cause."""
+    found = compare(catalogue.build("pinball"), ["quad"], events=220).candidates[0]
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.UNKNOWN
+    assert "its errors act on each other too much to be told apart" in found.diagnosis.finding

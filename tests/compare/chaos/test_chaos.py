@@ -6,6 +6,7 @@ import json
 import math
 import random
 import re
+import statistics
 from pathlib import Path
 
 import horizon_levels
@@ -223,6 +224,23 @@ def test_the_band_holds_in_200_scenes_of_other_kinds_for_other_engines() -> None
     told = horizon_levels.held(map(horizon_levels.foreign_spec, range(5000, 5200)), horizon_levels.FOREIGN)
     for name, (within, left) in told.items():
         assert left > 100 and 0.80 <= within / left <= 0.97, name
+
+
+GASES = [f"gas:n=8,seed={seed}" for seed in range(1, 61)]
+POINTS = [text for text in map(horizon_levels.spec, range(1500)) if text.startswith("point")][:60]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("specs", [GASES, POINTS], ids=["gas", "point"])
+def test_the_event_foreseen_is_neither_early_nor_late(specs: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the median within an event. Levels 1.5 bits higher or lower are late, or early, by more in the gas."""
+    for name in ("single", "double"):
+        assert abs(statistics.median(horizon_levels.late_by(specs, name))) <= 1
+    low, middle, high = LEVELS["ROUNDING"]
+    for bits in (-1.5, 1.5) if specs is GASES else ():
+        monkeypatch.setitem(LEVELS, "ROUNDING", (low, middle + bits, high))
+        late = statistics.median(horizon_levels.late_by(specs, "double"))
+        assert late * bits > 1.5, (bits, late)
 
 
 @pytest.mark.slow

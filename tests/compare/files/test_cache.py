@@ -16,10 +16,12 @@ from command_line import said
 
 from truebreak.compare import trajectory_json
 from truebreak.compare.files import cache as certified_cache
-from truebreak.compare.files.cache import CachedEngine, CacheWarning, cache_folder, cached
+from truebreak.compare.files.cache import CachedEngine, CacheWarning, cache_folder, cached, kept_value
 from truebreak.compare.files.saved import saved_run
+from truebreak.compare.testing.check import check
+from truebreak.compare.tolerances.reach import ErrorWalk
 from truebreak.exact import ExactEngine
-from truebreak.floating import DoubleEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Scene, Trajectory, catalogue
 
 
@@ -222,3 +224,46 @@ def test_tests_leave_the_users_own_alone() -> None:
     code = "from truebreak.compare.files.cache import cache_folder; print(cache_folder())"
     out = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True).stdout
     assert out == "None\n"
+
+
+def test_a_value_is_computed_once_and_again_where_anything_that_decides_it_is_another(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(certified_cache, "VALUE_SECONDS", 0.0)
+    made: list[float] = []
+
+    def value(*key: object) -> object:
+        return kept_value(key, lambda: made.append(0.1) or [0.1, float("inf"), {"a": None}])
+
+    assert value("one", 2) == value("one", 2) == [0.1, float("inf"), {"a": None}] and len(made) == 1
+    value("one", 3)
+    monkeypatch.setattr(certified_cache, "_code", lambda: "changed")
+    value("one", 2)
+    assert len(made) == 3
+    for path in folder.glob("value-*"):
+        path.write_bytes(b"nonsense")
+    with pytest.warns(CacheWarning, match="damaged"):
+        value("one", 2)
+    (named,) = (path for path in folder.glob("value-*") if path.read_bytes() != b"nonsense")
+    for path in folder.glob("value-*"):  # a file in another's place is none of its own
+        path.write_bytes(named.read_bytes())
+    assert value("one", 3) and len(made) == 5
+
+
+def test_a_warm_check_says_the_same_and_walks_no_more(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.build("gas")
+    cold = check("double", scene)
+    assert list(folder.glob("value-*"))
+    monkeypatch.setattr(ErrorWalk, "walked", lambda walk: pytest.fail("walked again"))
+    warm = check("double", scene)
+    assert str(warm) == str(cold) and warm.reach == cold.reach
+
+
+def test_the_lateness_of_an_engine_whose_library_no_key_names_is_measured_anew(folder: Path) -> None:
+    class Later(PymunkEngine):
+        pass
+
+    check("pymunk", catalogue.build("gas:n=3"))
+    kept = len(list(folder.glob("value-*")))
+    check(Later(), catalogue.build("gas:n=3"))
+    assert kept and len(list(folder.glob("value-*"))) == kept

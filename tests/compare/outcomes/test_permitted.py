@@ -13,7 +13,7 @@ from truebreak.compare import compare
 from truebreak.compare.certificate.attached import with_certificates
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.outcomes.outcome import pattern
-from truebreak.compare.outcomes.permitted import NEARBY, PatternRelation, nearby, permitted_patterns
+from truebreak.compare.outcomes.permitted import NEARBY, ORDER_SIGNS, PatternRelation, nearby, permitted_patterns
 from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.schema import schema
 from truebreak.compare.report.sentences import pattern_phrase
@@ -251,3 +251,23 @@ def test_where_no_order_matters_only_the_own_pattern_is_permitted() -> None:
     found = permitted_patterns(study(scene, events=3))
     assert found is not None
     assert found.orders == (found.exact,)
+
+
+def test_orders_whose_proofs_are_dear_are_followed_as_far_as_counted_signs_allow(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    signs: list[int] = []
+    true = ExactEngine.run_with
+
+    def counted(self: ExactEngine, *told: Any, **named: Any) -> Any:
+        run = true(self, *told, **named)
+        if named.get("policy", told[1] if len(told) > 1 else None) is not None:
+            signs.append(int(run.plan.get("tower", 0)))
+        return run
+
+    scene, engine = catalogue.build("inscribed"), ExactEngine()
+    study = Study(scene, engine, engine.run(scene))
+    monkeypatch.setattr(ExactEngine, "run_with", counted)
+    found = permitted_patterns(study)
+    assert found is not None and not found.complete and found.followed
+    assert 0 < sum(signs) <= ORDER_SIGNS + max(signs)
