@@ -36,7 +36,7 @@ from truebreak.compare.grids.family_sweep import SweepJob
 from truebreak.compare.grids.grid import carry_out
 from truebreak.compare.grids.setting_search import advise
 from truebreak.compare.grids.store import Store
-from truebreak.compare.report.curves import Curve, plot
+from truebreak.compare.report.charts import Curve, plot
 from truebreak.compare.report.pictures.sweep_plots import standalone
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.study import Study
