@@ -12,7 +12,6 @@ from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import TiePolicy, checked_truth, positive_count, positive_time
-from .surfaces import SegmentFace, check_segments, ends_of
 from .things import Circle, Pocket, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -99,6 +98,8 @@ class Scene:
         self._check_things()
         touching = check_apart(self.circles, self.walls)
         if self.segments:
+            from .surfaces import check_segments, ends_of
+
             outer, inner = check_segments(self.circles, self.walls, self.segments)
             ends = len(ends_of(self.segments))
             n = len(self.circles)
@@ -170,6 +171,8 @@ class Scene:
         """
         if not self.segments:
             return self
+        from .surfaces import SegmentFace, ends_of
+
         found = copy(self)
         kept_values = vars(found)
         for name in ("_hash", "ids", "surfaces", "faces"):
@@ -193,7 +196,7 @@ class Scene:
     def faces(self) -> range:
         """Which of the walls are faces of segments: the last of them, and none but in `surfaces`."""
         return range(
-            next((k for k, wall in enumerate(self.walls) if isinstance(wall, SegmentFace)), len(self.walls)),
+            next((k for k, wall in enumerate(self.walls) if wall.is_face), len(self.walls)),
             len(self.walls),
         )
 

@@ -22,6 +22,8 @@ from .things import FIXED, Circle, Segment, Wall
 class SegmentFace(Wall):
     """One side of a segment: a wall that only what lies on its left meets, strictly between its two points."""
 
+    is_face = True
+
     @classmethod
     def of(cls, segment: Segment, back: bool) -> SegmentFace:
         """The left side of a segment, or its right side, which is the left one of the way back.

@@ -161,6 +161,9 @@ class Wall:
     y1: Quantity
     id: str | None
 
+    is_face = False
+    """Whether it is one side of a segment, which ends: see `scenarios.surfaces`."""
+
     def __init__(
         self, x0: QuantityLike, y0: QuantityLike, x1: QuantityLike, y1: QuantityLike, id: str | None = None
     ) -> None:
