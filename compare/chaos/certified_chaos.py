@@ -109,7 +109,7 @@ def chaos(
     found = spectrum(scene, struck, exponents)
     if scene.segments and chosen:
         raise SceneError(
-            f"{scene.name!r}: has segments, where no horizon is foreseen yet; write --engines none, or take walls"
+            f"{scene.name!r}: has segments, where no horizon is predicted yet; write --engines none, or take walls"
         )
     forecaster, rate = Forecaster(reference, struck), found.per_time().value if found.chaotic else 0.0
     horizons: list[Horizon] = []

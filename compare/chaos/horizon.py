@@ -165,7 +165,7 @@ class Forecaster:
 
     def __init__(self, trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> None:
         if trajectory.scene.segments:
-            raise SceneError(f"{trajectory.scene.name!r}: has segments, where no horizon is foreseen yet; take walls")
+            raise SceneError(f"{trajectory.scene.name!r}: has segments, where no horizon is predicted yet; take walls")
         self.trajectory = trajectory
         self.struck = struck
         self._curves: dict[ErrorModel, ErrorCurve] = {}
