@@ -90,6 +90,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
     """The first key of a scene that an engine says it does not follow; a tie policy of its own is no hindrance."""
     uses = {
         "wall": bool(scene.walls),
+        "segment": bool(scene.segments),
         "pocket": bool(scene.pockets),
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,

@@ -364,7 +364,9 @@ class ExactEngine(Declared):
             raise SceneError(NOT_ITS_LOG) from None
         try:
             with endable():
-                again = self._run(run.scene, limits, None, progress, take_up if known else None)
+                again = self._run(
+                    run.scene, limits, None, progress, take_up if known and not run.scene.segments else None
+                )
         except (Undecided, BudgetSpent):
             again = self._run(run.scene, limits, None, progress)
         except KeyboardInterrupt:
@@ -383,6 +385,7 @@ class ExactEngine(Declared):
     ) -> Trajectory:
         with ball.precision(FIRST_BITS), SELDOM_COLLECTED:
             check_doubles()
+            outer, scene = scene, scene.surfaces
             decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
             loop = Loop(scene, decider, limits, progress, policy)
             if take_up is not None:
@@ -393,13 +396,13 @@ class ExactEngine(Declared):
             if policy is None:
                 tape = loop.tape
                 tape.rises, tape.grazes = decider.history.rises, decider.grazes
-            run = self._trajectory(scene, decider, limits, stop, tape)
+            run = self._trajectory(outer, scene, decider, limits, stop, tape)
             decider.close()
             check_doubles()
             return run
 
     def _trajectory(
-        self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None
+        self, outer: Scene, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None
     ) -> Trajectory:
         history = decider.history
         state = decider.state
@@ -408,17 +411,17 @@ class ExactEngine(Declared):
         notes: tuple[str, ...] = ()
         home = False
         end = _end(log, history, limits, stop)
-        motion = ExactMotion(log, history.knots, end, history.set_times)
+        motion = ExactMotion(log, history.knots[: len(outer.circles)], end, history.set_times)
         if stop.reason is StopReason.HORIZON and limits.to_return:
             decider.catch_up()
             home = decider.retrace.home
-            notes = (return_note(scene, decider.retrace.home, decider.state.exact, motion),)
+            notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))
         return Trajectory(
-            scene=scene,
+            scene=outer,
             engine=self.name,
             parameters={"max_bits": self.max_bits, "ties": self.ties, "work": self.work},
             events=Late(len(records), lambda: _events(log, records)),

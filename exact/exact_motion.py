@@ -75,7 +75,7 @@ class RunLog:
     """
 
     def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
-        self.scene = scene
+        self.scene = scene.surfaces
         self.steps = steps
         self.lost = lost
         self.centred = centred
@@ -486,9 +486,8 @@ class ExactMotion:
         """
         if self.returned and time is self.end:
             log = self.log
-            return [
-                (_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles
-            ]
+            circles = log.scene.circles[: len(self.knots)]
+            return [(_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in circles]
         at = self._within(time)
         return [self._of_circle(i, at) for i in range(len(self.knots))]
 

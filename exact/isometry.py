@@ -32,7 +32,10 @@ class SceneData:
         ]
         self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
         self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
-        self.wall_of = {line_key(point, normal): k for k, (point, normal) in enumerate(self.walls)}
+        self.ends = [(constant(w.x1), constant(w.y1)) if k in scene.faces else None for k, w in enumerate(scene.walls)]
+        self.wall_of = {
+            wall_key(*wall, end): k for k, (wall, end) in enumerate(zip(self.walls, self.ends, strict=True))
+        }
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
         self.alone = len(self.wall_of) == len(self.walls) and len(self.pocket_of) == len(self.pockets)
 
@@ -56,7 +59,7 @@ class SceneData:
         if self.alone or is_pair(link):
             return link
         if is_flat(link):
-            return AtWall(link.circle, self.wall_of[line_key(*self.walls[link.wall])])
+            return AtWall(link.circle, self.wall_of[wall_key(*self.walls[link.wall], self.ends[link.wall])])
         place, r = self.pockets[link.pocket]
         return Entry(link.circle, self.pocket_of[*place, r])
 
@@ -85,6 +88,11 @@ def line_key(point: Vector, normal: Vector) -> tuple[FieldNumber | int, ...]:
     if field_sign(nx) != 0:
         return 1, ny / nx, offset / nx
     return 0, 1, offset / ny
+
+
+def wall_key(point: Vector, normal: Vector, end: Vector | None) -> tuple[object, ...]:
+    """What tells walls apart: of one without ends its line, of a face its two ends and its side."""
+    return line_key(point, normal) if end is None else (frozenset((point, end)), normal)
 
 
 class Isometry:
@@ -129,8 +137,9 @@ class Isometry:
     def wall(self, k: int) -> int | None:
         """The wall on the image of wall k's line, which stands for all that are on it."""
         if k not in self._walls:
-            point, normal = self._data.walls[k]
-            self._walls[k] = self._data.wall_of.get(line_key(self.move(point), self.turn(normal)))
+            (point, normal), end = self._data.walls[k], self._data.ends[k]
+            key = wall_key(self.move(point), self.turn(normal), None if end is None else self.move(end))
+            self._walls[k] = self._data.wall_of.get(key)
         return self._walls[k]
 
     def pocket(self, k: int) -> int | None:

@@ -10,7 +10,7 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import speed_change
 from .numbers.system import N, solve_positive
-from .replay.contact import Entry, Link, Round, Touch, is_flat
+from .replay.contact import AtWall, Entry, Link, Round, Touch, is_flat
 from .replay.state import ReplayState
 
 # -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
@@ -111,7 +111,7 @@ def circles_of(*links: Link) -> tuple[int, ...]:
 
 # -- Questions about meetings: whether and when two touch, and whether they come nearer.
 
-L = TypeVar("L", Link, Round, Entry)
+L = TypeVar("L", Link, Round, Entry, AtWall)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +160,51 @@ class Gap(OfOne[Link]):
 
     def value(self, state: ReplayState[N]) -> N:
         return self.link.gap(state)
+
+
+@dataclass(frozen=True, eq=False)
+class Foot(OfOne[AtWall]):
+    """Does a circle meet the line of a face beyond its start (positive), at it (zero) or before it? `far`: its end."""
+
+    far: bool = False
+    words = "whether {} meet between its ends"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.face_foot(self.link, self.far)
+
+
+@dataclass(frozen=True, eq=False)
+class Beside(Plain):
+    """Is a circle that slides along the line of a face, at the time of a meeting, beyond its start? `far`: its end.
+
+    Without a meeting: at the instant at hand, at which it stands.
+    """
+
+    link: AtWall
+    far: bool
+    moment: Moment | None
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return self.link.circles if self.moment is None else circles_of(self.link, self.moment.link)
+
+    def value(self, state: ReplayState[N]) -> N:
+        along, slide, clock = state.face_place(self.link, self.far)
+        if self.moment is None:
+            late = state.bodies[self.link.circle].flight.late
+            return along if late is None else along + slide * late
+        t, wait = self.moment.wait(state)
+        return along + slide * ((t - clock) + wait)
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        if self.moment is None:
+            return self.value(state), state.zero, state.zero, state.zero, state.zero
+        along, slide, clock = state.face_place(self.link, self.far)
+        p, q, d = self.moment.parts(state)
+        return along + slide * (p - clock), slide * q, d, state.zero, state.zero
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.link)} are between its ends"
 
 
 class Discriminant(OfOne[Round]):

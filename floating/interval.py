@@ -302,7 +302,7 @@ class IntervalEngine(EventDriven):
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene, PlainState(scene, INTERVALS), INTERVALS),
+                PlainDecider(scene.surfaces, PlainState(scene.surfaces, INTERVALS), INTERVALS),
                 lambda knots, end: IntervalMotion(knots, self.bits, end),
                 IntervalNumber,
                 until=until,

@@ -9,8 +9,8 @@ from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
-from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import Body, Entry, Link, NamedContacts, is_flat, name_of
+from ..exact.question import Approach, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -176,6 +176,7 @@ class PlainMeetings(Generic[M]):
         ask: Callable[[Question], int],
     ) -> None:
         self._predictor = Predictor(scene, state, queue, plan, numbers.bounds, self._unsure)
+        self.slides = self._predictor.slides
         self._state = state
         self._sign = numbers.sign
         self._bounds = numbers.bounds
@@ -242,7 +243,10 @@ class PlainMeetings(Generic[M]):
         Raises:
             Undecided: where that cannot be told.
         """
-        if self._ask(Approach(link)) >= 0:
+        approach = self._ask(Approach(link))
+        if is_flat(link) and link.wall in self._predictor.faces:
+            return self._meeting_face(link, approach)
+        if approach >= 0:
             return None
         disc = 1 if is_flat(link) else self._ask(Discriminant(link))
         if disc < 0:
@@ -256,6 +260,28 @@ class PlainMeetings(Generic[M]):
         except ZeroDivisionError:
             return None
         return clock + wait, disc == 0
+
+    def _meeting_face(self, link: AtWall, approach: int) -> tuple[M, bool] | None:
+        """As `_meeting`, of a face; what rounding has put into it is on its side, between its ends, and not through."""
+        if approach > 0:
+            return None
+        gap = self._ask(Gap(link))
+        if approach == 0:
+            if gap == 0:
+                self.slides.append(link)
+            return None
+        state = self._state
+        if gap <= 0:
+            through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
+            beside = any(self._ask(Beside(link, far, None)) <= 0 for far in (False, True))
+            return None if beside or (gap and self._sign(through) <= 0) else (link.later(state).flight.t, False)
+        if any(self._ask(Foot(link, far)) <= 0 for far in (False, True)):
+            return None
+        try:
+            clock, wait = link.hit(state)
+        except ZeroDivisionError:
+            return None
+        return clock + wait, False
 
 
 class PlainDecider(Generic[M]):
@@ -387,8 +413,9 @@ def run_plain(
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
     limits = run_limits(scene, until, events)
-    stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
-    ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(scene)
+    inner = decider.scene
+    stop = (Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)).run()
+    ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(inner)
 
     def at(mark: Mark[M]) -> Real:
         return shown(mark.time, mark.number)
@@ -401,7 +428,7 @@ def run_plain(
 
     def knots_of() -> Iterator[list[Passed[M]]]:
         finish()
-        for row in history.knots:
+        for row in history.knots[: len(scene.circles)]:
             yield [(t, x, y, vx, vy, number) for t, x, y, vx, vy, _, number in row]
 
     reversal = None
@@ -427,7 +454,7 @@ def run_plain(
         events=Late(len(history.records), events_of),
         stop=stop,
         final_time=end,
-        motion=motion(Late(len(history.knots), knots_of), end),
+        motion=motion(Late(len(scene.circles), knots_of), end),
         reversal=reversal,
         pocketings=tuple(
             Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), at(e.mark)) for e in history.entries
@@ -513,11 +540,12 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
+        inner = scene.surfaces
         return run_plain(
             scene,
             self.name,
             self.parameters,
-            PlainDecider(scene, PlainState(scene, self.numbers), self.numbers),
+            PlainDecider(inner, PlainState(inner, self.numbers), self.numbers),
             self.motion,
             self.shown,
             until=until,

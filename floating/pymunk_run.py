@@ -224,6 +224,9 @@ class Recorder:
     def _normal(self, pair: tuple[int, int]) -> tuple[float, float]:
         first, second = pair
         bodies = self._world.bodies
+        walls = self._world.walls
+        if second >= len(bodies) + len(walls):
+            return self._world.from_bar(second - len(bodies) - len(walls), *bodies[first].position)
         if second >= len(bodies):
             nx, ny, _ = self._world.walls[second - len(bodies)]
             return nx, ny
@@ -471,6 +474,11 @@ class Run:
             side = np.array([sides[number] for sides in self.world.sides])
             if np.any(side * (speed @ (nx, ny)) < 0):
                 return False
+        for body in self.world.moving:  # a distance from a segment is convex along a flight
+            for number in range(len(self.world.bars)):
+                away = self.world.from_bar(number, *body.position)
+                if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
+                    return False
         return not any(
             np.any(np.einsum("ij,ij->i", place[i + 1 :] - place[i], speed[i + 1 :] - speed[i]) < 0)
             for i in range(len(place) - 1)

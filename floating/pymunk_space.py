@@ -1,4 +1,7 @@
-"""A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run."""
+"""A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run.
+
+A segment of the scene is pymunk's own: it is the same thing, its thickness too.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import pymunk
 
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
-from ..scenarios.things import Circle, Wall
+from ..scenarios.things import Circle, Segment, Wall
 
 # -- Convex polygons, cut by lines: where walls leave room.
 
@@ -70,9 +73,10 @@ class PymunkSpace:
         space: ready to step.
         bodies: one a circle, in scene order.
         moving: those of the circles that are not fixed.
-        places: the index in `scene.ids` of each shape's circle or wall.
+        places: the index in `scene.ids` of each shape's circle, wall or segment.
         walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
+        bars: (x0, y0, x1, y1) of each segment.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
     """
 
@@ -82,7 +86,15 @@ class PymunkSpace:
     places: dict[pymunk.Shape, int]
     walls: tuple[tuple[float, float, float], ...]
     sides: tuple[tuple[int, ...], ...]
+    bars: tuple[tuple[float, float, float, float], ...]
     speed: float
+
+    def from_bar(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """The way from the nearest point of a segment to a point."""
+        x0, y0, x1, y1 = self.bars[number]
+        ux, uy = x1 - x0, y1 - y0
+        share = min(1.0, max(0.0, ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)))
+        return x - x0 - share * ux, y - y0 - share * uy
 
 
 def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, slop: float, bias: float) -> PymunkSpace:
@@ -128,13 +140,18 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
                 segment.filter = _only(cell)
                 space.add(segment)
                 places[segment] = len(scene.circles) + index
+        for index, segment in enumerate(scene.segments):
+            shape = _bar(space.static_body, segment)
+            space.add(shape)
+            places[shape] = len(scene.circles) + len(scene.walls) + index
     except OverflowError:
         raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
     for shape in places:
         shape.elasticity = ELASTICITY
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), speed)
+    bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, speed)
 
 
 def _only(cell: int) -> pymunk.ShapeFilter:
@@ -149,6 +166,12 @@ def _disc(circle: Circle) -> tuple[pymunk.Body, pymunk.Circle]:
     if not circle.fixed:
         body.velocity = float(circle.vx), float(circle.vy)
     return body, pymunk.Circle(body, float(circle.r))
+
+
+def _bar(static: pymunk.Body, segment: Segment) -> pymunk.Segment:
+    """A segment, which circles of every cell meet."""
+    ends = (float(segment.x0), float(segment.y0)), (float(segment.x1), float(segment.y1))
+    return pymunk.Segment(static, *ends, float(segment.r))
 
 
 def _mass(circle: Circle) -> float:

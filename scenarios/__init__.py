@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .numbers.quantity import Quantity
     from .scene import Scene
     from .settings import TiePolicy
-    from .things import Circle, Pocket, Wall
+    from .things import Circle, Pocket, Segment, Wall
     from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "Quantity",
     "Scene",
     "SceneError",
+    "Segment",
     "State",
     "Stop",
     "StopReason",
@@ -45,6 +46,7 @@ _HOMES = {
     "Quantity": "numbers.quantity",
     "Scene": "scene",
     "SceneError": "errors",
+    "Segment": "things",
     "State": "trajectory",
     "Stop": "trajectory",
     "StopReason": "trajectory",

@@ -16,7 +16,7 @@ from .errors import SHOWN, Bare, SceneError, cut, printable
 from .numbers.parsing import MAX_LENGTH
 from .numbers.quantity import Quantity
 from .scene import MAX_CIRCLES, Scene
-from .things import FIXED, INFINITE, Circle, Pocket, Wall
+from .things import FIXED, INFINITE, Circle, Pocket, Segment, Wall
 
 # -- From the keys and values of a scene file to the scene; whatever does not fit is refused by name.
 
@@ -26,16 +26,17 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
-TOP = (*TEXTS, *COUNTS, *TIMES, "capture", "circle", "wall", "pocket")
+TOP = (*TEXTS, *COUNTS, *TIMES, "capture", "circle", "wall", "segment", "pocket")
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
+SEGMENT = (*WALL, "r")
 POCKET = ("id", "x", "y", "r")
 
 ABSENT = frozenset(
     [
         *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
         *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
-        *("period_x", "period_y", "polygon", "rectangle", "restitution", "rotation", "segment", "settle", "spin"),
+        *("period_x", "period_y", "polygon", "rectangle", "restitution", "rotation", "settle", "spin"),
         *("spring", "torque"),
     ]
 )
@@ -73,6 +74,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
             circles=_things(data, "circle", _circle, remedy),
             walls=_things(data, "wall", _wall, remedy),
             pockets=_things(data, "pocket", _pocket, remedy),
+            segments=_things(data, "segment", _segment, remedy),
             **values,
         )
     except SceneError as error:
@@ -116,6 +118,11 @@ def _circle(label: str, row: dict[str, Any]) -> Circle:
 def _wall(label: str, row: dict[str, Any]) -> Wall:
     _check_keys(label, row, WALL)
     return Wall(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1")))
+
+
+def _segment(label: str, row: dict[str, Any]) -> Segment:
+    _check_keys(label, row, SEGMENT)
+    return Segment(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("r",)))
 
 
 def _pocket(label: str, row: dict[str, Any]) -> Pocket:
@@ -181,7 +188,7 @@ def _check_physics(data: dict[str, Any]) -> None:
         SceneError: naming each key, and the first thing that has it.
     """
     found = {key: "" for key in data if _is_physics(key)}
-    for kind in ("circle", "wall", "pocket"):
+    for kind in ("circle", "wall", "segment", "pocket"):
         rows: object = data.get(kind)
         for row in rows if _few(rows) and _are_tables(rows) else []:
             for key in row:
@@ -414,7 +421,7 @@ def _data(scene: Scene) -> dict[str, Any]:
     """The scene's keys and values, once it is sure that a file can hold them."""
     data = scene.data()
     _check_table("", data)
-    for kind in ("circle", "wall", "pocket"):
+    for kind in ("circle", "wall", "segment", "pocket"):
         rows: list[dict[str, Any]] = data.get(kind, [])
         for row in rows:
             _check_table(f"{kind} {cut(row['id'])}: ", row)

@@ -11,7 +11,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from .things import Circle, Pocket, Wall
+    from .things import Circle, Pocket, Segment, Wall
 
     pass
 
@@ -35,6 +35,8 @@ class Pictured(Protocol):
     def walls(self) -> tuple[Wall, ...]: ...
     @property
     def pockets(self) -> tuple[Pocket, ...]: ...
+    @property
+    def segments(self) -> tuple[Segment, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,10 @@ def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
             if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
                 xs.append(x)
                 ys.append(y)
+    for segment in scene.segments:
+        x0, y0, x1, y1, r = segment_line(segment)
+        xs += [x0 - r, x1 - r, x0 + r, x1 + r]
+        ys += [y0 - r, y1 - r, y0 + r, y1 + r]
     width, height = max(xs) - min(xs), max(ys) - min(ys)
     room = MARGIN * max(width, height, 1e-9)
     width, height = (
@@ -99,6 +105,11 @@ def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
 def wall_line(wall: Wall) -> tuple[float, float, float, float]:
     """A wall's two points as doubles."""
     return float(wall.x0), float(wall.y0), float(wall.x1), float(wall.y1)
+
+
+def segment_line(segment: Segment) -> tuple[float, float, float, float, float]:
+    """A segment's two points and half its thickness as doubles."""
+    return float(segment.x0), float(segment.y0), float(segment.x1), float(segment.y1), float(segment.r)
 
 
 def _nearest(
@@ -194,6 +205,7 @@ def draw(
     parts += [_round("pocket", view, float(p.x), float(p.y), float(p.r)) for p in scene.pockets]
     names = set(marked)
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
+    parts += [_segment(view, segment_line(s), s.id in names, str(s.id)) for s in scene.segments]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
     labels: list[str] = []
@@ -229,6 +241,16 @@ def _arrow(classes: str, start: tuple[float, float], along: tuple[float, float])
     points = (("M", (x, y)), ("L", tip), ("M", one), ("L", tip), ("L", other))
     path = "".join(f"{letter}{px:.2f} {py:.2f}" for letter, (px, py) in points)
     return f'<path class="{classes}" fill="none" d="{path}"/>'
+
+
+def _segment(view: View, line: tuple[float, float, float, float, float], marked: bool, name: str) -> str:
+    """A segment as wide as it is, or as a wall is drawn."""
+    x0, y0, x1, y1, r = line
+    wide = f' style="stroke-width:{2 * r * view.scale:.2f};stroke-linecap:round"' if r * view.scale > 1.0 else ""
+    return (
+        f'<line class="wall{" marked" if marked else ""}" x1="{view.x(x0):.2f}" y1="{view.y(y0):.2f}" '
+        f'x2="{view.x(x1):.2f}" y2="{view.y(y1):.2f}"{wide}><title>{escape(name)}</title></line>'
+    )
 
 
 def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:

@@ -12,12 +12,12 @@ from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import TiePolicy, checked_truth, positive_count, positive_time
-from .things import Circle, Pocket, Wall
+from .things import Circle, Pocket, Segment, Wall
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
 
-THINGS = frozenset({"circles", "walls", "pockets"})
+THINGS = frozenset({"circles", "walls", "pockets", "segments"})
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,9 @@ class Scene:
         pockets: round pockets; where a centre enters one is reported with the trajectory's outcome.
         capture: whether a circle that enters a pocket leaves play.
         description, source: what the scene shows and where it comes from.
-        touching: the contacts at gap zero at time 0, in scene order, by index: walls come after all circles.
+        segments: straight segments, after the walls in that order.
+        touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
+        surfaces: the same scene as engines see it: segments as faces and ends; itself where there are none.
 
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive.
@@ -58,6 +60,7 @@ class Scene:
     capture: bool = False
     description: str = ""
     source: str = ""
+    segments: tuple[Segment, ...] = ()
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -74,11 +77,13 @@ class Scene:
         capture: bool = False,
         description: str = "",
         source: str = "",
+        segments: Iterable[Segment] = (),
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
         put(self, "walls", tuple(_named(walls, "w")))
         put(self, "pockets", tuple(_named(pockets, "p")))
+        put(self, "segments", tuple(_named(segments, "s")))
         self._settle(
             name=name,
             tie_policy=tie_policy,
@@ -91,7 +96,17 @@ class Scene:
             source=source,
         )
         self._check_things()
-        put(self, "touching", check_apart(self.circles, self.walls))
+        touching = check_apart(self.circles, self.walls)
+        if self.segments:
+            from .surfaces import check_segments, ends_of
+
+            outer, inner = check_segments(self.circles, self.walls, self.segments)
+            ends = len(ends_of(self.segments))
+            n = len(self.circles)
+            inner += [(i, j if j < n else j + ends) for i, j in touching]
+            touching = tuple(sorted([*touching, *outer]))
+            put(self, "_lowered_touching", tuple(sorted(inner)))
+        put(self, "touching", touching)
 
     def _settle(
         self,
@@ -128,9 +143,11 @@ class Scene:
         if len(self.circles) > MAX_CIRCLES:
             raise SceneError(f"the scene has {len(self.circles)} circles; at most {MAX_CIRCLES}")
         seen: set[str | None] = set()
-        for thing in (*self.circles, *self.walls, *self.pockets):
+        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments):
             if thing.id in seen:
-                raise SceneError(f"id {thing.id!r} is used twice; give every circle, wall and pocket an id of its own")
+                raise SceneError(
+                    f"id {thing.id!r} is used twice; give every circle, wall, segment and pocket an id of its own"
+                )
             seen.add(thing.id)
 
     @kept
@@ -143,8 +160,45 @@ class Scene:
 
     @kept
     def ids(self) -> tuple[str, ...]:
-        """Ids of the circles, then of the walls: the scene order."""
-        return tuple(str(thing.id) for thing in (*self.circles, *self.walls))
+        """Ids of the circles, then of the walls, then of the segments: the scene order."""
+        return tuple(str(thing.id) for thing in (*self.circles, *self.walls, *self.segments))
+
+    @kept
+    def surfaces(self) -> Scene:
+        """The same scene as engines see it: segments as faces, after the walls, and ends, after the circles.
+
+        Itself where it has none.
+        """
+        if not self.segments:
+            return self
+        from .surfaces import SegmentFace, ends_of
+
+        found = copy(self)
+        kept_values = vars(found)
+        for name in ("_hash", "ids", "surfaces", "faces"):
+            kept_values.pop(name, None)
+        ends = ends_of(self.segments)
+        faces = (SegmentFace.of(segment, back) for segment in self.segments for back in (False, True))
+        kept_values["ends"] = range(len(self.circles), len(self.circles) + len(ends))
+        put = object.__setattr__
+        put(found, "circles", (*self.circles, *ends))
+        put(found, "walls", (*self.walls, *faces))
+        put(found, "segments", ())
+        put(found, "touching", kept_values["_lowered_touching"])
+        return found
+
+    @kept
+    def ends(self) -> range:
+        """Which of the circles are ends of segments: the last of them, and none but in `surfaces`."""
+        return range(len(self.circles), len(self.circles))
+
+    @kept
+    def faces(self) -> range:
+        """Which of the walls are faces of segments: the last of them, and none but in `surfaces`."""
+        return range(
+            next((k for k, wall in enumerate(self.walls) if wall.is_face), len(self.walls)),
+            len(self.walls),
+        )
 
     def with_changes(self, **changes: Any) -> Scene:
         """A copy with some attributes replaced.
@@ -156,7 +210,8 @@ class Scene:
         if changes.keys() & THINGS:
             return Scene(**{**values, **changes})
         twin = copy(self)
-        vars(twin).pop("_hash", None)
+        for name in ("_hash", "surfaces"):
+            vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
         return twin
 
@@ -181,6 +236,11 @@ class Scene:
                 row["point"] = True
         if self.walls:
             data["wall"] = [_texts(w, ("x0", "y0", "x1", "y1")) for w in self.walls]
+        if self.segments:
+            data["segment"] = [_texts(s, ("x0", "y0", "x1", "y1", "r")) for s in self.segments]
+            for row in data["segment"]:
+                if row["r"] == "0":
+                    del row["r"]
         if self.pockets:
             data["pocket"] = [_texts(p, ("x", "y", "r")) for p in self.pockets]
         return data
@@ -192,14 +252,19 @@ class Scene:
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
-        counts = {"circle": len(self.circles), "wall": len(self.walls), "pocket": len(self.pockets)}
+        counts = {
+            "circle": len(self.circles),
+            "wall": len(self.walls),
+            "segment": len(self.segments),
+            "pocket": len(self.pockets),
+        }
         told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
         table = html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
         return shown(table, self, lambda: scene_picture(self, standalone=True), f"{self.name} at time 0")
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""
-        kinds = (("circle", self.circles), ("wall", self.walls), ("pocket", self.pockets))
+        kinds = (("circle", self.circles), ("wall", self.walls), ("segment", self.segments), ("pocket", self.pockets))
         made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
         return f"{self.name}: {', '.join(made)}"
 
@@ -214,7 +279,7 @@ class Scene:
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-Thing = TypeVar("Thing", Circle, Wall, Pocket)
+Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment)
 
 
 def _named(things: Iterable[Thing], letter: str) -> list[Thing]:

@@ -1,4 +1,4 @@
-"""Circles, walls and pockets: frozen, exact, checked each by itself."""
+"""Circles, walls, segments and pockets: frozen, exact, checked each by itself."""
 
 from __future__ import annotations
 
@@ -161,6 +161,9 @@ class Wall:
     y1: Quantity
     id: str | None
 
+    is_face = False
+    """Whether it is one side of a segment, which ends: see `scenarios.surfaces`."""
+
     def __init__(
         self, x0: QuantityLike, y0: QuantityLike, x1: QuantityLike, y1: QuantityLike, id: str | None = None
     ) -> None:
@@ -184,6 +187,47 @@ class Wall:
         """Signed distance of a point from the wall, times the length of `normal`."""
         nx, ny = self.normal
         return nx * (x - self.x0) + ny * (y - self.y0)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A straight segment from (x0, y0) to (x1, y1), hard on both sides, `r` thick to each side, with round ends.
+
+    Raises:
+        SceneError: if the two points are one, or r is negative.
+
+    >>> Segment(0, 0, 1, 0, id="shelf").r
+    Quantity('0')
+    """
+
+    x0: Quantity
+    y0: Quantity
+    x1: Quantity
+    y1: Quantity
+    id: str | None
+    r: Quantity
+
+    def __init__(
+        self,
+        x0: QuantityLike,
+        y0: QuantityLike,
+        x1: QuantityLike,
+        y1: QuantityLike,
+        id: str | None = None,
+        r: QuantityLike = 0,
+    ) -> None:
+        _checked_id("segment", id)
+        put = object.__setattr__
+        put(self, "id", id)
+        for key, value in (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1), ("r", r)):
+            put(self, key, _exact("segment", id, key, value))
+        if self.x0 == self.x1 and self.y0 == self.y1:
+            raise SceneError(
+                f"{_label('segment', id)}: both points are ({self.x0.brief()}, {self.y0.brief()}); "
+                "a segment needs two distinct points, or write a fixed circle"
+            )
+        if self.r.sign() < 0:
+            raise SceneError(f"{_label('segment', id)}: r = {self.r.brief()}: half a thickness is 0 or more")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.replay import state as exact_state
-from ...exact.replay.contact import touch_of
+from ...exact.replay.contact import part_at, touch_of
 from ...exact.simulation.policies import pushing_contacts
 
 if TYPE_CHECKING:
@@ -224,17 +224,18 @@ class _Impact:
         scene = trajectory.scene
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
         self._places = {name: place for place, name in enumerate(scene.ids)}
-        self._state = exact_state.ReplayState(scene, DOUBLES)
+        self._state = exact_state.ReplayState(scene.surfaces, DOUBLES)
+        self._scene = scene
         self._names = [str(c.id) for c in scene.circles]
-        for name, body in zip(self._names, self._state.bodies.values(), strict=True):
+        for name, body in zip(self._names, self._state.bodies.values(), strict=False):  # ends come after them
             (x, y), (vx, vy) = places[name], velocities[name]
             body.flight = body.flight._replace(x=x, y=y, vx=vx, vy=vy)
-        self._decider = PlainDecider(scene, self._state, DOUBLES)
+        self._decider = PlainDecider(scene.surfaces, self._state, DOUBLES)
 
     @property
     def velocities(self) -> Velocities:
         """(vx, vy) of every circle."""
-        return {name: b.flight[2:4] for name, b in zip(self._names, self._state.bodies.values(), strict=True)}
+        return {name: b.flight[2:4] for name, b in zip(self._names, self._state.bodies.values(), strict=False)}
 
     def take(self, group: Sequence[Contact], at_once: bool) -> bool:
         """Applies the impulses of a group in rounds; False if one of them could not have come about."""
@@ -254,7 +255,11 @@ class _Impact:
         return -self._link(pair).approach(self._state)
 
     def _link(self, pair: Contact) -> Touch:
-        return touch_of(self._state.scene, self._places[pair.first], self._places[pair.second])
+        i, j = self._places[pair.first], self._places[pair.second]
+        first_segment = len(self._scene.circles) + len(self._scene.walls)
+        if j >= first_segment:
+            return part_at(self._scene, i, j - first_segment, *self._state.bodies[i].flight[:2])
+        return touch_of(self._scene, i, j)
 
 
 # ----------------------------------------

@@ -188,7 +188,7 @@ def _kept(path: Path, scene: Scene) -> Trajectory | None:
     with contextlib.suppress(OSError):
         os.utime(path)
     assert isinstance(run.motion, ExactMotion)
-    run.motion.log.scene = scene
+    run.motion.log.scene = scene.surfaces
     return replace(run, scene=scene)
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scenarios.errors import SceneError
+
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
 
@@ -43,6 +45,8 @@ class Impacts:
     """The circles and walls of a scene in doubles, and the laws of elastic impact upon them."""
 
     def __init__(self, scene: Scene) -> None:
+        if scene.segments:
+            raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
         self.count = len(scene.circles)
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self._radii = [float(c.r) for c in scene.circles]

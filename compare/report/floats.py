@@ -32,6 +32,7 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
     1.850371707708594e-17
     """
+    _check_exported(scene)
     data: dict[str, Any] = {
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
@@ -48,6 +49,11 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     return data
 
 
+def _check_exported(scene: Scene) -> None:
+    if scene.segments:
+        raise SceneError(f"{scene.name!r}: has segments, which are not exported in doubles yet; leave out --floats")
+
+
 def floats_csv(scene: Scene) -> str:
     """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
 
@@ -56,6 +62,7 @@ def floats_csv(scene: Scene) -> str:
     Raises:
         SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
     """
+    _check_exported(scene)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),

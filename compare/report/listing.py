@@ -119,6 +119,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
     for kind, keys in (
         ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
         ("wall", ("id", "x0", "y0", "x1", "y1")),
+        ("segment", ("id", "x0", "y0", "x1", "y1", "r")),
         ("pocket", ("id", "x", "y", "r")),
     ):
         rows = data.get(kind)
@@ -126,7 +127,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
             continue
         table = grid(*keys, title=counted(len(rows), kind))
         for row in rows:
-            table.add_row(*(cut(str(row[key])) for key in keys))
+            table.add_row(*(cut(str(row.get(key, "0"))) for key in keys))
         out.print(table)
 
 

@@ -10,7 +10,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.pictures import DrawnDisc, view_of, wall_line
+from ...scenarios.pictures import DrawnDisc, segment_line, view_of, wall_line
 from ...scenarios.trajectory import StopReason
 from ..picture import instant_of, names_of
 from .charts import COASTING, errors_shown, predictions
@@ -114,6 +114,7 @@ def played(
         "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
         "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
         "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
+        **({"segments": [segment_line(s) for s in scene.segments]} if scene.segments else {}),
         "view": _view(scene, truth["knots"]),
         "begin": begin,
         "end": end,

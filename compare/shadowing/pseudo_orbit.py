@@ -107,7 +107,7 @@ class Missed(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class Segment:
+class OrbitSegment:
     """From one node to the next: contacts from number `first` on, and the two nodes' times."""
 
     first: int
@@ -116,13 +116,13 @@ class Segment:
     end: float
 
 
-def segments(record: OrbitRecord) -> list[Segment]:
+def segments(record: OrbitRecord) -> list[OrbitSegment]:
     """One for each instant: nodes stand half-way between instants, the first at time 0, the last at the last instant.
 
     Nothing is lost where two instants are so close that a contact falls on the other side of a node: a state is then
     flown back to it.
     """
-    found: list[Segment] = []
+    found: list[OrbitSegment] = []
     first, begin, count = 0, 0.0, len(record.links)
     while first < count:
         stop = first + 1
@@ -130,7 +130,7 @@ def segments(record: OrbitRecord) -> list[Segment]:
             stop += 1
         last = record.times[stop - 1]
         end = last if stop == count else last + (record.times[stop] - last) / 2
-        found.append(Segment(first, record.links[first:stop], begin, end))
+        found.append(OrbitSegment(first, record.links[first:stop], begin, end))
         first, begin = stop, end
     return found
 
@@ -143,7 +143,7 @@ class FixedOrder:
         chain: the segments.
     """
 
-    def __init__(self, scene: Scene, chain: Sequence[Segment]) -> None:
+    def __init__(self, scene: Scene, chain: Sequence[OrbitSegment]) -> None:
         self.scene = scene
         self.chain = chain
         self.free = moving(scene)
@@ -174,7 +174,7 @@ class FixedOrder:
             told += [flight.vx, flight.vy]
         return told, struck
 
-    def _state(self, segment: Segment, node: Node) -> ReplayState[arb]:
+    def _state(self, segment: OrbitSegment, node: Node) -> ReplayState[arb]:
         if self._bits != ball.bits_in_use():
             self._made, self._bits = ReplayState(self.scene, ball.BALLS), ball.bits_in_use()
         state, begin = self._made, arb(segment.begin)

@@ -443,11 +443,11 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     """
     motion = motion_of(trajectory)
     assert motion is not None, "predicted of an exact run only"
-    log, circles = motion.log, trajectory.scene.circles
+    log, circles = motion.log, motion.log.scene.circles
     bits = 2 * (log.lost + LEAST_BITS)
     while True:
         with ball.precision(bits):
-            state = ReplayState(trajectory.scene, ball.BALLS)
+            state = ReplayState(log.scene, ball.BALLS)
             told: list[dict[int, float]] = []
             done = 0
             for event, impacts in zip(trajectory.events, struck, strict=False):

@@ -15,13 +15,14 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import Touch, is_flat
+from ...exact.replay.contact import Pair, Touch, is_flat, name_of
 from ...exact.replay.state import Go, Kick
+from ...scenarios.numbers.quantity import Quantity
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Link
-    from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Circle, Wall
     from ...scenarios.trajectory import Event, Trajectory
 
 BITS = 128
@@ -67,7 +68,7 @@ def first_graze(trajectory: Trajectory, motion: ExactMotion, events: int) -> Gra
 def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: int, link: Link) -> Graze | None:
     """The graze that two were proved to have on their flights after an instant, if it comes to pass."""
     i, j = link.circles
-    one, other = trajectory.scene.ids[i], trajectory.scene.ids[j]
+    one, other = motion.log.scene.ids[i], motion.log.scene.ids[j]
     before = sum(_number(event) <= instant for event in trajectory.events[:events])
     with ball.precision(BITS):
         time = _nearest(motion, i, j, instant)
@@ -83,7 +84,12 @@ def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: in
 def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
     """When two circles are nearest to each other on their flights after an instant."""
     rows: list[list[arb]] = []
-    for knots in (motion.knots[i], motion.knots[j]):
+    for k in (i, j):
+        if k in motion.log.scene.ends:
+            end = motion.log.scene.circles[k]
+            rows.append([ball.constant(number) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
+            continue
+        knots = motion.knots[k]
         knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]
         rows.append([known_ball(number, BITS) for number in knot[:5]])
     (s, ax, ay, avx, avy), (t, bx, by, bvx, bvy) = rows
@@ -152,6 +158,7 @@ def check_start(scene: Scene) -> None:
     """
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
+    scene = scene.surfaces
     free = moving(scene)
     for i, j in scene.touching:
         a = scene.circles[i]
@@ -178,6 +185,7 @@ def check_sizes(scene: Scene) -> None:
     Raises:
         NoTangentMap: naming the sizes that they hold.
     """
+    scene = scene.surfaces
     ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
     flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
     if not all(_held(value) for value in (*ends, *flights)):
@@ -320,7 +328,7 @@ def _replayed(
     log = motion.log
     found: list[list[list[Impact]]] = []
     with ball.precision(bits):
-        state = CentredState(trajectory.scene, log.centred)
+        state = CentredState(log.scene, log.centred)
         done = 0
         for event in trajectory.events[:events]:
             upto = steps_through(event)
@@ -350,6 +358,8 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
             continue
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
         reach = state.reach(a, b)
+        if j in state.scene.ends:
+            _check_corner(state, link, dx, dy)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
         if together:
             continue
@@ -358,8 +368,34 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         speeds[j] = vx + b.w * jx, vy + b.w * jy
 
 
+def _check_corner(state: BallState, link: Pair, dx: arb, dy: arb) -> None:
+    """Refuses an impact on an end where a face begins: nearby runs meet the one or the other, which bend differently.
+
+    Raises:
+        NoTangentMap: naming the two.
+    """
+    end = state.scene.circles[link.b]
+    for k in state.scene.faces:
+        face = state.scene.walls[k]
+        if face.id is not None and _starts_at(face, end):
+            nx, ny = face.normal
+            along = dx * state.constant(ny) - dy * state.constant(nx)
+            if not (along > 0 or along < 0):
+                who = name_of(state.scene, link)
+                raise NoTangentMap(f"{who} meet where an end becomes a face: nearby they meet the one or the other")
+
+
+def _starts_at(face: Wall, end: Circle) -> bool:
+    """Whether a face of a segment begins or ends beside the middle of an end: at right angles to it."""
+    nx, ny = face.normal
+    across = ((end.x - x) * ny - (end.y - y) * nx for x, y in ((face.x0, face.y0), (face.x1, face.y1)))
+    return any(value.sign() == 0 for value in across)
+
+
 def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     scene = trajectory.scene
+    if scene.segments:
+        raise NoTangentMap("of segments only runs of the exact engine tell faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}
     walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]

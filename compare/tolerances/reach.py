@@ -229,6 +229,10 @@ class ErrorWalk:
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
+        if run.scene.segments:
+            raise SceneError(
+                f"{run.scene.name!r}: has segments, where what rounding may do is not bounded yet; take walls"
+            )
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids

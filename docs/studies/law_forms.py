@@ -16,6 +16,7 @@ x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
 gap, approach, root, cross, scale, square = symbols("gap, approach, root, cross, scale, square")
 ux, uy, speed = symbols("ux, uy, speed")
+along, slide = symbols("along, slide")
 share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, wait, mx, my, weight, turn, push, shift = symbols("e, tau, wait, mx, my, weight, turn, push, shift")
@@ -229,6 +230,27 @@ FORMS = (
         The line on which the circle flies is mirrored too: its point p at any one time becomes
         H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `derivation.wall_velocities`.""",
         ("wall_mirror(Q(0), Q(2), Q(4))", "(Fraction(1, 1), Fraction(0, 1), Fraction(-1, 1))"),
+    ),
+    StableForm(
+        "face_along",
+        (x, y, x0, y0, nx, ny),
+        (),
+        ((x - x0) * ny - (y - y0) * nx,),
+        """Where along a face a point is, from its start (x0, y0), times its length |n|: (p - p0).u, u = (ny, -nx).
+
+        Of a velocity, with 0 for the start, how fast that grows.""",
+        ("face_along(Q(3), Q(7), Q(1), Q(0), Q(0), Q(2))", "Fraction(4, 1)"),
+    ),
+    StableForm(
+        "face_foot",
+        (along, slide, gap, approach),
+        (),
+        (slide * gap - along * approach,),
+        """Where along a face a circle touches it, times its length and -n.v, which is positive while it comes nearer.
+
+        `along` and `slide` are `face_along` of its place and velocity, `gap` is `wall_gap`, `approach`
+        `wall_approach`. Equals what `derivation.wall_times` gives, freed from the division.""",
+        ("face_foot(Q(4), Q(1), Q(8), Q(-4))", "Fraction(24, 1)"),
     ),
     StableForm(
         "speed_change",

@@ -216,6 +216,21 @@ def _wall_times(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     return height - side * a_r * _length, hit(side) - one, hit(-side) - other
 
 
+def _face_foot(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """Where along the wall, from its first point, a circle is as it touches either side: (p + v t - p0).(p1 - p0)."""
+    found: list[Expr] = []
+    for sign in (1, -1):
+        normal = (sign * _normal[0], sign * _normal[1])
+        gap = formulas["wall_gap"](a_x, a_y, x0, y0, *normal, a_r * _length)
+        approach = formulas["wall_approach"](a_vx, a_vy, *normal)
+        along = formulas["face_along"](a_x, a_y, x0, y0, *normal)
+        slide = formulas["face_along"](a_vx, a_vy, Integer(0), Integer(0), *normal)
+        wait = formulas["wall_hit_time"](gap, approach)
+        place = (a_x + a_vx * wait - x0) * (x1 - x0) + (a_y + a_vy * wait - y0) * (y1 - y0)
+        found.append(sign * place + formulas["face_foot"](along, slide, gap, approach) / approach)
+    return tuple(found)
+
+
 def _wall_speed(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """The point aimed at is p + v (-g/approach), so the speed toward it is -sign(g approach) |v|,
     where g = n.(p - p0) is positive on the side that n points to."""
@@ -269,6 +284,7 @@ PROOFS = (
     Proof("velocities after two circles collide, by matrices", pair_velocities, _pair_mixed),
     Proof("velocity off a circle of infinite mass", fixed_circle_velocities, _fixed_circle),
     Proof("time until a circle touches a wall", wall_times, _wall_times),
+    Proof("where along a face a circle touches it", wall_times, _face_foot),
     Proof("a circle approaches a wall", wall_instant_speed, _wall_speed),
     Proof("velocity off a wall of infinite mass", wall_velocities, _wall_velocities),
     Proof("velocity off a wall, by a matrix", wall_velocities, _wall_mirrored),

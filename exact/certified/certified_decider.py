@@ -15,8 +15,8 @@ from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
 from ..numbers.ball import Known, field_ball, field_text
 from ..numbers.system import BudgetSpent, Undecided
-from ..question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
-from ..replay.contact import Body, Entry, Link, Touch, can_push, is_flat, name_of
+from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, Record
@@ -187,6 +187,7 @@ class CertifiedMeetings:
         work: int,
     ) -> None:
         self.predictor = FilteredPredictor(scene, state, queue, plan, self._unsure)
+        self.slides = self.predictor.slides
         self._state = state
         self._plan = plan
         self._precision = precision
@@ -227,6 +228,8 @@ class CertifiedMeetings:
         self._plan["doubtful settled"] += 1
         if self._judge.decide(Approach(link)).sign >= 0:
             return None
+        if self._misses(link):
+            return None
         disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
         if disc < 0:
             return None
@@ -258,6 +261,48 @@ class CertifiedMeetings:
             spent += units
             self._precision.rise(why)
 
+    def _misses(self, link: Link) -> bool:
+        """Whether a circle that approaches a face meets its line outside of it: its ends are none of it."""
+        if not is_flat(link) or link.wall not in self.predictor.faces:
+            return False
+        return any(self._judge.decide(Foot(link, far)).sign <= 0 for far in (False, True))
+
+    def _unsure_face(self, link: AtWall) -> None:
+        """As `_unsure`, of a face; a circle at its line that neither nears nor leaves it slides along it.
+
+        A gap below zero is behind the face, or beside it.
+        """
+        doubtful = self.predictor.push_doubtful
+        gap, approach = self._sign(Gap(link)), self._sign(Approach(link))
+        if (gap is not None and gap < 0) or (approach is not None and approach > 0):
+            return
+        feet = [self._sign(Foot(link, far)) for far in (False, True)]
+        if approach is not None and approach < 0 and any(foot is not None and foot <= 0 for foot in feet):
+            return
+        if gap:
+            if approach is None:
+                doubtful(link)
+            if not approach:
+                return
+        else:
+            approach = self._judge.decide(Approach(link)).sign if approach is None else approach
+            gap = self._judge.decide(Gap(link)).sign
+            if approach > 0 or gap < 0 or (gap > 0 and approach == 0):
+                return
+            if approach == 0:
+                self.predictor.slides.append(link)
+                return
+        if gap == 0:
+            if not self._misses(link):
+                who, when = self._judge.name(link), self._precision.where()
+                raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+            return
+        ball.use_bits(self._state.bits)
+        if None in feet:
+            doubtful(link)
+        else:
+            self.predictor.push(self._meeting(link, 1), link)
+
     def _meeting(self, link: Link, disc: int) -> arb:
         """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""
         if disc == 0:
@@ -278,6 +323,9 @@ class CertifiedMeetings:
         """
         self._plan["full predictions"] += 1
         ball.use_bits(self._state.bits)
+        if is_flat(link) and link.wall in self.predictor.faces:
+            self._unsure_face(link)
+            return
         approach = self._sign(Approach(link))
         if approach is not None and approach >= 0:
             return
@@ -422,7 +470,7 @@ class Stride:
             look: called before each look for an instant.
             note: told of each contact.
         """
-        queue, predict = self._queue, self._meetings.predictor.predict
+        queue, predict, slides = self._queue, self._meetings.predictor.predict, self._meetings.slides
         while most > 0:
             look()
             link = queue.alone(before)
@@ -431,6 +479,8 @@ class Stride:
             most -= 1
             last += 2
             predict(*self._carried_out(link, last, note, self._precision), ())
+            if slides:
+                break
         return last
 
     def again(self, link: Touch, number: int, note: Callable[[Touch], None]) -> None:

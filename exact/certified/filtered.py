@@ -276,6 +276,52 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
+    def faces(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """As `walls`, of faces: those whose line is surely met beyond their ends, or from behind, are left out.
+
+        Where the circle touches the line, its place along it is off by what its place now is, as the gap's without
+        r |n|, which `blur_gap` bounds; by what the speed along it is off, as that of approach, over the wait; and by
+        what the wait is off, over that speed; the products and sums are rounded by 8u of them.
+        """
+        fa = a.f
+        found: list[tuple[float, float, int]] = []
+        unclear: list[int] = []
+        if fa is None:
+            return found, [line.wall for line in lines]
+        flat, far = self.wall_bounds
+        x, y, vx, vy, t, late = fa
+        for k, x0, y0, nx, ny, offset, norm, size in lines:
+            approach = nx * vx + ny * vy
+            blur = norm * flat
+            if approach > blur:
+                continue
+            gap = nx * (x - x0) + ny * (y - y0) - offset
+            blur_gap = 32 * UNIT * size + norm * far
+            early = blur_gap + 2.0 * (abs(approach) + blur) * late
+            if gap < -early:
+                continue
+            if not (approach < -8.0 * blur and gap > blur_gap):
+                unclear.append(k)
+                continue
+            wait = -gap / approach
+            blur_wait = (blur_gap + wait * blur) / -approach + 8 * UNIT * wait
+            time = t + wait
+            blur_time = 2.0 * blur_wait + 8 * UNIT * (t + wait)
+            if not (wait > blur_time + late) or not isfinite(time):
+                unclear.append(k)
+                continue
+            along, slide = (x - x0) * ny - (y - y0) * nx, vx * ny - vy * nx
+            foot, beyond = along + slide * wait, nx * nx + ny * ny
+            blur_foot = blur_gap + wait * blur + (abs(slide) + blur) * 2.0 * blur_wait
+            blur_foot = 2.0 * blur_foot + 16 * UNIT * (abs(along) + abs(slide) * wait + beyond)
+            if foot < -blur_foot or foot > beyond + blur_foot:
+                continue
+            if foot > blur_foot and foot < beyond - blur_foot:
+                found.append((time - blur_time, time + blur_time, k))
+            else:
+                unclear.append(k)
+        return found, unclear
+
     def walls(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
@@ -353,6 +399,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_reaches = [[ball.as_double(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
+        self._face_lines: dict[int, list[FloatLine]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -439,6 +486,9 @@ class FilteredPredictor(Predictor[arb]):
                     self._unclear_walls(a, unclear, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
+        if self.faces:
+            for a in moved:
+                self.meet_faces(a, standing)
         plan = self.plan
         plan["walls predicted"] += len(moved) * self.wall_count
         plan["pairs predicted"] += outlook.pairs
@@ -481,6 +531,19 @@ class FilteredPredictor(Predictor[arb]):
         self.queue.push_walls(a, found, standing)
         if unclear:
             self._unclear_walls(a, unclear, standing)
+
+    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """See `Predictor.meet_faces`."""
+        lines = self._face_lines.get(a.kind)
+        if lines is None:
+            lines = self._face_lines[a.kind] = [self._float_line(a, k) for k in self.faces]
+        found, unclear = self.filter.faces(a, lines)
+        self.queue.push_walls(a, found, standing)
+        if unclear:
+            self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
+            for k in unclear:
+                self.face(a, k, standing)
 
     def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
         """Walls that doubles left open."""

@@ -135,6 +135,19 @@ class Line:
     y1: Any
 
 
+@dataclass(frozen=True)
+class Bar(Line):
+    """A segment without its ends: its centre line, and half its thickness."""
+
+    r: Any
+
+    def beside(self, a: Disc, time: Any) -> bool:
+        """Whether the foot of a circle's centre lies strictly between the ends, so much later."""
+        ux, uy = self.x1 - self.x0, self.y1 - self.y0
+        foot = normal(ux * (a.x + a.vx * time - self.x0) + uy * (a.y + a.vy * time - self.y0))
+        return sign(foot) > 0 and sign(normal(ux**2 + uy**2 - foot)) > 0
+
+
 def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     """All real times from now at which two things would just touch, not ordered, negative ones too.
 
@@ -142,6 +155,9 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     >>> touch_times(Disc(I(0), I(0), I(2), I(0), I(1), I(1)), Disc(I(4), I(0), I(0), I(0), I(1), I(1)))
     [1, 3]
     """
+    if isinstance(b, Bar):
+        line = Line(b.x0, b.y0, b.x1, b.y1)
+        return [time for time in touch_times(replace(a, r=a.r + b.r), line) if b.beside(a, time)]
     found = [
         solution.value(_at(a, b)) for solution in _solutions("wall touched" if isinstance(b, Line) else "pair touched")
     ]
@@ -238,9 +254,10 @@ class Touching:
         a, n = self.discs[i], len(self.discs)
         if j < n:
             return a, self.discs[j]
-        if sign(a.r) == 0:
+        line = self.lines[j - n]
+        if sign(a.r) == 0 and not (isinstance(line, Bar) and sign(line.r)):
             a = replace(a, x=self.came[pair][i].x, y=self.came[pair][i].y)
-        return a, self.lines[j - n]
+        return a, line
 
     def approaching(self, pairs: Sequence[Indices]) -> list[Indices]:
         """Those of the pairs with a positive instant speed, in scene order."""

@@ -15,6 +15,7 @@ from ...scenarios.engine import SCENE_KEYS, Declared, endable, horizon
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
+from ...scenarios.surfaces import ends_of
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import (
     Contact,
@@ -28,7 +29,18 @@ from ...scenarios.trajectory import (
     TieProof,
     Trajectory,
 )
-from .symbolic_contacts import Collided, Disc, Indices, Line, Touching, UnendingCollision, collide, coupled, touch_times
+from .symbolic_contacts import (
+    Bar,
+    Collided,
+    Disc,
+    Indices,
+    Line,
+    Touching,
+    UnendingCollision,
+    collide,
+    coupled,
+    touch_times,
+)
 from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
 
 if TYPE_CHECKING:
@@ -168,17 +180,21 @@ class _Run:
     whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
 
     def __post_init__(self) -> None:
-        self.discs = tuple(map(_disc, self.scene.circles))
-        self.lines = tuple(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in self.scene.walls)
+        scene, ends = self.scene, ends_of(self.scene.segments)
+        self.discs = tuple(map(_disc, (*scene.circles, *ends)))
+        self.real = len(scene.circles)
+        bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in scene.segments)
+        self.lines = (*(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in scene.walls), *bars)
         n = len(self.discs)
         pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
         self.pairs = sorted(
             pair
             for pair in pairs
             if any(k < n and self.discs[k].m is not None for k in pair)
-            and not all(k < n and self.discs[k].r == 0 for k in pair)
+            and not all(k < self.real and self.discs[k].r == 0 for k in pair)
         )
-        self.names = self.scene.ids
+        things = (*scene.circles, *ends, *scene.walls, *scene.segments)
+        self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
         self._leg()
 
@@ -296,6 +312,9 @@ class _Run:
         for pair in self.pairs:
             hit = self.hits.get(pair)
             arrived = hit is not None and sign(hit - self.now) == 0
+            if arrived and all(k < len(self.discs) and self.discs[k].r == 0 for k in pair):
+                point, end = (self.names[k] for k in pair)
+                raise SymbolicUndecided(f"no normal: {point} and {end} meet in one point; give one of them a radius")
             if arrived or sign(self._gap(pair)) == 0:
                 found.append(pair)
         return Touching(self.discs, self.lines, tuple(found), self.came)
@@ -309,7 +328,12 @@ class _Run:
             return normal((a.x - b.x) ** 2 + (a.y - b.y) ** 2 - (a.r + b.r) ** 2)
         w = self.lines[j - n]
         ux, uy = w.x1 - w.x0, w.y1 - w.y0
-        return normal((ux * (a.y - w.y0) - uy * (a.x - w.x0)) ** 2 / (ux**2 + uy**2) - a.r**2)
+        reach = a.r
+        if isinstance(w, Bar):
+            if not w.beside(a, ZERO):
+                return Integer(1)  # its ends are other things
+            reach = a.r + w.r
+        return normal((ux * (a.y - w.y0) - uy * (a.x - w.x0)) ** 2 / (ux**2 + uy**2) - reach**2)
 
     def _record(self, outcome: Collided) -> None:
         before, self.discs = self.discs, outcome.touching.discs
@@ -343,7 +367,7 @@ class _Run:
 
     def _leg(self) -> None:
         self.starts.append(self.now)
-        self.legs.append(self.discs)
+        self.legs.append(self.discs[: self.real])
 
 
 def _disc(circle: Circle) -> Disc:

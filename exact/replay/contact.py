@@ -350,6 +350,24 @@ def touch_of(scene: Scene, i: int, j: int) -> Touch:
     return Pair(first, second) if second < n else AtWall(first, second - n)
 
 
+def part_at(scene: Scene, circle: int, segment: int, x: float, y: float) -> Touch:
+    """What a circle at (x, y), of which doubles tell enough, touches of a segment: by place in `scene.surfaces`.
+
+    >>> from truebreak.scenarios import Circle, Segment
+    >>> scene = Scene([Circle(0, 9)], segments=[Segment(0, 0, 4, 0)])
+    >>> part_at(scene, 0, 0, 1.0, -1.0), part_at(scene, 0, 0, 5.0, 0.5)
+    (AtWall(circle=0, wall=1, kind='wall'), Pair(a=0, b=2))
+    """
+    whole, seen = scene.surfaces, scene.segments[segment]
+    x0, y0, x1, y1 = (float(q) for q in (seen.x0, seen.y0, seen.x1, seen.y1))
+    ux, uy = x1 - x0, y1 - y0
+    foot = ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)
+    if 0.0 < foot < 1.0:
+        return AtWall(circle, whole.faces.start + 2 * segment + (ux * (y - y0) - uy * (x - x0) < 0.0))
+    place = (seen.x0, seen.y0) if foot <= 0.0 else (seen.x1, seen.y1)
+    return Pair(circle, next(k for k in whole.ends if (whole.circles[k].x, whole.circles[k].y) == place))
+
+
 def places_of(scene: Scene, link: Touch) -> tuple[int, int]:
     """A contact by places in `scene.ids`, as `touch_of` reads them."""
     return link[0], len(scene.circles) + link[1] if link.flat else link[1]

@@ -12,6 +12,8 @@ from ...scenarios.scene import Scene
 from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
+    face_along,
+    face_foot,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -156,7 +158,7 @@ class Sides:
         key = (circle, wall)
         if key not in self._known:
             where = self.scene.circles[circle]
-            told = self._in_doubles(circle, wall)
+            told = False if wall in self.scene.faces else self._in_doubles(circle, wall)
             self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
         return self._known[key]
 
@@ -356,6 +358,25 @@ class Flights(Generic[N]):
         """As `round_hit`."""
         flight = self.bodies[link.circle].flight
         return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))
+
+    def face_foot(self, link: AtWall, far: bool) -> N:
+        """Where along a face an approaching circle meets its line, from its start or, `far`, to its end.
+
+        Positive between the ends, in the scale of `formulas.face_foot`.
+        """
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
+        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
+        approach = self.wall_approach(link)
+        foot = face_foot(along, slide, self._wall_gap(link, flight.x, flight.y), approach)
+        return -(line.nn * approach) - foot if far else foot
+
+    def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N]:
+        """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock."""
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
+        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
+        return (line.nn - along, -slide, flight.t) if far else (along, slide, flight.t)
 
 
 # -- Carries out an event log in any number system: advance bodies to a contact, apply impulses, flip velocities.

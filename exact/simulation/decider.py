@@ -13,7 +13,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption, Tie
 from ..numbers.system import N
 from ..question import Decision, Question
-from ..replay.contact import Body, Entry, Link, Touch
+from ..replay.contact import AtWall, Body, Entry, Link, Touch
 from ..replay.state import Step
 from .prediction import Arrival, ArrivalQueue
 
@@ -175,6 +175,11 @@ class Meetings(Protocol[N]):
             standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
             gone: circles out of play.
         """
+        ...
+
+    @property
+    def slides(self) -> list[AtWall]:
+        """Circles that predictions have seen to stand at the line of a face and to fly along it; taken by the loop."""
         ...
 
     def settled(self, arrival: Arrival[N]) -> Arrival[N] | None:

@@ -10,9 +10,9 @@ from typing import Generic
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
-from ..numbers.system import N
-from ..question import BeforeTime, Closing, Coupling, Decision, Moment, RelativeSpeed, Rim
-from ..replay.contact import Entry, Link, Touch, can_push, contact_of, is_pair, scene_order
+from ..numbers.system import N, Undecided
+from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Moment, RelativeSpeed, Rim
+from ..replay.contact import AtWall, Entry, Link, Touch, can_push, contact_of, is_flat, is_pair, name_of, scene_order
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .policies import Lasting, Policy, Rounds, components, settle
@@ -171,6 +171,7 @@ class Resolver(Generic[N, K]):
         self, hits: Iterable[Touch], touches: Mapping[Touch, int], instant: Instant, done: Resolved[K]
     ) -> None:
         """The rounds of every set of contacts that hang together and holds one that approaches: one event."""
+        left = self._left_faces(None if done.flipped or instant.clock is None else Moment(instant.clock))
         lasting = self.touching.all()
         known = {**dict.fromkeys(lasting, 0), **touches, **dict.fromkeys(hits, -1)}
         found = components([*hits, *touches], self.touching)
@@ -192,6 +193,10 @@ class Resolver(Generic[N, K]):
             done.standing |= rounds.signs
             if len(rounds.impulses) > 1:
                 self.policy.instant_done(lambda bodies=component.bodies: self.decider.reading.exact_state(bodies))
+        hit = {i for link in impulses for i in link.circles}
+        for link in left:
+            if link.circle not in hit:
+                self.touching.add(link)
         if not struck:
             return
         done.moved.update(i for link in impulses for i in link.circles)
@@ -199,6 +204,21 @@ class Resolver(Generic[N, K]):
         stands = struck[0][1].bodies[0]
         done.events.append((stands, tuple(sorted(taking_part, key=scene_order)), tuple(impulses), ties, coupled))
         self.decider.gathered(done.standing)
+
+    def _left_faces(self, moment: Moment | None) -> list[AtWall]:
+        """Takes from what lasts the faces whose line a circle slides along, but not, at an instant, between the ends.
+
+        At an end itself the end is what it touches: it grazes there.
+        """
+        faces = self.scene.faces
+        if not faces:
+            return []
+        sliding = sorted(link for link in self.touching.all() if is_flat(link) and link.wall in faces)
+        ends = (False, True)
+        found = [link for link in sliding if any(self.decider.ask(Beside(link, far, moment)) <= 0 for far in ends)]
+        for link in found:
+            self.touching.discard(link)
+        return found
 
     def admit(self, link: Touch, sign: int) -> None:
         """Takes up a contact of time 0, which lasts if the two move together."""
@@ -345,6 +365,8 @@ class Gatherer(Generic[N, K]):
         rivals = self._rivals(high)
         grazes = [rival for rival in rivals if rival.graze]
         chosen, ties = self._first([rival for rival in rivals if not rival.graze] if grazes else rivals)
+        if self.scene.ends:
+            self._refuse_corners(grazes, chosen, limit)
         if grazes and not chosen:
             self._pass(grazes)
             return None
@@ -510,6 +532,27 @@ class Gatherer(Generic[N, K]):
                 self._passed.append(graze)
             else:
                 self.queue.put_back(graze)
+
+    def _refuse_corners(
+        self, grazes: list[Arrival[N]], chosen: list[Arrival[N]], limit: tuple[Quantity | None, bool] | None
+    ) -> None:
+        """Stops where a point circle comes to an end of radius 0, which has no normal.
+
+        Raises:
+            Undecided: naming the two.
+        """
+        circles = self.scene.circles
+        for graze in grazes:
+            link = graze.link
+            if not is_pair(link) or circles[link.a].r.sign() or circles[link.b].r.sign():
+                continue
+            if limit is not None and self._place(graze, limit[0]) > 0:
+                continue
+            if not chosen or self._graze_place(graze, chosen[0]).sign <= 0:
+                who = name_of(self.scene, link)
+                raise Undecided(
+                    f"no normal: {who} meet in one point, an end without thickness; give one of them a radius"
+                )
 
     def _still_to_come(self, grazes: list[Arrival[N]], first: Arrival[N]) -> list[Arrival[N]]:
         """Drops the grazes that surely come before all else, as `_pass` does; the others."""

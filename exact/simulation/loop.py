@@ -255,6 +255,7 @@ class Loop(Generic[N, K]):
         self._instants = stride(before, most, until, self._look, self._note_alone)
         if self._instants != before:
             self._split = False
+            self._take_slides(self.decider.meetings.slides)
             self._report()
 
     def _strides(self) -> Ordinary | None:
@@ -348,7 +349,16 @@ class Loop(Generic[N, K]):
     def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
         """Predicts the next meetings of circles whose flights are new, with all in play but some."""
         gone = self.resolver.gone
-        self.decider.meetings.predict(moved, standing, gone.union(besides) if besides else gone)
+        meetings = self.decider.meetings
+        meetings.predict(moved, standing, gone.union(besides) if besides else gone)
+        if meetings.slides:
+            self._take_slides(meetings.slides)
+
+    def _take_slides(self, slides: list[AtWall]) -> None:
+        """Circles that predictions have seen to slide along the line of a face touch it from now on."""
+        for link in slides:
+            self.resolver.touching.add(link)
+        slides.clear()
 
     def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""

@@ -13,6 +13,8 @@ from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
 from ..laws.formulas import (
     advance,
+    face_along,
+    face_foot,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -417,8 +419,12 @@ class Predictor(Generic[M]):
         self.bounds = bounds
         self.unsure = unsure
         self._count = len(scene.circles)
-        self.wall_count = len(scene.walls)
-        self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
+        self.faces = scene.faces
+        self.wall_count = len(scene.walls) - len(self.faces)
+        self.slides: list[AtWall] = []
+        self.points = frozenset(
+            i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0 and i not in scene.ends
+        )
         self._begun = False
         self._crowd: Crowd[M] | None = None
         self.few = False
@@ -478,7 +484,7 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST:
+        if self._count < crowding.FEWEST or self.faces:
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
@@ -506,6 +512,8 @@ class Predictor(Generic[M]):
             if not a.flight.rest:
                 flying += 1
                 self.walls(a, every, standing)
+                if self.faces:
+                    self.meet_faces(a, standing)
         if flying:
             self.plan["walls predicted"] += flying * self.wall_count
 
@@ -523,6 +531,11 @@ class Predictor(Generic[M]):
         """Queues the next hits of a circle with some walls."""
         for k in walls:
             self.wall(a, k, standing)
+
+    def meet_faces(self, a: Body[M], standing: Collection[Link]) -> None:
+        """Queues the next hits of a circle with faces of segments."""
+        for k in self.faces:
+            self.face(a, k, standing)
 
     def pair(self, a: Body[M], b: Body[M], standing: Collection[Link]) -> None:
         """Queues the next meeting of a, which has a new flight, with the circle or pocket b.
@@ -579,6 +592,35 @@ class Predictor(Generic[M]):
         else:
             self.unsure(link)
             self.prepare()
+
+    def face(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
+        """Queues the next hit of a, which has a new flight, with a face: from its own side, strictly between its ends.
+
+        Where that is not plain, and where a may slide along its line, `unsure` is asked.
+        """
+        x0, y0, nx, ny, offset = self.line(a, wall)
+        ax, ay, avx, avy, at = a.q
+        zero, late, approach = self.zero, a.flight.late, wall_approach(avx, avy, nx, ny)
+        if approach > zero:
+            return
+        link, first = AtWall(a.index, wall), self.faces.start
+        if link in standing or AtWall(a.index, first + ((wall - first) ^ 1)) in standing:  # a point is at both sides
+            return
+        gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
+        still = (
+            gap if late is None else wall_gap(advance(ax, avx, late), advance(ay, avy, late), x0, y0, nx, ny, offset)
+        )
+        if approach < zero and still > zero:
+            along, slide = face_along(ax, ay, x0, y0, nx, ny), face_along(avx, avy, zero, zero, nx, ny)
+            foot = face_foot(along, slide, gap, approach)
+            beyond = -((nx * nx + ny * ny) * approach) - foot
+            if foot < zero or beyond < zero:
+                return
+            if foot > zero and beyond > zero:
+                self.push(at + wall_hit_time(gap, approach), link)
+                return
+        self.unsure(link)
+        self.prepare()
 
     def push(self, time: M, link: Link, graze: bool = False) -> None:
         """Queues a meeting that is certain to come if nothing else does first."""

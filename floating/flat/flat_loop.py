@@ -249,4 +249,9 @@ class FlatLoop(Loop[float, float]):
 
 def follows(scene: Scene, policy: Policy | None) -> bool:
     """Whether a run of a scene can be flat: no pockets, and a tie policy that learns nothing from a contact alone."""
-    return not scene.pockets and policy is None and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
+    return (
+        not scene.pockets
+        and not scene.segments
+        and policy is None
+        and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
+    )

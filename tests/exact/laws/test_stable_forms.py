@@ -58,6 +58,8 @@ COSTS = {
     "wall_hit_time": 2,
     "wall_bounce": 9,
     "wall_mirror": 9,
+    "face_along": 5,
+    "face_foot": 3,
     "speed_change": 1,
     "advance": 2,
 }
