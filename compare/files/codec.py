@@ -122,6 +122,7 @@ def _ball_of(written: Written) -> arb:
 def step_data(step: Step) -> Written:
     """A step of the log.
 
+    >>> from truebreak.exact.replay.contact import Pair
     >>> step_data(Go(Pair(0, 1), (0, 1))), step_data(Flip())
     (['go', [0, 1], [0, 1]], ['flip'])
     """

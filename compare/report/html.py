@@ -45,7 +45,7 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     >>> from truebreak.scenarios import catalogue
     >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
     >>> foreseen_phrase(found, 0)
-    'predicted to diverge between event 25 and 33, half by 26'
+    'predicted to diverge between event 25 and 32, half by 26'
     >>> foreseen_phrase(found, 1)
     'predicted to be right in the 60 events looked at'
     >>> near = foreseen(compare(catalogue.build("near-tie:k=40"), ["interval"]))

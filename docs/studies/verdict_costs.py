@@ -43,8 +43,10 @@ from truebreak.compare.study import Study
 from truebreak.compare.testing.check import check
 from truebreak.compare.writing import check_writable, write_whole
 from truebreak.scenarios import catalogue
+from truebreak.scenarios.engine import Engine
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.scene import Scene
+from truebreak.scenarios.trajectory import OnProgress, Trajectory
 
 REPEATS = 5
 
@@ -234,10 +236,12 @@ def finer_steps(scene_engines: Sequence[str] = DEFAULTS) -> Iterator[list[float]
     taken: list[float] = []
     true = Study._run
 
-    def watched(self: Study, chosen: Any, *told: Any) -> Any:
-        found: list[Any] = []
-        took = timed(lambda: found.append(true(self, chosen, *told)))
-        if chosen.step is not None and chosen.step < given:
+    def watched(
+        self: Study, engine: Engine, scene: Scene, until: float, progress: OnProgress | None
+    ) -> tuple[Trajectory, bool]:
+        found: list[tuple[Trajectory, bool]] = []
+        took = timed(lambda: found.append(true(self, engine, scene, until, progress)))
+        if engine.step is not None and engine.step < given:
             taken.append(took.cpu)
         return found[0]
 

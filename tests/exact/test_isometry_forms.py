@@ -17,7 +17,7 @@ from sympy.polys.fields import field
 
 from truebreak.exact import isometry
 from truebreak.exact import log_symmetry as held
-from truebreak.exact.isometry import Isometry, SceneData, from_vectors, line_key, minus, turned
+from truebreak.exact.isometry import Isometry, SceneData, from_vectors, line_key, minus, turned, wall_key
 
 NAMES = "ux, uy, wx, wy, px, py, qx, qy, nx, ny, s, t, k"
 _, ux, uy, wx, wy, px, py, qx, qy, nx, ny, s, t, k = field(NAMES, QQ)
@@ -58,8 +58,8 @@ def of_lines(*walls) -> SceneData:
     """The data of some lines, and of a circle at P."""
     data = SceneData.__new__(SceneData)
     data.n, data.places, data.speeds, data.kinds, data.pockets = 1, [P], [U], [(ONE, ONE)], []
-    data.walls = list(walls)
-    data.wall_of = {line_key(*wall): k for k, wall in enumerate(walls)}
+    data.walls, data.ends = list(walls), [None] * len(walls)
+    data.wall_of = {wall_key(*wall, None): k for k, wall in enumerate(walls)}
     return data
 
 

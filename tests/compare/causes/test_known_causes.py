@@ -290,4 +290,4 @@ def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
     found = compare(catalogue.build("pinball"), ["quad"], events=220).candidates[0]
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.UNKNOWN
-    assert "its errors act on each other too much to be told apart" in found.diagnosis.finding
+    assert "its errors act on each other too much to be distinguished" in found.diagnosis.finding

