@@ -16,7 +16,7 @@ demo: .venv/ready
 test: .venv/ready
 	$(BIN)/python -m pytest -n auto
 
-# What takes over two seconds of CPU, by tests/durations.json.
+# What takes over .3 s of CPU, by tests/durations.json.
 long: .venv/ready
 	$(BIN)/python -m pytest -n auto -m long
 
