@@ -35,7 +35,9 @@ from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
 from .replay.contact import NamedContacts
+from .simulation import cells
 from .simulation.decider import History, Limits, Mark, Record, run_limits
+from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy
 
@@ -69,6 +71,18 @@ def within(run: Trajectory, limits: Limits, reached: Reached) -> bool:
         return False
     had += [entry.time for entry in run.pocketings] + ([] if run.reversal is None else [run.reversal.time])
     return limits.until is None or all(time.bounds()[1] < limits.until.bounds()[0] for time in had)
+
+
+def may_be_taken_up(scene: Scene, tape: Tape) -> bool:
+    """Whether what lies ahead of a log's end can be predicted from there alone.
+
+    Not among cells where something touched and left a flight as it was: on its way from there to the end that flight
+    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments.
+    """
+    if scene.segments:
+        return False
+    touched = any(isinstance(found, Instant) and (found.touches or found.rims) for found in tape.whole())
+    return not (touched and len(scene.circles) >= cells.FEWEST)
 
 
 def farther(run: Trajectory, again: Trajectory, limits: Limits) -> Trajectory:
@@ -365,7 +379,7 @@ class ExactEngine(Declared):
         try:
             with endable():
                 again = self._run(
-                    run.scene, limits, None, progress, take_up if known and not run.scene.segments else None
+                    run.scene, limits, None, progress, take_up if known and may_be_taken_up(run.scene, tape) else None
                 )
         except (Undecided, BudgetSpent):
             again = self._run(run.scene, limits, None, progress)

@@ -42,8 +42,8 @@ def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
 
 DURATIONS = Path(__file__).parent / "durations.json"
 LONG = 0.3
-"""Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts. The others, nine of
-ten, take four minutes on two cores."""
+"""Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts. The others,
+nine of ten, take four minutes on two cores."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -190,3 +190,16 @@ def test_what_was_found_stays_mended(path: Path) -> None:
             for name, relation in RELATIONS.items():
                 relation(run, mix, Random(name), engine)
     assert {m.name for m in MAPS} >= {"turn 90"}
+
+
+@pytest.mark.parametrize("time", ["3", "3+1/10**40"])
+def test_what_a_resumed_run_has_touched_is_not_met_again(time: str) -> None:
+    """A flight that began before the log's end crosses the cells on its way anew: only a whole run may look there."""
+    scene = load_scene(FOUND[0].with_name("graze_taken_up.toml"))
+    engine = ExactEngine()
+    with cells_from(FEW_CELLS):
+        whole, first = engine.run(scene), engine.run(scene, until=time)
+        assert len(whole.events) == 2 and len(first.events) == 1
+        again = engine.resume(first, until=4, events=2)
+    assert [event.time.digits(40) for event in again.events] == [event.time.digits(40) for event in whole.events]
+    assert [event.contacts for event in again.events] == [event.contacts for event in whole.events]
