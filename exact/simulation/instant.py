@@ -68,6 +68,7 @@ class Resolved(Generic[K]):
     Attributes:
         number: of the instant; odd for the part after the reversal.
         moved: the circles whose velocity changed.
+        advanced: those that stand at the instant, whether it changed or not.
         standing: contacts and rims at gap zero at its end, with the sign of their closing speed.
         events: what is noted of each event, first of all the circle whose clock stands at it.
         entries: in order.
@@ -77,6 +78,7 @@ class Resolved(Generic[K]):
 
     number: int
     moved: set[int] = field(default_factory=set)
+    advanced: set[int] = field(default_factory=set)
     standing: dict[Link, int] = field(default_factory=dict)
     events: list[tuple[int, tuple[Touch, ...], tuple[Touch, ...], tuple[Tie, ...], bool]] = field(default_factory=list)
     entries: list[Entry] = field(default_factory=list)
@@ -136,7 +138,7 @@ class Resolver(Generic[N, K]):
         """What an instant did, in the history's terms; nothing is kept of it yet."""
         decider = self.decider
         bodies = decider.bodies
-        decider.refresh([bodies[i] for i in done.moved])
+        decider.refresh([bodies[i] for i in done.moved | done.advanced])
         step = len(decider.history.steps)
         note: Noted[K] = Noted()
         if done.flipped:
@@ -185,6 +187,7 @@ class Resolver(Generic[N, K]):
         for first, component in struck:
             if instant.clock is not None and not done.flipped:
                 self.decider.do(Go(first, component.bodies))
+                done.advanced.update(component.bodies)
             rounds = settle(component.links, known, self.policy, self.decider.ask, self.decider.do, MAX_ROUNDS)
             impulses += rounds.impulses
             taking_part |= rounds.taking_part

@@ -18,6 +18,8 @@ from fuzz.maps import MAPS
 from fuzz.referee import referee
 from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
 from truebreak.exact import ExactEngine
+from truebreak.exact.simulation.instant import Resolver
+from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Wall
 from truebreak.scenarios.files import load_scene
 from truebreak.scenarios.trajectory import Stop
@@ -190,6 +192,24 @@ def test_what_was_found_stays_mended(path: Path) -> None:
             for name, relation in RELATIONS.items():
                 relation(run, mix, Random(name), engine)
     assert {m.name for m in MAPS} >= {"turn 90"}
+
+
+@pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine()], ids=lambda engine: engine.name)
+def test_predictions_see_every_body_by_the_clock_that_it_has(engine: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that only touches in an instant is carried there: its copy must be too, or cells take it for older."""
+    noted, seen = Resolver.noted, []
+
+    def watched(self: Any, done: Any) -> Any:
+        found = noted(self, done)
+        for body in self.decider.bodies.values():
+            seen.append(len(self.decider.history.steps))
+            assert abs(float(body.q[4]) - float(body.flight.t)) < 1e-9, body.index
+        return found
+
+    monkeypatch.setattr(Resolver, "noted", watched)
+    scene = load_scene(FOUND[0].with_name("graze_taken_up.toml"))
+    engine.run(scene, until=4, events=2)
+    assert any(seen)
 
 
 @pytest.mark.parametrize("time", ["3", "3+1/10**40"])
