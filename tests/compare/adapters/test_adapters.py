@@ -157,8 +157,8 @@ def test_finer_steps_come_nearer(name: str) -> None:
 REFUSED = {
     "pooltool": (Scene([Circle(0, 0, vx=1), Circle(4, 0, r=2)]), "balls of one radius and one mass"),
     "perfect-physics": (Scene([Circle(0, 0, vx=1), Circle(4, 0, m="oo")]), "no infinite mass"),
-    "rapier": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "tells 31 apart"),
-    "mujoco": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "tells 30 apart"),
+    "rapier": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "distinguishes 31"),
+    "mujoco": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "distinguishes 30"),
     "box2d": (Scene([Circle(0, 0, vx=1000, r="1/1000"), Circle(4, 0)]), "reduce dt"),
 }
 
