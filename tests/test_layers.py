@@ -228,7 +228,7 @@ COMPARE_FLOORS = (
     "outcomes study",
     "audit causes tolerances candidate",
     "alternatives comparison",
-    "chaos shadowing certificate",
+    "chaos shadowing certificate vectors",
     "grids",
     "reduction logdiff",
     "report",
