@@ -21,6 +21,7 @@ from truebreak.exact.replay import refinable
 from truebreak.exact.simulation import cells as grid
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Trajectory
+from truebreak.scenarios.numbers.precision import decimals_of
 
 FEW_CELLS = 3
 """Circles from which on there are cells in a scene with a crowd."""
@@ -259,9 +260,11 @@ def digits(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
             one, two, count = getattr(mine, key), getattr(theirs, key), draw.choice([3, 17, 40])
             try:
                 one.digits(2)
-            except Undecided:  # it may be zero, and is not proved to be
+                told = two.digits(count) if draw.random() < 0.5 else (two.ball(900), two.digits(count))[1]
+            except Undecided:  # it may be zero, or half-way between two decimals, and is not proved to be
+                unclear = [decimals_of(one.ball(900), most) is None for most in (2, count)]
+                expect(any(unclear), f"digits: those of {mine.id}.{key} are undecided")
                 continue
-            told = two.digits(count) if draw.random() < 0.5 else (two.ball(900), two.digits(count))[1]
             expect(one.digits(count) == told, f"digits: {mine.id}.{key} is {told}, not {one.digits(count)}")
             value = Quantity.of(told.replace("e+", "*10**").replace("e", "*10**"))
             with _precision(BITS):

@@ -9,6 +9,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from command_line import said
 
 from fuzz.check import Difference, compare
 from fuzz.draft import Case
@@ -192,6 +193,16 @@ def test_what_was_found_stays_mended(path: Path) -> None:
             for name, relation in RELATIONS.items():
                 relation(run, mix, Random(name), engine)
     assert {m.name for m in MAPS} >= {"turn 90"}
+
+
+def test_a_number_that_is_not_proved_to_be_half_way_between_doubles_has_one(capsys: pytest.CaptureFixture[str]) -> None:
+    path = FOUND[0].with_name("home_half_way.toml")
+    last = ExactEngine().run(load_scene(path)).final
+    assert float(last["c8"].x) == -2500000000000000.0  # -.25: the even one of that and -.5
+    assert last["c8"].x.text() is None
+    code, out, _ = said(capsys, "run", str(path))
+    assert code == 0
+    assert "-2.5e+15" in out
 
 
 @pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine()], ids=lambda engine: engine.name)
