@@ -300,17 +300,20 @@ EVERY = ("resume", "scale")
 """Those that are ingredients: checked where a row has them."""
 
 
+def wanted_of(row: frozenset[str], seed: int) -> tuple[str, ...]:
+    """The relations of a row: those that are its ingredients, one more by turns, and that of forms."""
+    others = [name for name in RELATIONS if name not in EVERY]
+    return tuple(dict.fromkeys([*(name for name in EVERY if name in row), others[seed % len(others)], "form"]))
+
+
 def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> frozenset[str]:
     """Checks those that a row has, and one more by turns; the names of those that applied.
 
     Raises:
         Difference: where one of them does not hold.
     """
-    others = [name for name in RELATIONS if name not in EVERY]
-    wanted = [*(name for name in EVERY if name in mix.row), others[seed % len(others)]]
-    wanted += ["form"] if "form" not in wanted else []
     found = set[str]()
-    for name in wanted:
+    for name in wanted_of(mix.row, seed):
         if RELATIONS[name](run, mix, Random(f"{name}:{seed}"), engine):
             found.add(name)
     return frozenset(found)
