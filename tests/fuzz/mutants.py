@@ -47,7 +47,7 @@ START = 120.0
 """Seconds for a worker to start."""
 GAVE_UP = ("undecided", "budget")
 WRONG = ("failure", "interval", "hang")
-APPLY = {"cells", "form", "map", "midpoints", "scale"}
+APPLY = {"cells", "deep", "form", "map", "midpoints", "scale"}
 """Relations that apply to a scene unless one of their runs gives up, but for a few in a hundred."""
 
 

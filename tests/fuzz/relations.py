@@ -20,7 +20,7 @@ from truebreak.exact.numbers.system import Undecided
 from truebreak.exact.replay import refinable
 from truebreak.exact.simulation import cells as grid
 from truebreak.floating import IntervalEngine
-from truebreak.scenarios import Circle, Quantity, Trajectory
+from truebreak.scenarios import Circle, Quantity, Trajectory, Wall
 from truebreak.scenarios.numbers.precision import decimals_of
 
 FEW_CELLS = 3
@@ -178,11 +178,19 @@ def beside_deep_numbers(run: Trajectory, mix: Mixed, draw: Random, engine: Any) 
     """Beside a fixed circle far away, whose number is too deep for a field, so that all is in balls: the same."""
     scene = mix.case.scene
     x = Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))") + 10**60 + draw.randrange(9)
-    far = Circle(x, 10**60, m="oo", id="far")
-    if scene.walls or any(c.id == "far" for c in scene.circles):
-        return False  # a wall may go through it
+    y = Quantity.of(10**60 + draw.randrange(1, 9) * 10**59)
+    if any(c.id == "far" for c in scene.circles) or not all(_far_from(wall, x, y) for wall in scene.walls):
+        return False
+    far = Circle(x, y, m="oo", id="far")
     other = again(replace(mix.case, scene=scene.with_changes(circles=[*scene.circles, far])), engine)
     return the_same(run, other, "beside deep numbers")
+
+
+def _far_from(wall: Wall, x: Quantity, y: Quantity) -> bool:
+    """Whether a place is 10**50 and more from a wall's line."""
+    along = (wall.x1 - wall.x0, wall.y1 - wall.y0)
+    cross, length = along[0] * (y - wall.y0) - along[1] * (x - wall.x0), abs(along[0]) + abs(along[1])
+    return abs(cross) > length * 10**50
 
 
 def by_form(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
@@ -298,12 +306,17 @@ RELATIONS: dict[str, Relation] = {
 }
 EVERY = ("resume", "scale")
 """Those that are ingredients: checked where a row has them."""
+PROVED = {"reversal", "twin"}
+"""What lets zeros be proved by the way back and by symmetry: in rows with these, `deep` is checked, where little else
+proves them."""
 
 
 def wanted_of(row: frozenset[str], seed: int) -> tuple[str, ...]:
-    """The relations of a row: those that are its ingredients, one more by turns, and that of forms."""
+    """The relations of a row: those that are its ingredients, one more by turns, that of forms, and of deep numbers
+    where a row has what proves zeros then."""
     others = [name for name in RELATIONS if name not in EVERY]
-    return tuple(dict.fromkeys([*(name for name in EVERY if name in row), others[seed % len(others)], "form"]))
+    named = [*(name for name in EVERY if name in row), *(("deep",) if row & PROVED else ())]
+    return tuple(dict.fromkeys([*named, others[seed % len(others)], "form"]))
 
 
 def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> frozenset[str]:

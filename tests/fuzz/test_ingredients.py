@@ -17,7 +17,7 @@ from fuzz.examine import examine
 from fuzz.ingredients import FEWEST, INGREDIENTS, PAIRS, ROWS, Mixed, array, exercised, mixed, row_of
 from fuzz.maps import MAPS
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
+from fuzz.relations import FEW_CELLS, RELATIONS, _far_from, cells_from, wanted_of
 from truebreak.exact import ExactEngine
 from truebreak.exact.simulation.instant import Resolver
 from truebreak.floating import DoubleEngine
@@ -234,3 +234,14 @@ def test_what_a_resumed_run_has_touched_is_not_met_again(time: str) -> None:
         again = engine.resume(first, until=4, events=2)
     assert [event.time.digits(40) for event in again.events] == [event.time.digits(40) for event in whole.events]
     assert [event.contacts for event in again.events] == [event.contacts for event in whole.events]
+
+
+def test_a_scene_with_walls_is_played_beside_deep_numbers_too() -> None:
+    """All is in balls there, so that a tie is proved by the way back or by symmetry, or not at all."""
+    mix = plain(HIT, "reversal")
+    engine = ExactEngine()
+    assert RELATIONS["deep"](engine.run(HIT), mix, Random(1), engine)
+    assert "deep" in wanted_of(frozenset({"reversal"}), 0)
+    through = HIT.with_changes(walls=[*HIT.walls, Wall(0, "10**60 - 7*10**59", 1, "10**60 - 7*10**59")])
+    assert not _far_from(through.walls[-1], Quantity.of(0), Quantity.of("3*10**59"))
+    assert _far_from(HIT.walls[0], Quantity.of("10**60"), Quantity.of(0))
