@@ -40,6 +40,7 @@ from fuzz.draft import (
     speed,
     velocity,
 )
+from fuzz.kinds.brinks import rims
 from fuzz.kinds.symmetry import spoil
 from fuzz.referee import Told
 from fuzz.table import Doubt, Row, Table
@@ -78,6 +79,9 @@ FEWEST, MOST = 4, 8
 """Ingredients of a row, before those that others need."""
 AT_ONCE = 0.08
 """Share of scenes whose instant is time 0."""
+RIMS = 0.15
+"""Share of scenes with a pocket and a wall that come of the kind `rims`: what is struck onto an axis of symmetry comes
+to a rim that has no image just as it comes to a wall, or nearly."""
 LOOSE = 0.35
 """Share of scenes in a box, with bystanders of any velocity and more events: most of these stand alone, in balls."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
@@ -147,13 +151,17 @@ class Mixed:
 
 def mixed(seed: int) -> Mixed:
     """The scene of a seed: always the same one."""
-    draw, row = Random(f"mixed:{seed}"), row_of(seed)
+    draw, row, rim = Random(f"mixed:{seed}"), row_of(seed), Random(f"rims:{seed}")
+    rim = rim if {"pocket", "wall"} <= row and rim.random() < RIMS else None
     for attempt in range(300):
         if attempt % 60 == 59:  # too much at once: one thing less
             row -= {draw.choice(sorted(row))}
         try:
-            draft, time = _instant(row, draw)
-            draft = _led_back(draft, time, row, draw)
+            if rim is not None and attempt < 60:
+                draft = _limited(rims(rim), row, rim)
+            else:
+                draft, time = _instant(row, draw)
+                draft = _led_back(draft, time, row, draw)
             if draw.random() < LOOSE and "crowd" not in row:
                 _loosen(draft, row, draw)
             draft = _finished(draft, row, draw)
@@ -164,6 +172,14 @@ def mixed(seed: int) -> Mixed:
         reach = (draw.choice([400, -400, 330, -350]), draw.choice([0, 0, 500, -380]), draw.choice([0, 0, 700, -700]))
         return Mixed(row, Case(scene, until, draft.events), tuple(b.half for b in draft.bodies), reach)
     raise AssertionError(f"mixed {seed}: no draft is a scene")
+
+
+def _limited(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
+    """A draft of another kind, with what a row says of pockets and of turning back."""
+    draft.capture = "capture" in row
+    if "reversal" in row and draft.reverse_at is None and draft.reverse_after is None:
+        draft.reverse_after = draw.choice([1, 2, 3])
+    return draft
 
 
 # -- the instant

@@ -47,8 +47,8 @@ START = 120.0
 """Seconds for a worker to start."""
 GAVE_UP = ("undecided", "budget")
 WRONG = ("failure", "interval", "hang")
-APPLY = {"cells", "deep", "form", "map", "midpoints", "scale"}
-"""Relations that apply to a scene unless one of their runs gives up, but for a few in a hundred."""
+APPLY = {"cells", "deep", "form", "map", "midpoints", "past", "scale"}
+"""Relations that apply to most scenes, unless one of their runs gives up."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from fuzz.ingredients import Mixed
 from fuzz.maps import BITS, MAPS, Map, _ball, _precision, check_cut, check_interval, check_map, same, same_history
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as bits_of_a_run
+from truebreak.exact.certified.cascade import NestedRoots
 from truebreak.exact.numbers.system import Undecided
 from truebreak.exact.replay import refinable
 from truebreak.exact.simulation import cells as grid
@@ -27,6 +28,8 @@ FEW_CELLS = 3
 """Circles from which on there are cells in a scene with a crowd."""
 DEEP_BITS = BITS + 3000
 """Bits of a number that is 10**-700 times as large as the one that it is compared with."""
+PAST_WORK = 20_000
+"""Work for a question in the relation of the past: more bits prove no zero."""
 FORM_WORK = 60_000
 """Work for a question in the relation of forms, for which they need little."""
 MOST_BACK = 200
@@ -53,6 +56,16 @@ def midpoints_from(bits: int) -> Iterator[None]:
         yield
     finally:
         bits_of_a_run.LONG_BITS = before
+
+
+@contextmanager
+def without_roots() -> Iterator[None]:
+    """No number is proved zero in nested roots."""
+    before, NestedRoots.sign = NestedRoots.sign, lambda *_: (None, "nested roots were left out")
+    try:
+        yield
+    finally:
+        NestedRoots.sign = before
 
 
 @contextmanager
@@ -204,6 +217,22 @@ def by_form(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
         return found
 
 
+def by_past(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """As `form`, and without nested roots: what the way back and the form of the past prove, or nothing proves. As far
+    as that goes, the same."""
+    if run.stop.reason.name in GAVE_UP:
+        return False
+    less = ExactEngine(work=PAST_WORK) if isinstance(engine, ExactEngine) else engine
+    with field_up_to(0), without_roots():
+        other = again(mix.case, less)
+    expect(len(other.events) <= len(run.events), "by the past: more events than there are")
+    for mine, theirs in zip(run.events, other.events, strict=False):
+        expect(mine.contacts == theirs.contacts, f"by the past: event {mine.index} has {theirs.contacts}")
+        expect(mine.impulses == theirs.impulses, f"by the past: impulses {theirs.impulses}, not {mine.impulses}")
+        same(theirs.time.ball(BITS), mine.time.ball(BITS), f"by the past: time of event {mine.index}")
+    return the_same(run, other, "by the past")
+
+
 def prefix(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     """A run to fewer events has the first of them, and the reversal if it comes before the last."""
     scene, turned = mix.case.scene, run.reversal.after if run.reversal else 0
@@ -299,6 +328,7 @@ RELATIONS: dict[str, Relation] = {
     "midpoints": with_midpoints,
     "deep": beside_deep_numbers,
     "form": by_form,
+    "past": by_past,
     "prefix": prefix,
     "back": there_and_back,
     "work": little_work,
@@ -307,15 +337,14 @@ RELATIONS: dict[str, Relation] = {
 EVERY = ("resume", "scale")
 """Those that are ingredients: checked where a row has them."""
 PROVED = {"reversal", "twin"}
-"""What lets zeros be proved by the way back and by symmetry: in rows with these, `deep` is checked, where little else
-proves them."""
+"""What lets zeros be proved by the way back and by symmetry: rows with these have the relation of the past."""
 
 
 def wanted_of(row: frozenset[str], seed: int) -> tuple[str, ...]:
-    """The relations of a row: those that are its ingredients, one more by turns, that of forms, and of deep numbers
+    """The relations of a row: those that are its ingredients, one more by turns, that of forms, and that of the past
     where a row has what proves zeros then."""
-    others = [name for name in RELATIONS if name not in EVERY]
-    named = [*(name for name in EVERY if name in row), *(("deep",) if row & PROVED else ())]
+    others = [name for name in RELATIONS if name not in (*EVERY, "past")]
+    named = [*(name for name in EVERY if name in row), *(("past",) if row & PROVED else ())]
     return tuple(dict.fromkeys([*named, others[seed % len(others)], "form"]))
 
 

@@ -19,6 +19,7 @@ from fuzz.maps import MAPS
 from fuzz.referee import referee
 from fuzz.relations import FEW_CELLS, RELATIONS, _far_from, cells_from, wanted_of
 from truebreak.exact import ExactEngine
+from truebreak.exact.certified.cascade import ByForm, ByWayBack
 from truebreak.exact.simulation.instant import Resolver
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Wall
@@ -237,11 +238,29 @@ def test_what_a_resumed_run_has_touched_is_not_met_again(time: str) -> None:
 
 
 def test_a_scene_with_walls_is_played_beside_deep_numbers_too() -> None:
-    """All is in balls there, so that a tie is proved by the way back or by symmetry, or not at all."""
     mix = plain(HIT, "reversal")
     engine = ExactEngine()
     assert RELATIONS["deep"](engine.run(HIT), mix, Random(1), engine)
-    assert "deep" in wanted_of(frozenset({"reversal"}), 0)
     through = HIT.with_changes(walls=[*HIT.walls, Wall(0, "10**60 - 7*10**59", 1, "10**60 - 7*10**59")])
     assert not _far_from(through.walls[-1], Quantity.of(0), Quantity.of("3*10**59"))
     assert _far_from(HIT.walls[0], Quantity.of("10**60"), Quantity.of(0))
+
+
+@pytest.mark.parametrize(("seed", "rung"), [(24, ByWayBack), (2, ByForm)], ids=["way back", "form"])
+def test_without_nested_roots_little_else_proves_a_tie(seed: int, rung: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a fault that spoils such a proof is seen: nested roots make up for it in scenes as small as these."""
+    mix, engine = mixed(seed), ExactEngine()
+    run = engine.run(mix.case.scene, until=mix.case.until, events=mix.case.events)
+    assert "past" in wanted_of(mix.row, seed)
+    assert RELATIONS["past"](run, mix, Random(1), engine)
+    monkeypatch.setattr(rung, "__call__", lambda self, question: None)
+    assert not RELATIONS["past"](run, mix, Random(1), engine)
+    assert RELATIONS["form"](run, mix, Random(1), engine)
+
+
+def test_what_the_past_proves_is_compared_as_far_as_it_goes() -> None:
+    mix, engine = mixed(24), ExactEngine()
+    run = engine.run(mix.case.scene, until=mix.case.until, events=mix.case.events)
+    wrong = replace(run.events[0], impulses=())
+    with pytest.raises(Difference, match="by the past: impulses"):
+        RELATIONS["past"](replace(run, events=(wrong, *run.events[1:])), mix, Random(1), engine)
