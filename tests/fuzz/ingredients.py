@@ -84,7 +84,7 @@ RIMS = 0.15
 """Share of scenes with a pocket and a wall that come of the kind `rims`: what is struck onto an axis of symmetry comes
 to a rim that has no image just as it comes to a wall, or nearly."""
 FAINT = 0.15
-"""Share of twins of which one half has a datum that is off by less than balls tell at first: a mass or a radius, too."""
+"""Share of twins of which one half has a datum that is off by less than balls tell at first: a mass, a radius too."""
 LOOSE = 0.35
 """Share of scenes in a box, with bystanders of any velocity and more events: most of these stand alone, in balls."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
