@@ -20,6 +20,7 @@ from ..scenarios.numbers.precision import (
     bounds_of,
     certain_double,
     decimals_of,
+    even_double,
     nearest_double,
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -153,7 +154,8 @@ LEAST_BITS = 320
 class ExactValue:
     """A real number of an exact run.
 
-    float() gives the nearest double, certified; `digits`, `sympy` and `text` give the value itself.
+    float() gives the nearest double, certified; of a number so near half-way between two that counted work does not
+    tell where it lies, the even one. `digits`, `sympy` and `text` give the value itself.
 
     Attributes:
         log: the run that it belongs to.
@@ -223,8 +225,8 @@ class ExactValue:
                 allowed -= log.units(working, upto)
                 if allowed < 0:
                     raise Undecided(
-                        f"a number of the run, {value.str(3)}, is not known any nearer with {working // 2} bits of "
-                        "work that is counted, nor proved to be zero; ask for its `ball`, which is what is known of it"
+                        f"a number of the run, {value.str(20)}, is neither told from zero, or from half-way between "
+                        f"decimals, with {working // 2} bits of counted work, nor proved to be it; ask for its `ball`"
                     )
 
     def __float__(self) -> float:
@@ -244,16 +246,19 @@ class ExactValue:
                 double = certain_double(self.near.ball(bits))
         if double is None:
             value = self._sharpened(
-                2 * DOUBLE_BITS, lambda value: _is_double(value) or ball.is_accurate(value, HALF_WAY_BITS)
+                2 * DOUBLE_BITS, lambda it: certain_double(it) is not None or ball.is_accurate(it, HALF_WAY_BITS)
             )
-            double = certain_double(value)
-        if double is None:
-            exact = self.exact()
-            fraction = None if exact is None else exact.fraction()
-            if fraction is not None:
-                return nearest_double(fraction)
-            double = certain_double(self._sharpened(2 * HALF_WAY_BITS, _is_double))
-            assert double is not None
+            if (double := certain_double(value)) is None:
+                exact = self.exact()
+                fraction = None if exact is None else exact.fraction()
+                if fraction is not None:
+                    return nearest_double(fraction)
+                try:
+                    sharp = self._sharpened(2 * HALF_WAY_BITS, lambda it: certain_double(it) is not None)
+                    double = certain_double(sharp)
+                except Undecided:
+                    double = even_double(value)
+                assert double is not None
         return double
 
     def bounds(self) -> tuple[float, float]:
@@ -347,11 +352,6 @@ VALUE_WORK = 3_000_000
 
 MORE_WORK = 40
 """Besides, so many times the work of its first replay: enough for five times twice the bits."""
-
-
-def _is_double(value: arb) -> bool:
-    """Whether the nearest double is told."""
-    return certain_double(value) is not None
 
 
 # -- The times of a run, each with the formula that computes it again from the log.
