@@ -145,9 +145,10 @@ class Recorder:
                 first, second = arbiter.shapes
                 i, j = places[first], places[second]
                 pair = (i, j) if i < j else (j, i)
-                if arbiter.total_impulse != (0.0, 0.0):
+                if arbiter.total_impulse != (0.0, 0.0) and pair not in pushed:  # a polygon may be of several shapes
                     pushed.append(pair)
-                touched.append(pair)
+                if pair not in touched:
+                    touched.append(pair)
             except BaseException as error:
                 failures.append(error)
 
@@ -226,7 +227,7 @@ class Recorder:
         bodies = self._world.bodies
         walls = self._world.walls
         if second >= len(bodies) + len(walls):
-            return self._world.from_bar(second - len(bodies) - len(walls), *bodies[first].position)
+            return self._world.nearest(second - len(bodies) - len(walls), *bodies[first].position)
         if second >= len(bodies):
             nx, ny, _ = self._world.walls[second - len(bodies)]
             return nx, ny
@@ -476,9 +477,9 @@ class Run:
                 return False
         for body in self.world.moving:  # a distance from a segment is convex along a flight
             for number in range(len(self.world.bars)):
-                away = self.world.from_bar(number, *body.position)
-                if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
-                    return False
+                for away in self.world.from_bars(number, *body.position):
+                    if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
+                        return False
         return not any(
             np.any(np.einsum("ij,ij->i", place[i + 1 :] - place[i], speed[i + 1 :] - speed[i]) < 0)
             for i in range(len(place) - 1)

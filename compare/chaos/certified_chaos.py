@@ -99,6 +99,8 @@ def chaos(
     >>> told.spectrum.per_time().value > 0, told.horizons[0].holds(told.horizons[0].seen.place)
     (True, True)
     """
+    if scene.polygons and engines not in ((), []):
+        raise SceneError(f"{scene.name!r}: has polygons, where no horizon is predicted yet; write --engines none")
     if exponents is not None and exponents < 1:
         raise SceneError(f"exponents = {exponents}: must be a whole number from 1")
     names: list[str | Engine] = [engines] if isinstance(engines, str) else list(engines)
