@@ -227,7 +227,10 @@ class Recorder:
         bodies = self._world.bodies
         walls = self._world.walls
         if second >= len(bodies) + len(walls):
-            return self._world.nearest(second - len(bodies) - len(walls), *bodies[first].position)
+            number = second - len(bodies) - len(walls)
+            if number >= len(self._world.bars):
+                return self._world.from_outline(number - len(self._world.bars), *bodies[first].position)
+            return self._world.from_bar(number, *bodies[first].position)
         if second >= len(bodies):
             nx, ny, _ = self._world.walls[second - len(bodies)]
             return nx, ny
@@ -476,10 +479,9 @@ class Run:
             if np.any(side * (speed @ (nx, ny)) < 0):
                 return False
         for body in self.world.moving:  # a distance from a segment is convex along a flight
-            for number in range(len(self.world.bars)):
-                for away in self.world.from_bars(number, *body.position):
-                    if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
-                        return False
+            for away in self.world.ways_from(*body.position):
+                if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
+                    return False
         return not any(
             np.any(np.einsum("ij,ij->i", place[i + 1 :] - place[i], speed[i + 1 :] - speed[i]) < 0)
             for i in range(len(place) - 1)

@@ -80,7 +80,8 @@ class PymunkSpace:
         places: the index in `scene.ids` of each shape's circle, wall, segment or polygon.
         walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
-        bars: (x0, y0, x1, y1) of each segment, and of all sides of each polygon.
+        bars: (x0, y0, x1, y1) of each segment.
+        outlines: the same of all sides of each polygon.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
     """
 
@@ -90,16 +91,22 @@ class PymunkSpace:
     places: dict[pymunk.Shape, int]
     walls: tuple[tuple[float, float, float], ...]
     sides: tuple[tuple[int, ...], ...]
-    bars: tuple[tuple[Bar, ...], ...]
+    bars: tuple[tuple[float, float, float, float], ...]
+    outlines: tuple[tuple[Bar, ...], ...]
     speed: float
 
-    def from_bars(self, number: int, x: float, y: float) -> list[tuple[float, float]]:
-        """The ways from the nearest point of a segment, or of each side of a polygon, to a point."""
-        return [_from_bar(bar, x, y) for bar in self.bars[number]]
+    def from_bar(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """The way from the nearest point of a segment to a point."""
+        return _from_bar(self.bars[number], x, y)
 
-    def nearest(self, number: int, x: float, y: float) -> tuple[float, float]:
-        """The shortest of them."""
-        return min(self.from_bars(number, x, y), key=lambda way: math.hypot(*way))
+    def from_outline(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """The way from the nearest point of a polygon's sides to a point."""
+        return min((_from_bar(bar, x, y) for bar in self.outlines[number]), key=lambda way: math.hypot(*way))
+
+    def ways_from(self, x: float, y: float) -> Iterator[tuple[float, float]]:
+        """The ways from the nearest points of all segments and sides to a point."""
+        for bar in (*self.bars, *(bar for outline in self.outlines for bar in outline)):
+            yield _from_bar(bar, x, y)
 
 
 def _from_bar(bar: Bar, x: float, y: float) -> tuple[float, float]:
@@ -166,11 +173,9 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
         shape.elasticity = ELASTICITY
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
-    bars = (
-        *(((float(s.x0), float(s.y0), float(s.x1), float(s.y1)),) for s in scene.segments),
-        *(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons),
-    )
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, speed)
+    bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
+    outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, speed)
 
 
 def _only(cell: int) -> pymunk.ShapeFilter:

@@ -99,13 +99,13 @@ def chaos(
     >>> told.spectrum.per_time().value > 0, told.horizons[0].holds(told.horizons[0].seen.place)
     (True, True)
     """
-    if scene.polygons and engines not in ((), []):
-        raise SceneError(f"{scene.name!r}: has polygons, where no horizon is predicted yet; write --engines none")
     if exponents is not None and exponents < 1:
         raise SceneError(f"exponents = {exponents}: must be a whole number from 1")
     names: list[str | Engine] = [engines] if isinstance(engines, str) else list(engines)
     chosen = [(e if isinstance(e, str) else e.name, check_engine(engine_named(e) if isinstance(e, str) else e))
               for e in names]  # fmt: skip
+    if scene.polygons and chosen:
+        raise SceneError(f"{scene.name!r}: has polygons, where no horizon is predicted yet; write --engines none")
     reference = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
     struck = mapped(reference, len(reference.events))
     found = spectrum(scene, struck, exponents)

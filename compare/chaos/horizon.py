@@ -168,8 +168,6 @@ class Forecaster:
             raise SceneError(f"{trajectory.scene.name!r}: has segments, where no horizon is predicted yet; take walls")
         self.trajectory = trajectory
         self.struck = struck
-        if trajectory.scene.polygons:
-            raise SceneError(f"{trajectory.scene.name!r}: has polygons, where no horizon is predicted yet")
         self._curves: dict[ErrorModel, ErrorCurve] = {}
 
     def curve(self, model: ErrorModel) -> ErrorCurve:
