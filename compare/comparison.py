@@ -375,6 +375,9 @@ def explained(
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
+    if study.scene.polygons and unsettled and not candidate.unable:
+        told, unknown = "causes are not looked for yet in scenes with polygons", CauseName["UNKNOWN"]
+        return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if study.scene.segments and unsettled and not candidate.unable:
         told, unknown = "causes are not looked for yet in scenes with segments", CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))

@@ -9,7 +9,7 @@ from operator import lt
 
 from flint import arb
 
-from ..scenarios.engine import Declared, endable
+from ..scenarios.engine import ALL_KEYS, Declared, endable
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import check_doubles
@@ -77,9 +77,9 @@ def may_be_taken_up(scene: Scene, tape: Tape) -> bool:
     """Whether what lies ahead of a log's end can be predicted from there alone.
 
     Not among cells where something touched and left a flight as it was: on its way from there to the end that flight
-    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments.
+    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments or polygons.
     """
-    if scene.segments:
+    if scene.segments or scene.polygons:
         return False
     touched = any(isinstance(found, Instant) and (found.touches or found.rims) for found in tape.whole())
     return not (touched and len(scene.circles) >= cells.FEWEST)
@@ -289,6 +289,7 @@ class ExactEngine(Declared):
     max_bits: int = 1 << 20
     ties: str = "proved"
     work: int = DEFAULT_WORK
+    scene_keys = ALL_KEYS
 
     def __post_init__(self) -> None:
         TieRule.parse(self.ties)

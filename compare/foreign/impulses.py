@@ -47,6 +47,8 @@ class Impacts:
     def __init__(self, scene: Scene) -> None:
         if scene.segments:
             raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
+        if scene.polygons:
+            raise SceneError(f"{scene.name!r}: has polygons, of which no log is judged yet; take walls")
         self.count = len(scene.circles)
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self._radii = [float(c.r) for c in scene.circles]

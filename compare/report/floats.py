@@ -50,6 +50,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
 
 
 def _check_exported(scene: Scene) -> None:
+    if scene.polygons:
+        raise SceneError(f"{scene.name!r}: has polygons, which are not exported in doubles yet; leave out --floats")
     if scene.segments:
         raise SceneError(f"{scene.name!r}: has segments, which are not exported in doubles yet; leave out --floats")
 

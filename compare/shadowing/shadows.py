@@ -104,6 +104,8 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
+    if scene.polygons:
+        raise SceneError(f"{scene.name!r}: has polygons, of which no shadow is looked for yet; take walls")
     if scene.segments:
         raise SceneError(f"{scene.name!r}: has segments, of which no shadow is looked for yet; take walls")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)

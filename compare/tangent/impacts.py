@@ -394,6 +394,8 @@ def _starts_at(face: Wall, end: Circle) -> bool:
 
 def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     scene = trajectory.scene
+    if scene.polygons:
+        raise NoTangentMap("of polygons only runs of the exact engine tell faces from corners")
     if scene.segments:
         raise NoTangentMap("of segments only runs of the exact engine tell faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}

@@ -233,6 +233,8 @@ class ErrorWalk:
             raise SceneError(
                 f"{run.scene.name!r}: has segments, where what rounding may do is not bounded yet; take walls"
             )
+        if run.scene.polygons:
+            raise SceneError(f"{run.scene.name!r}: has polygons, where what rounding may do is not bounded yet")
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids

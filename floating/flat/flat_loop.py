@@ -252,6 +252,7 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
     return (
         not scene.pockets
         and not scene.segments
+        and not scene.polygons
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
     )

@@ -34,6 +34,9 @@ FAMILIES = {
     "free-discs": "article",
     "magic-masses": "article",
     "cross": "article",
+    **dict.fromkeys(
+        ("triangle", "barrier", "wind-tree", "bumper", "funnel", "breakout", "ghost", "corner-hit"), "straight_tables"
+    ),
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 
