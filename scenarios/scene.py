@@ -11,7 +11,7 @@ from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
-from .settings import TiePolicy, checked_truth, positive_count, positive_time
+from .settings import ELASTIC, TiePolicy, checked_restitution, checked_truth, positive_count, positive_time
 from .things import Circle, Pocket, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -37,11 +37,13 @@ class Scene:
         capture: whether a circle that enters a pocket leaves play.
         description, source: what the scene shows and where it comes from.
         segments: straight segments, after the walls in that order.
+        restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: segments as faces and ends; itself where there are none.
 
     Raises:
-        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive.
+        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
+            restitution out of its range, and one below 1 together with a reversal.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -61,6 +63,7 @@ class Scene:
     description: str = ""
     source: str = ""
     segments: tuple[Segment, ...] = ()
+    restitution: Quantity = ELASTIC
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -78,6 +81,7 @@ class Scene:
         description: str = "",
         source: str = "",
         segments: Iterable[Segment] = (),
+        restitution: QuantityLike = 1,
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
@@ -94,6 +98,7 @@ class Scene:
             capture=capture,
             description=description,
             source=source,
+            restitution=restitution,
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
@@ -120,6 +125,7 @@ class Scene:
         capture: object,
         description: str,
         source: str,
+        restitution: QuantityLike,
     ) -> None:
         """Sets all but the circles, walls and pockets."""
         put = object.__setattr__
@@ -131,11 +137,17 @@ class Scene:
         put(self, "reverse_at", positive_time("reverse_at", reverse_at))
         put(self, "until", positive_time("until", until))
         put(self, "capture", checked_truth("capture", capture))
+        put(self, "restitution", checked_restitution(restitution))
         if not isinstance(name, str) or not name:
             raise SceneError(f"name = {name!r} is not text; give the scene a name")
         put(self, "name", name)
         if self.reverse_after is not None and self.reverse_at is not None:
             raise SceneError("reverse_after and reverse_at are both set; keep one of them")
+        if self.restitution != ELASTIC and (self.reverse_after is not None or self.reverse_at is not None):
+            key = "reverse_at" if self.reverse_after is None else "reverse_after"
+            raise SceneError(
+                f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
+            )
 
     def _check_things(self) -> None:
         if not self.circles:
@@ -230,6 +242,8 @@ class Scene:
                 data[key] = getattr(self, key).text()
         if self.capture:
             data["capture"] = True
+        if self.restitution != ELASTIC:
+            data["restitution"] = self.restitution.text()
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):
             if circle.point:
