@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..scenarios.engine import SCENE_KEYS
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
-from ..scenarios.settings import ELASTIC, positive_time
+from ..scenarios.settings import positive_time
 from ..scenarios.trajectory import Assumption, Event, Pocketing, Reversal, Stop, StopReason, Tie, Trajectory
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,
         "reverse_after": scene.reverse_after is not None,
-        "restitution": scene.restitution != ELASTIC,
+        "restitution": not scene.elastic,
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 

@@ -143,7 +143,7 @@ class Scene:
         put(self, "name", name)
         if self.reverse_after is not None and self.reverse_at is not None:
             raise SceneError("reverse_after and reverse_at are both set; keep one of them")
-        if self.restitution != ELASTIC and (self.reverse_after is not None or self.reverse_at is not None):
+        if not self.elastic and (self.reverse_after is not None or self.reverse_at is not None):
             key = "reverse_at" if self.reverse_after is None else "reverse_after"
             raise SceneError(
                 f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
@@ -169,6 +169,11 @@ class Scene:
     def __hash__(self) -> int:
         """Taken once: what is known of a scene is looked up by it in every run."""
         return self._hash
+
+    @property
+    def elastic(self) -> bool:
+        """Whether contacts keep the energy: its restitution is 1."""
+        return self.restitution == ELASTIC
 
     @kept
     def ids(self) -> tuple[str, ...]:
@@ -242,7 +247,7 @@ class Scene:
                 data[key] = getattr(self, key).text()
         if self.capture:
             data["capture"] = True
-        if self.restitution != ELASTIC:
+        if not self.elastic:
             data["restitution"] = self.restitution.text()
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):

@@ -174,14 +174,17 @@ class Referee:
             for chosen in combinations(size, count):
                 try:
                     found = lu_solve(
-                        matrix([[gram[i][j] for j in chosen] for i in chosen]), matrix([-self.e * speeds[i] - speeds[i] for i in chosen])
+                        matrix([[gram[i][j] for j in chosen] for i in chosen]),
+                        matrix([-self.e * speeds[i] - speeds[i] for i in chosen]),
                     )
                 except ZeroDivisionError:
                     continue
                 strengths = dict(zip(chosen, found, strict=True))
                 if any(s < -SAME or s > 10**20 for s in strengths.values()):
                     continue
-                slack = [speeds[i] + self.e * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size]
+                slack = [
+                    speeds[i] + self.e * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size
+                ]
                 if all(value > -SAME for value in slack):
                     for j, s in strengths.items():
                         for disc, nx, ny in arms[j]:

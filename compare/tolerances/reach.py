@@ -233,6 +233,10 @@ class ErrorWalk:
             raise SceneError(
                 f"{run.scene.name!r}: has segments, where what rounding may do is not bounded yet; take walls"
             )
+        if not run.scene.elastic:
+            raise SceneError(
+                f"{run.scene.name!r}: has a restitution below 1, where what rounding may do is not bounded yet"
+            )
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids

@@ -9,7 +9,6 @@ from typing import Generic, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.settings import ELASTIC
 from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
@@ -238,8 +237,7 @@ class Flights(Generic[N]):
         self.n = len(scene.circles)
         self.zero: N = constant(Quantity.of(0))
         self.one: N = constant(Quantity.of(1))
-        e = scene.restitution
-        self.share: N | None = None if e == ELASTIC else constant((ELASTIC + e) / 2)
+        self.share: N | None = None if scene.elastic else constant((scene.restitution + 1) / 2)
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]

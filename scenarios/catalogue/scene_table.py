@@ -34,6 +34,9 @@ FAMILIES = {
     "free-discs": "article",
     "magic-masses": "article",
     "cross": "article",
+    "collapse": "line",
+    "beads": "line",
+    "cooling": "gas",
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

@@ -111,7 +111,13 @@ def table_of(scene: Scene) -> Table:
     for wall in scene.walls:
         x0, y0, x1, y1 = of(wall.x0, wall.y0, wall.x1, wall.y1)
         walls.append((x0, y0, y0 - y1, x1 - x0))
-    return Table([of(c.r)[0] for c in scene.circles], w, walls, [of(p.x, p.y, p.r) for p in scene.pockets], *of(scene.restitution))
+    return Table(
+        [of(c.r)[0] for c in scene.circles],
+        w,
+        walls,
+        [of(p.x, p.y, p.r) for p in scene.pockets],
+        *of(scene.restitution),
+    )
 
 
 def first_root(a: Any, half: Any, c: Any) -> Any:

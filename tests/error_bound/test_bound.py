@@ -120,7 +120,9 @@ def whole_mirrors(monkeypatch: pytest.MonkeyPatch) -> None:
     def elastic(held: Deviations, state: Any, link: Any) -> Any:
         face = real(held, state, link)
         nx, ny, nn = face.nx, face.ny, face.nx**2 + face.ny**2
-        return face._replace(mirror=face.mirror._replace(xx=1 - 2 * nx * nx / nn, xy=-2 * nx * ny / nn, yy=1 - 2 * ny * ny / nn))
+        return face._replace(
+            mirror=face.mirror._replace(xx=1 - 2 * nx * nx / nn, xy=-2 * nx * ny / nn, yy=1 - 2 * ny * ny / nn)
+        )
 
     monkeypatch.setattr(Deviations, "face", elastic)
 

@@ -44,7 +44,11 @@ def slanted(seed: int, e: str = "1") -> Scene:
     return Scene(circles, walls, restitution=e)
 
 
-@pytest.mark.parametrize("scene", [slanted(1), slanted(2), slanted(3, "9/10"), slanted(4, "1/5"), catalogue.build("gas:n=8,seed=5,mixed=yes")], ids=str)
+@pytest.mark.parametrize(
+    "scene",
+    [slanted(1), slanted(2), slanted(3, "9/10"), slanted(4, "1/5"), catalogue.build("gas:n=8,seed=5,mixed=yes")],
+    ids=str,
+)
 def test_the_two_forms_enclose_the_same_numbers(scene):
     """The matrix and contact forms against the plain formulas, both in balls: the same log, overlapping states."""
     run = ExactEngine().run(scene, events=60)
