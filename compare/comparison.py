@@ -327,7 +327,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
-    if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:
+    plain = reference.scene.elastic and len(reference.scene.circles) <= MOST_CIRCLES
+    if not plain or study.truth.rounds_input:
         return found
     reach = reach_of(reference, local_error(engine, reference, engine.bits))
     parted = candidate.alignment.divergence
@@ -378,8 +379,9 @@ def explained(
     if study.scene.polygons and unsettled and not candidate.unable:
         told, unknown = "causes are not looked for yet in scenes with polygons", CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
-    if study.scene.segments and unsettled and not candidate.unable:
-        told, unknown = "causes are not looked for yet in scenes with segments", CauseName["UNKNOWN"]
+    if (study.scene.segments or not study.scene.elastic) and unsettled and not candidate.unable:
+        which = "with segments" if study.scene.segments else "whose restitution is below 1"
+        told, unknown = f"causes are not looked for yet in scenes {which}", CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):

@@ -94,6 +94,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,
         "reverse_after": scene.reverse_after is not None,
+        "restitution": not scene.elastic,
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 

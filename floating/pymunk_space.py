@@ -49,7 +49,7 @@ DAMPING = 1.0
 """Share of the velocity kept in a unit of time: all of it."""
 
 ELASTICITY = 1.0
-"""Of every shape: pymunk multiplies the two of a contact, and 1 is perfectly elastic."""
+"""Of every shape, times the square root of the scene's restitution: pymunk multiplies the two of a contact."""
 
 FRICTION = 0.0
 
@@ -169,8 +169,9 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
                 places[shape] = index
     except OverflowError:
         raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
+    elasticity = ELASTICITY * math.sqrt(scene.restitution)
     for shape in places:
-        shape.elasticity = ELASTICITY
+        shape.elasticity = elasticity
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)

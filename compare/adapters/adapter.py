@@ -154,7 +154,7 @@ class SteppedAdapter(Adapted):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, as there are no pockets, and `tie_policy`: the contacts of a step are solved at once."""
-        return SCENE_KEYS - {"capture", "tie_policy", "segment"}
+        return SCENE_KEYS - {"capture", "tie_policy", "segment", "restitution"}
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""

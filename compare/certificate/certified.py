@@ -195,6 +195,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                 mass = getattr(thing, "m")  # noqa: B009 (only circles have one)
                 if not _same(row["w"], ZERO if isinstance(mass, str) else Quantity.of(1) / mass, roots):
                     return f"{name}: w is {row['w']}, and not one over the mass {mass}"
+    if not scene.elastic:
+        return f"it has no restitution, which is {scene.restitution}"
     policy = {"sequential": "sequential:order=scene"}
     ours, theirs = str(scene.tie_policy), str(block["tie_policy"])
     if policy.get(ours, ours) != policy.get(theirs, theirs):

@@ -42,13 +42,14 @@ class Normal(NamedTuple):
 
 
 class Impacts:
-    """The circles and walls of a scene in doubles, and the laws of elastic impact upon them."""
+    """The circles and walls of a scene in doubles, and the laws of impact upon them."""
 
     def __init__(self, scene: Scene) -> None:
         if scene.segments:
             raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
         if scene.polygons:
             raise SceneError(f"{scene.name!r}: has polygons, of which no log is judged yet; take walls")
+        self._change = 1.0 + float(scene.restitution)
         self.count = len(scene.circles)
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self._radii = [float(c.r) for c in scene.circles]
@@ -81,7 +82,7 @@ class Impacts:
         return vx * normal.x + vy * normal.y
 
     def bounce(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Row] | None:
-        """The rows after elastic impacts at one instant, in rounds, each of which all that approach share.
+        """The rows after impacts at one instant, in rounds, each of which all that approach share.
 
         None if none of the contacts approaches, or if the rounds have no end.
         """
@@ -92,7 +93,7 @@ class Impacts:
             if not closing:
                 return after if done else None
             matrix = self.matrix([(link, normals[link]) for link in closing])
-            strengths = least(matrix @ matrix.T, np.array([-2.0 * opening[link] for link in closing]))
+            strengths = least(matrix @ matrix.T, np.array([-self._change * opening[link] for link in closing]))
             if not strengths.any():
                 return None
             after = self._pushed(after, matrix, strengths)

@@ -562,6 +562,8 @@ class CertifiedDecider:
         grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
     """
 
+    proves = True
+
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
         self.scene = scene
         self.state = RefinableState(scene, FIRST_BITS)

@@ -273,7 +273,15 @@ class Decider(Protocol[N, K]):
     """Keeps the state of one scene in some numbers, and decides what the loop asks.
 
     The log in its history is its own; `meetings` and `reading` are its other two faces.
+
+    Attributes:
+        proves: whether its answers are proved; what no rounding may claim is asked of it alone.
     """
+
+    @property
+    def proves(self) -> bool:
+        """See the attributes."""
+        ...
 
     @property
     def history(self) -> History[K]:
