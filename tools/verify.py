@@ -223,8 +223,8 @@ def ends_of(segments):  # as fixed circles; where ends are at one place, they ar
         for place in (x, y), (u, v):
             key = tuple(frozenset(z.items()) for z in place)
             sign = sign_of(r - found[key][4]) if key in found else 1
-            demand(sign, [-1, 0, 1], "which end is the larger")
-            if sign > 0: found[key] = [*place, NONE, NONE, r, NONE]
+            demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
+            if sign == 1: found[key] = [*place, NONE, NONE, r, NONE]
     return [*found.values()]
 class Checker:
     """Follows a certificate. Of the flights of now it keeps `parted`, what was at gap zero on them,
@@ -361,18 +361,18 @@ class Checker:
             if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
             if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
             if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
-        over = not clear and gap in (-1, 0) and sign("height") in (0, 1)
-        over = over and 1 == sign("foot") == sign("far")
-        refuse(over, f"{c} overlap, or touch, which is not told")
-        if closing == -1:
+        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
+        refuse(not clear and over, f"{c} overlap, or touch from the start")
+        clear = clear or shown("foot", "far")
+        if clear and closing == -1:
             hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
-            refuse(hit, f"{c} meet before it")
-            if (clear or shown("foot", "far")) and shown("near", "beyond"): return
-        elif (clear or shown("foot", "far")) and (closing == 0 or shown("closing")):
+            refuse(hit, f"{c} meet on the way")
+            if shown("near", "beyond"): return
+        elif clear and (closing == 0 or shown("closing")):  # it slides, if it is on the line
             if gap or last or out(lambda x: sign(x, age)) or shown("foot", "far", at=age): return
             inside = 1 == sign("foot", age) == sign("far", age)
-            refuse(inside and (gap == 0 or shown("gap")), f"{c} touch, which is not told")
-        raise Unsettled(f"whether {c} meet before it")
+            refuse(inside and (gap == 0 or shown("gap")), f"{c} touch as the flight ends")
+        raise Unsettled(f"whether {c} are on it")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
         (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
         far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
@@ -425,12 +425,13 @@ class Checker:
         for c in met:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
-            if face: refuse(not self.within(c) or self.other(c) in self.parted, f"{c} are beside")
-            if face and not age: refuse(self.sign("height", c) < 1, f"the centre of {c} is on it")
-            refuse(0 <= c[1] < self.n and self.points(*c), f"{c} have no normal")
-            still = age and not face and not self.met[c]
-            refuse(still and not self.sign("speed", c), f"{c} stay at gap zero")
-            refuse(face and age and self.met[c] > 0, f"{c} come from behind it")
+            refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
+            if face:
+                refuse(not self.within(c), f"{c}: its foot is beside the face")
+                refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
+                refuse(not age and self.sign("height", c) < 1, f"{c}: its centre is on the line")
+                refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
+            else: refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay so")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn

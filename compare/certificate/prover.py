@@ -238,6 +238,9 @@ class Prover(Checker):
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
+        if self.told["scene"].get("capture"):  # what a pocket takes may slide along a face as its flight ends
+            for c in (c for i, _ in entry["enter"] for c in self.of[i] if c[1] in self.faces):
+                self._try(entry, c)
         todo = sorted(bodies)
         while todo:
             for c in self.of[todo.pop()]:

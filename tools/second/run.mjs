@@ -155,8 +155,8 @@ export class Run {
     const aside = start => at('foot', start) <= 0 || at('far', start) <= 0;
     const what = `whether ${c.name} kept apart`, gap = at('gap');
     if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside(true))) {
-      if (gap <= 0 && at('foot') > 0 && at('far') > 0 && at('height') >= 0) refute(`${c.name} overlap, or touch, which is not told`);
-      undecided(what);
+      if (gap <= 0 && at('foot') > 0 && at('far') > 0 && at('height') >= 0) refute(`${c.name} overlap, or touch from the start`);
+      undecided(`whether ${c.name} overlap`);
     }
     if (gap < 0) return; // behind it, or beside
     const closing = at('closing');
@@ -165,13 +165,13 @@ export class Run {
     if (closing < 0) {
       const near = at('near'), beyond = at('beyond');
       if (near <= 0 || beyond <= 0) return;
-      if (gap > 0 && near > 0 && beyond > 0 && (mode === 'ever' || at('gap', false) <= 0)) refute(`${c.name} meet, which is not told`);
-      undecided(what);
+      if (gap > 0 && near > 0 && beyond > 0 && (mode === 'ever' || at('gap', false) <= 0)) refute(`${c.name} meet on the way`);
+      undecided(`whether ${c.name} meet on the way`);
     }
     if (closing === undefined) witness(this, 'closing', c, what);
     if (gap > 0 || mode !== 'flight' || aside(false)) return; // it slides along the line, if it is at it
-    if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch, which is not told`);
-    undecided(what);
+    if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
+    undecided(`whether ${c.name} touch as the flight ends`);
   }
   /** Is the foot of the centre now strictly between the ends of a face? */
   within(c) {
@@ -318,7 +318,7 @@ export class Run {
     if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
-    if (this.k && sign === 0 && !c.face && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
+    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
       refute(`${c.name} is at gap zero all the time, and does not come to it`);
     }
     if (this.k && sign > 0) {

@@ -67,7 +67,11 @@ export class Scene {
       for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) {
         const place = [x, y].map(v => this.spelled(v)).join(';'), there = ends.get(place);
         if (!there) ends.set(place, { id, x: this.number(x), y: this.number(y), r: thick, vx: zero, vy: zero, w: zero, end: true });
-        else if ((this.sign((A, w) => A.sub(thick[w], there.r[w])) ?? undecided('which of two ends is the larger')) > 0) there.r = thick;
+        else {
+          const larger = this.sign((A, w) => A.sub(thick[w], there.r[w]));
+          if (larger === undefined) undecided('which of two ends at one place is the larger');
+          if (larger > 0) there.r = thick;
+        }
       }
     }
     this.circles.push(...ends.values());
