@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Nearing, Space, Unsettled, enclosed
+from ...tools.verify import Ball, Checker, Facing, Nearing, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
@@ -262,7 +262,7 @@ class Prover(Checker):
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
             signs = [m.closing.sign(), m.disc.sign()]
-            if c[1] in self.faces:
+            if c[1] in self.faces and isinstance(m, Facing):
                 signs += [m.near.sign(), m.beyond.sign()]
             if None not in signs:
                 return signs == [-1, 1, 1, 1][: len(signs)]

@@ -400,6 +400,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
+        self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -524,9 +525,15 @@ class FilteredPredictor(Predictor[arb]):
     def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
         if walls and walls[-1] >= self.wall_count:
-            table, first = self._face_table(a), self.wall_count
-            self._meet(a, [table[k - first] for k in walls if k >= first], standing)
-            walls = [k for k in walls if k < first]
+            key = a.kind, walls
+            faces = self._near_faces.get(key)
+            if faces is None:
+                table, first = self._face_table(a), self.wall_count
+                faces = self._near_faces[key] = [table[k - first] for k in walls if k >= first]
+            self._meet(a, faces, standing)
+            if len(faces) == len(walls):
+                return
+            walls = walls[: len(walls) - len(faces)]
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
         else:

@@ -148,7 +148,7 @@ def leaves(origin: float, width: float, count: int) -> tuple[list[float], list[f
 # It touches a face of a segment only from its own side, with its centre over the face: that centre lies in a rectangle,
 # which the face and the radius span. Two rectangles are apart only if the axes of one of them tell so: columns and rows
 # tell by the rectangle's box, then heights over the face, and the way along it. Rectangles are closed, and what
-# rounding leaves open is near: so a face that is touched as a flight begins, at its very end too, is near from the start.
+# rounding leaves open is near: so a face that is touched as a flight begins, at its very end too, is near from then on.
 
 ROUNDING = 2.0**-40
 """Share of its terms by which a height in doubles is off at most: six roundings of a wall's numbers and a cell's, and
@@ -192,11 +192,12 @@ class WallCells:
         self._face_columns, self._face_rows = [0] * len(columns), [0] * len(rows)
         self._slanted: dict[int, tuple[Spans, Spans]] = {}
         self._always = 0
+        farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)
         for k, wall in enumerate(walls):
             if wall.is_face:
-                self._admit_face(1 << k, _reach_of(wall, radius), columns, rows)
+                self._admit_face(1 << k, _reach_of(wall, radius, farthest), columns, rows)
             else:
-                self._admit(1 << k, _spans(wall, columns, rows, radius))
+                self._admit(1 << k, _spans(wall, columns, rows, radius, farthest))
         self._indices: dict[int, tuple[int, ...]] = {}
 
     def _admit(self, bit: int, spans: Spans | None) -> None:
@@ -225,17 +226,15 @@ class WallCells:
         if reach is None:
             self._always |= bit
             return
-        x0, y0, nx, ny, length, radius, size = reach
+        x0, y0, nx, ny, length, radius, off = reach
         xs = (x0, x0 + ny * length, x0 + nx * radius, x0 + ny * length + nx * radius)
         ys = (y0, y0 - nx * length, y0 + ny * radius, y0 - nx * length + ny * radius)
         for bits, ends, places in ((self._face_columns, columns, xs), (self._face_rows, rows, ys)):
-            off = _off(size, ends)
             low, high = min(places) - off, max(places) + off
             for k, (start, end) in enumerate(ends):
                 if start <= high and end >= low:
                     bits[k] |= bit
         if nx and ny:
-            off = _off(size, (*columns, *rows))
             sides = (nx, ny, nx * x0 + ny * y0, radius), (ny, -nx, ny * x0 - nx * y0, length)
             self._slanted[bit] = tuple(_between(side, columns, rows, off) for side in sides)  # pyright: ignore[reportArgumentType]
 
@@ -276,7 +275,11 @@ class WallCells:
 
 
 def _spans(
-    wall: Wall, columns: Sequence[tuple[float, float]], rows: Sequence[tuple[float, float]], radius: float
+    wall: Wall,
+    columns: Sequence[tuple[float, float]],
+    rows: Sequence[tuple[float, float]],
+    radius: float,
+    farthest: float,
 ) -> Spans | None:
     """What the cells' ends come to in heights over a wall; None where doubles do not hold it."""
     nx, ny = wall.normal
@@ -292,7 +295,6 @@ def _spans(
         return None
     across, along = [_span(fx, ends) for ends in columns], [_span(fy, ends) for ends in rows]
     height = fx * x0 + fy * y0
-    farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)
     size = abs(x0) + abs(y0) + radius + 2.0 * farthest
     left, right = zip(*across, strict=True)
     low, high = zip(*((least - height, most - height) for least, most in along), strict=True)
@@ -300,11 +302,11 @@ def _spans(
 
 
 FaceReach: TypeAlias = tuple[float, float, float, float, float, float, float]
-"""Where a face begins, its normal of length 1, how long it is, and how far from it centres are; the size of it all."""
+"""Where a face begins, its normal of length 1, how long it is, how far from it centres are; what all this is off by."""
 
 
-def _reach_of(face: Wall, radius: float) -> FaceReach | None:
-    """Of a face, in doubles; None where doubles do not hold it."""
+def _reach_of(face: Wall, radius: float, farthest: float) -> FaceReach | None:
+    """Of a face, in doubles, among cells that reach so far; None where doubles do not hold it."""
     nx, ny = face.normal
     try:
         fx, fy, x0, y0 = float(nx), float(ny), float(face.x0), float(face.y0)
@@ -313,13 +315,8 @@ def _reach_of(face: Wall, radius: float) -> FaceReach | None:
     length = hypot(fx, fy)
     if not TINIEST < length < 1.0 / TINIEST or (fx == 0.0 and nx.sign()) or (fy == 0.0 and ny.sign()):
         return None
-    return x0, y0, fx / length, fy / length, length, radius, abs(x0) + abs(y0) + length + radius
-
-
-def _off(size: float, ends: Sequence[tuple[float, float]]) -> float:
-    """By what a height over a wall, or a place along it, is off at most, at cells that end where these do."""
-    farthest = max((abs(end) for pair in ends for end in pair if abs(end) < inf), default=0.0)
-    return ROUNDING * (size + 2.0 * farthest) + TINIEST
+    size = abs(x0) + abs(y0) + length + radius + 2.0 * farthest
+    return x0, y0, fx / length, fy / length, length, radius, ROUNDING * size + TINIEST
 
 
 def _between(

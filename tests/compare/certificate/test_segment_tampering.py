@@ -1,4 +1,4 @@
-"""Certificates of runs among segments, altered at random, are refused, or still true; and so is one of a wrong scene."""
+"""Certificates of runs among segments, altered at random, are refused, or still true; and compared with a scene."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ def by_hand() -> dict[str, Scene]:
             tie_policy="sequential:seed=5",
             segments=[Segment(-3, 3, 0, 0), Segment(0, 0, 3, 3), Segment(3, 3, 6, 0)],
         ),
-        "thick and thin": Scene([Circle(-2, 9, vx="1/4", vy=-1)], segments=[Segment(-4, 0, 0, 0, r=1), Segment(0, 0, 4, 0)]),
+        "thick and thin": Scene(
+            [Circle(-2, 9, vx="1/4", vy=-1)], segments=[Segment(-4, 0, 0, 0, r=1), Segment(0, 0, 4, 0)]
+        ),
         "mirrored": Scene(
             [Circle(-2, "sqrt(5)", vx="1/3", vy=-1), Circle(2, "sqrt(5)", vx="-1/3", vy=-1)],
             segments=[Segment(-4, -1, -1, 0), Segment(4, -1, 1, 0)],
