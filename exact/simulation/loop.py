@@ -233,6 +233,7 @@ class Loop(Generic[N, K]):
                     if isinstance(found, Stop):
                         return found
                     if found is not None:
+                        self._take_slides(self.decider.meetings.slides)  # seen as cells were crossed
                         self.tape.add(found, whole=self._strides() is not None)
                         done = self._resolve(found)
                         if done.moved:
@@ -253,9 +254,9 @@ class Loop(Generic[N, K]):
         before = self._instants
         most, until = self._most(), self.gatherer.clear_until()
         self._instants = stride(before, most, until, self._look, self._note_alone)
+        self._take_slides(self.decider.meetings.slides)
         if self._instants != before:
             self._split = False
-            self._take_slides(self.decider.meetings.slides)
             self._report()
 
     def _strides(self) -> Ordinary | None:
