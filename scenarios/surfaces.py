@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import hypot, isfinite
+from typing import TYPE_CHECKING, NamedTuple
 
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
 from .things import FIXED, Circle, Segment, Wall
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -159,3 +163,31 @@ def _check_beside(a: Segment, b: Segment) -> None:
     low, high = max(min(places), ZERO), min(max(places), ux * ux + uy * uy)
     if (high - low).sign() > 0:
         raise SceneError(f"segment {b.id!r}: lies on segment {a.id!r}; make them one")
+
+
+# -- Which faces and ends are of which thing.
+
+
+class ThingParts(NamedTuple):
+    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`."""
+
+    faces: tuple[int, ...]
+    ends: tuple[int, ...]
+
+
+def parts_of(scene: Scene) -> dict[int, ThingParts]:
+    """The parts of every thing that has several, by its place in `Scene.ids`.
+
+    >>> from truebreak.scenarios import Scene
+    >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
+    {2: ThingParts(faces=(1, 2), ends=(1, 2))}
+    """
+    whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
+    ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
+    return {
+        before + k: ThingParts(
+            (whole.faces.start + 2 * k, whole.faces.start + 2 * k + 1),
+            (ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]),
+        )
+        for k, segment in enumerate(scene.segments)
+    }
