@@ -8,7 +8,7 @@ units, relatively. docs/audit.md derives the constants.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb, arb_mat
@@ -198,6 +198,11 @@ class Laws:
                 WallInBalls(x0, y0, -nx / span, -ny / span, size, length, thick),
             )
         return self._lines[wall][self._sides.negative(circle, wall)]
+
+    @property
+    def parts_places(self) -> Iterable[int]:
+        """The faces and ends, by place in `Scene.ids` of the scene as engines see it."""
+        return self._owners
 
     def wholes(self, bodies: tuple[int, ...]) -> list[tuple[int, ...]]:
         """Who takes part, with the thing that a face or an end is of, or the things, in place of it."""
