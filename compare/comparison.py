@@ -370,14 +370,9 @@ def explained(
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.diagnosis import CauseName, Diagnosis, Experiment
     from .causes.laboratory import Laboratory, diagnosis_of, margin_of
     from .causes.stops import Stopped, diagnosis_of_stop
 
-    unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
-    if study.scene.segments and unsettled and not candidate.unable:
-        told, unknown = "causes are not looked for yet in scenes with segments", CauseName["UNKNOWN"]
-        return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):
             lab = Laboratory(study, candidate, engine, progress)

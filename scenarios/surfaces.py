@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -175,7 +176,8 @@ class ThingParts(NamedTuple):
     ends: tuple[int, ...]
 
 
-def parts_of(scene: Scene) -> dict[int, ThingParts]:
+@lru_cache(maxsize=64)
+def parts_of(scene: Scene) -> Mapping[int, ThingParts]:
     """The parts of every thing that has several, by its place in `Scene.ids`.
 
     >>> from truebreak.scenarios import Scene

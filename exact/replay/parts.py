@@ -40,6 +40,7 @@ class PartsNear(Generic[N]):
     Args:
         scene: the scene.
         numbers: the system.
+        flights: where the things are, of `Scene.surfaces`; by default where the scene says.
 
     >>> from truebreak.floating.double import DOUBLES
     >>> from truebreak.scenarios import Circle, Segment
@@ -50,8 +51,8 @@ class PartsNear(Generic[N]):
     Pair(a=0, b=2)
     """
 
-    def __init__(self, scene: Scene, numbers: Arithmetic[N]) -> None:
-        self._flights = Flights(scene.surfaces, numbers)
+    def __init__(self, scene: Scene, numbers: Arithmetic[N], flights: Flights[N] | None = None) -> None:
+        self._flights = flights or Flights(scene.surfaces, numbers)
         self._root = numbers.root
         self.things = parts_of(scene)
 

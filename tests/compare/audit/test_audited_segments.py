@@ -60,8 +60,8 @@ def test_the_words_of_what_is_found() -> None:
     assert thin.first is not None
     assert thin.first.bodies == ("ball", "shelf")
     assert thin.first.size == pytest.approx(0.5)
-    end = Scene([Circle("3/5", 5, vy=-2, id="ball")], segments=[Segment(0, 0, "1/5", 0, id="shelf")])
-    lost = audited(SegmentFault(), end)  # at sqrt(1 - .4**2) above its end they meet; .2 beside it they pass: .6 deep
+    end = Scene([Circle("3/5", 5, vy=-2, id="ball")], segments=[Segment(-9, 0, "1/5", 0, id="shelf")])
+    lost = audited(SegmentFault(), end)  # .4 beside its end it flies past: .6 deep
     assert lost.first is not None
     assert (lost.first.kind, lost.first.bodies) == ("depth", ("ball", "shelf"))
     assert lost.first.size == pytest.approx(0.6)
