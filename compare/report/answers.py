@@ -28,6 +28,7 @@ from .sentences import (
     tied,
     until_phrase,
     verdict_sentence,
+    wall_words,
 )
 
 if TYPE_CHECKING:
@@ -253,6 +254,8 @@ def _margin_words(candidate: Candidate) -> str:
         if margin.gap == (0.0, 0.0):
             return f"The two fall on exactly one instant; {error}."
         return f"The two are {about(margin.gap)} apart in time; {error}."
+    if margin.speed is not None:
+        return f"The exact run {wall_words(margin.speed)}; {error}."
     if margin.distance is None:
         return ""
     if margin.distance == (0.0, 0.0):

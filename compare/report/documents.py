@@ -62,7 +62,8 @@ FORMS = {
     "compare.causes.diagnosis:Diagnosis": "names=causes displacement closed continuations=runs evidence=finding "
     "sufficient experiments",
     "compare.causes.diagnosis:Experiment": "cause suffices displacement share result",
-    "compare.causes.diagnosis:Margin": "time=gap ulps distance position_error=error ratio growth_bits_per_event=growth",
+    "compare.causes.diagnosis:Margin": "time=gap ulps distance speed position_error=error ratio "
+    "growth_bits_per_event=growth",
     "compare.alignment.instants:Divergence": "event time body expected got kind expected_time got_time",
     "compare.alignment.align:Separation": "times max=largest final largest=maximum circle",
     "compare.candidate:Candidate": "engine parameters=trajectory.parameters verdict laws "
