@@ -50,12 +50,12 @@ class SegmentFace(Wall):
 
 
 def ends_of(segments: Sequence[Segment]) -> tuple[Circle, ...]:
-    """The ends of segments as fixed circles, each named by the first segment that has it, with the greatest r there."""
+    """The ends of segments as fixed circles, with the greatest r there, each named by the first segment that has that."""
     found: dict[tuple[Quantity, Quantity], tuple[Quantity, str | None]] = {}
     for segment in segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
             r, name = found.get(place, (segment.r, segment.id))
-            found[place] = max(r, segment.r), name
+            found[place] = (segment.r, segment.id) if segment.r > r else (r, name)
     return tuple(Circle(*place, r=r, m=FIXED, id=name, point=r.sign() == 0) for place, (r, name) in found.items())
 
 

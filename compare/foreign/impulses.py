@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios.errors import SceneError
+from ...exact.replay.parts import PartsNear
+from ...floating.double import DOUBLES
+from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -42,11 +44,19 @@ class Normal(NamedTuple):
 
 
 class Impacts:
-    """The circles and walls of a scene in doubles, and the laws of elastic impact upon them."""
+    """The circles, walls and things of faces and ends of a scene in doubles, and the laws of elastic impact upon them.
+
+    Args:
+        scene: the scene.
+
+    Attributes:
+        count: of circles.
+        things: what has faces and ends, by place in `scene.ids`; a contact with one is with what is nearest of it.
+    """
 
     def __init__(self, scene: Scene) -> None:
-        if scene.segments:
-            raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
+        self.things = tuple(parts_of(scene))
+        self._near = PartsNear(scene, DOUBLES) if self.things else None
         self.count = len(scene.circles)
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self._radii = [float(c.r) for c in scene.circles]
@@ -60,6 +70,9 @@ class Impacts:
     def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
         """The line of centres, at given places."""
         (i, j), (x, y) = link, rows[link[0]][:2]
+        if self._near is not None and j in self._near.things:
+            part = self._near.part(i, j, *rows[i])
+            return Normal(part.nx, part.ny, part.gap)
         if j >= self.count:
             x0, y0, nx, ny = self._walls[j - self.count]
             side = self._sides[i][j - self.count]
@@ -151,7 +164,16 @@ class Impacts:
     def _pairs(self, moved: Sequence[int]) -> list[Indices]:
         """Every pair of which one is among the circles given."""
         found = {(min(i, j), max(i, j)) for i in moved for j in range(self.count) if i != j}
-        return [*sorted(found), *((i, self.count + w) for i in moved for w in range(len(self._walls)))]
+        fixed = [*range(self.count, self.count + len(self._walls)), *self.things]
+        return [*sorted(found), *((i, place) for i in moved for place in fixed)]
+
+    def named(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Indices]:
+        """The same contacts, those with an end that several things share by the thing that names it, each once."""
+        near = self._near
+        if near is None:
+            return list(links)
+        names = ((i, near.name_of(i, j, *rows[i]) if j in near.things else j) for i, j in links)
+        return [*dict.fromkeys(names)]
 
     def matrix(self, contacts: Sequence[tuple[Indices, Normal]]) -> NDArray[np.float64]:
         """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
@@ -187,7 +209,8 @@ class Impacts:
 
     def quiet(self, rows: Sequence[Row]) -> bool:
         """Whether no two circles, and no circle and wall, come nearer to each other: then none ever will."""
-        links = [(i, j) for i in range(self.count) for j in range(i + 1, self.count + len(self._walls))]
+        fixed = [*range(self.count, self.count + len(self._walls)), *self.things]
+        links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *fixed)]
         return all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links)
 
 

@@ -55,6 +55,8 @@ class PartsNear(Generic[N]):
         self._flights = flights or Flights(scene.surfaces, numbers)
         self._root = numbers.root
         self.things = parts_of(scene)
+        places = {scene.ids[place]: place for place in self.things}
+        self._named = {end: places[str(scene.surfaces.circles[end].id)] for end in scene.surfaces.ends}
 
     def part(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> NearestPart[N]:
         """The part of a thing that a circle at (x, y), with velocity (vx, vy) before it is pushed, is nearest to.
@@ -96,3 +98,16 @@ class PartsNear(Generic[N]):
             if towards and behind and part.link.flat and other <= away + max(thick, far) + SAME_GAP * size:
                 return part
         return nearest
+
+    def name_of(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> int:
+        """The thing by which what a circle is nearest to of a thing is named: an end that things share has one name.
+
+        >>> from truebreak.floating.double import DOUBLES
+        >>> from truebreak.scenarios import Circle, Segment
+        >>> scene = Scene([Circle(0, 9)], segments=[Segment(-4, 0, 0, 0, id="a"), Segment(0, 0, 4, 0, id="b")])
+        >>> near = PartsNear(scene, DOUBLES)
+        >>> [near.name_of(0, thing, 0.0, 1.0, 0.0, -1.0) for thing in (1, 2)]
+        [1, 1]
+        """
+        link = self.part(circle, thing, x, y, vx, vy).link
+        return thing if link.flat else self._named[link[1]]
