@@ -327,6 +327,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
+    if reference.scene.segments:
+        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
     if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:
         return found
     reach = reach_of(reference, local_error(engine, reference, engine.bits))

@@ -126,12 +126,23 @@ class Impacts:
         """
         change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
         moved = [k for k in range(self.count) if change[k].any()]
-        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, rows)).gap <= room]
+        there = [(*row[:2], *was[2:]) for row, was in zip(rows, before, strict=True)]  # as they came, where they are
+        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, there)).gap <= room]
+        near = self._nearest(near) if self.things else near
         found = self._explaining(near, change)
         if way is None or found[1] <= SOLVED:
             return found
         met = [(link, self._met(link, before, way) or normal) for link, normal in near]
         return min(self._explaining(met, change), found, key=lambda told: told[1])
+
+    def _nearest(self, near: Sequence[tuple[Indices, Normal]]) -> list[tuple[Indices, Normal]]:
+        """Of walls and things that push a circle in the same direction, the one that it touches best."""
+        kept: list[tuple[Indices, Normal]] = []
+        for link, normal in sorted(near, key=lambda told: abs(told[1].gap)):
+            beside = (n for other, n in kept if other[0] == link[0] and other[1] >= self.count)
+            if link[1] < self.count or all(n.x * normal.x + n.y * normal.y < 1.0 - SOLVED for n in beside):
+                kept.append((link, normal))
+        return sorted(kept, key=lambda told: told[0])
 
     def _met(self, link: Indices, rows: Sequence[Row], way: float) -> Normal | None:
         """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
