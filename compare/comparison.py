@@ -327,6 +327,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
+    if reference.scene.segments or reference.scene.polygons:
+        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
     plain = reference.scene.elastic and len(reference.scene.circles) <= MOST_CIRCLES
     if not plain or study.truth.rounds_input:
         return found
@@ -371,7 +373,6 @@ def explained(
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.diagnosis import CauseName, Diagnosis, Experiment
     from .causes.laboratory import Laboratory, diagnosis_of, margin_of
     from .causes.stops import Stopped, diagnosis_of_stop
 
@@ -379,9 +380,9 @@ def explained(
     if study.scene.polygons and unsettled and not candidate.unable:
         told, unknown = "causes are not looked for yet in scenes with polygons", CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
-    if (study.scene.segments or not study.scene.elastic) and unsettled and not candidate.unable:
-        which = "with segments" if study.scene.segments else "whose restitution is below 1"
-        told, unknown = f"causes are not looked for yet in scenes {which}", CauseName["UNKNOWN"]
+    if not study.scene.elastic and unsettled and not candidate.unable:
+        told = "causes are not looked for yet in scenes whose restitution is below 1"
+        unknown = CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):

@@ -172,6 +172,9 @@ class Recorder:
     def step(self, time: float) -> bool:
         """Notes what the step that ended at `time` did; whether that was an event."""
         touched, pushed = self.touched, self._pushed
+        if self._world.joints:
+            for pairs in (touched, pushed):
+                pairs[:] = dict.fromkeys(map(self._world.named, pairs))
         collided = bool(pushed)
         if len(touched) == 1 and not self._corrects:
             self._tie(time, touched[0], all_of_them=False)

@@ -172,7 +172,7 @@ class Continuation:
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
-        self.scene: Scene = reference.scene
+        self.scene: Scene = reference.scene.surfaces  # whose places the log has
         self._turned, self._unit, self._until = turned, unit, until
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}

@@ -109,10 +109,6 @@ def chaos(
     reference = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
     struck = mapped(reference, len(reference.events))
     found = spectrum(scene, struck, exponents)
-    if scene.segments and chosen:
-        raise SceneError(
-            f"{scene.name!r}: has segments, where no horizon is predicted yet; write --engines none, or take walls"
-        )
     forecaster, rate = Forecaster(reference, struck), found.per_time().value if found.chaotic else 0.0
     horizons: list[Horizon] = []
     exact: list[str] = []

@@ -49,8 +49,6 @@ def foreseen(comparison: Comparison) -> Foreseen | None:
         return Foreseen(0, 0.0, (None,) * len(comparison.candidates), "not predicted yet in scenes with polygons")
     if motion_of(reference) is None or not reference.events:
         return None
-    if comparison.scene.segments:
-        return Foreseen(0, 0.0, (None,) * len(comparison.candidates), "not predicted yet in scenes with segments")
     most = min(len(reference.events), MOST_WORK // len(comparison.scene.circles))
     reason = "" if most == len(reference.events) else f"no more than {most:,} events are looked at"
     try:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...exact.exact_engine import ExactEngine
-from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Stop, StopReason
 from ..study import Study, run_or_unable
 from ..tangent.hazard import ErrorCurve, ErrorModel, error_curve, model_of
@@ -164,8 +163,6 @@ class Forecaster:
     """
 
     def __init__(self, trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> None:
-        if trajectory.scene.segments:
-            raise SceneError(f"{trajectory.scene.name!r}: has segments, where no horizon is predicted yet; take walls")
         self.trajectory = trajectory
         self.struck = struck
         self._curves: dict[ErrorModel, ErrorCurve] = {}

@@ -114,9 +114,9 @@ class Displacements:
 
 
 def _doubles(impact: Impact) -> Impact:
-    time, a, b, *numbers = impact
-    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in numbers)
-    return Impact(float(time), a, b, dx, dy, vx, vy, reach, wa, wb)
+    time, a, b, *numbers, wall = impact
+    dx, dy, vx, vy, reach, wa, wb = map(float, numbers)  # pyright: ignore[reportArgumentType]
+    return Impact(float(time), a, b, dx, dy, vx, vy, reach, wa, wb, wall)
 
 
 def unit_displacements(scene: Scene) -> NDArray[np.float64]:

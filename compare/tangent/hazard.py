@@ -25,6 +25,7 @@ from ...exact.laws.formulas import (
 )
 from ...exact.numbers import ball
 from ...exact.replay.state import ReplayState
+from ...scenarios.surfaces import ThingParts, parts_of
 from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
 
@@ -55,8 +56,20 @@ class Others(NamedTuple):
     normals: NDArray[np.float64]
 
 
+class Passing(NamedTuple):
+    """A circle that hits a thing with ends.
+
+    Attributes:
+        depth: how far aside its flight would have to be for it to pass the thing.
+        wait: how long after the impact it would be beside the end that it would pass.
+    """
+
+    depth: float
+    wait: float
+
+
 class Course:
-    """The states of all circles along a run's impacts, in doubles.
+    """The states of all circles along a run's impacts, in doubles, in the places of `Scene.surfaces`.
 
     Attributes:
         places, speeds: shape (circles, 2), at `time`.
@@ -64,12 +77,20 @@ class Course:
     """
 
     def __init__(self, scene: Scene) -> None:
+        parts = parts_of(scene)
+        scene = scene.surfaces
         circles = scene.circles
         self.places: NDArray[np.float64] = np.array([[float(c.x), float(c.y)] for c in circles])
         self.speeds: NDArray[np.float64] = np.array([[float(c.vx), float(c.vy)] for c in circles])
         self.time = 0.0
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
+        self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
+        self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
+        self._of: dict[tuple[bool, int], list[ThingParts]] = {}
+        for thing in parts.values():
+            for key in (*((True, wall) for wall in thing.faces), *((False, end) for end in thing.ends)):
+                self._of.setdefault(key, []).append(thing)
         for k, wall in enumerate(scene.walls):
             normal = np.array([float(part) for part in wall.normal])
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
@@ -98,13 +119,16 @@ class Course:
 
         One number for each that it would meet next, were it not for the impact: an error changes the times of both
         meetings, each by the error's part along the approach over the speed of approach; taken as if both parts were as
-        long as the margin, and of opposite effect. And one, for two circles, for how far they are from missing each
-        other.
+        long as the margin, and of opposite effect. And one, for two circles, or a thing with ends, for how far they are
+        from missing each other.
         """
         _, b, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
         closing = abs(pair_approach(dx, dy, vx, vy)) / reach
         others = self.instead(event, i)
         orders = others.waits * (closing * others.rates / (closing + others.rates))
+        thing = self.passing(impact)
+        if thing is not None:
+            return np.append(orders, thing.depth)
         if b is None:
             return orders
         return np.append(orders, max(reach - abs(dx * vy - dy * vx) / np.hypot(vx, vy), 0.0))
@@ -116,7 +140,12 @@ class Course:
         """
         met = [impact for impact in event if i in (impact.a, impact.b)]
         partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
-        circles, walls = self._circles(i, partners), self._walls_of(i, len(met) - len(partners))
+        things = [thing for impact in met for thing in self._things_of(impact)]
+        at = {impact.wall for impact in met if impact.wall is not None}
+        at |= {wall for thing in things for wall in thing.faces}  # which part of a thing it is changes no history
+        unknown = sum(impact.b is None and impact.wall is None for impact in met)
+        circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
+        walls = self._walls_of(i, sorted(at), unknown)
         return Others(
             np.concatenate([circles.places, walls.places]),
             np.concatenate([circles.waits, walls.waits]),
@@ -136,14 +165,38 @@ class Course:
         normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
         return Others(np.flatnonzero(meets), waits, root / reach, normals)
 
-    def _walls_of(self, i: int, at_walls: int) -> Others:
-        """The walls in its way, but for those that it is at."""
+    def _things_of(self, impact: Impact) -> list[ThingParts]:
+        """What has the face or the end that an impact is at; nothing for others."""
+        if impact.wall is not None:
+            return self._of.get((True, impact.wall), [])
+        return [] if impact.b is None else self._of.get((False, impact.b), [])
+
+    def passing(self, impact: Impact) -> Passing | None:
+        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall."""
+        ends = sorted({end for thing in self._things_of(impact) for end in thing.ends})
+        if not ends:
+            return None
+        (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
+        speed = hypot(vx, vy)
+        offset, reach = (dx * vy - dy * vx) / speed, self._radii[ends] + self._radii[impact.a]
+        low, high = int(np.argmin(offset - reach)), int(np.argmax(offset + reach))
+        below, above = float(reach[low] - offset[low]), float(offset[high] + reach[high])
+        depth, end = (below, low) if below < above else (above, high)
+        return Passing(max(depth, 0.0), float(dx[end] * vx + dy[end] * vy) / speed**2)
+
+    def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
+        """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""
         (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
         gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
-        side = np.where(gap < 0, -1.0, 1.0)
+        side = np.where((gap < 0) & ~self._is_face, -1.0, 1.0)
+        behind = self._is_face & (gap < 0)
         gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
-        meets = approach < 0
-        meets[np.abs(gap).argsort()[:at_walls]] = False
+        meets = (approach < 0) & ~behind
+        wait = wall_hit_time(np.maximum(gap, 0.0), np.where(meets, approach, -1.0))
+        foot = (x + wait * ux - x0) * ny - (y + wait * uy - y0) * nx
+        meets &= ~self._is_face | ((foot > 0.0) & (foot < self._length))
+        meets[np.abs(gap).argsort()[:unknown]] = False
+        meets[list(at)] = False
         waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
         normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
         return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
@@ -151,7 +204,7 @@ class Course:
 
 def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
     """All of an impact but its time."""
-    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:])
+    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:10])
     return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
 
 
@@ -198,7 +251,7 @@ def shares(
 
     - for each circle that can move, and each thing that it would meet next were it not for the impact: which of the two
       meetings is the earlier. The margin is the time between them;
-    - for two circles: whether they pass each other by. The margin is how far they are from that;
+    - for two circles, or a thing with ends: whether they pass each other by. The margin is how far they are from that;
     - whether they come together at all. The margin is the speed at which they do.
 
     So an error along the motion of two balls on a line lets none of them miss the other, however large it is.
@@ -238,6 +291,12 @@ def shares(
         gaps = np.einsum("oc,ock->ok", others.normals, theirs - errors[i, :2])
         shifts = gaps / others.rates[:, None] - shift + off(len(gaps)) - off(len(gaps))
         told += [_share(one, wait) for one, wait in zip(shifts, others.waits.tolist(), strict=True)]
+    thing = course.passing(impact)
+    if thing is not None:
+        own = course.speeds[a]
+        across = np.array([-own[1], own[0]]) / np.hypot(*own)
+        aside = across @ (errors[a][:2] + thing.wait * errors[a][2:])
+        return [*told, _share(aside, thing.depth), _share(normal @ apart[2:], abs(float(rate)))]
     if b is None:
         return [*told, _share(normal @ apart[2:], abs(float(rate)))]
     speed = float(np.hypot(vx, vy))
@@ -385,7 +444,7 @@ def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel
     if model is ErrorModel.ROUNDING:
         state = np.hstack([course.places, course.speeds])[free]
         start = state[:, :, None] * draw.uniform(-1, 1, start.shape)
-    carried, errors = Displacements(scene, start), np.zeros((len(scene.circles), 4, SAMPLES))
+    carried, errors = Displacements(scene, start), np.zeros((len(course.places), 4, SAMPLES))
     for event, impacts in enumerate(struck):
         time = float(impacts[0].time)
         course.fly(time)
@@ -413,7 +472,7 @@ def _strike(
 ) -> None:
     """One impact: what was carried goes through it, and what the engine gets wrong at it is added."""
     carried.through([impact])
-    time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:]))
+    time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:10]))
     shrink = 2.0**-carried.scale
     late = draw.uniform(0, 1, SAMPLES) if model is ErrorModel.STEPPED else np.zeros(SAMPLES)
     for (i, change), weight in zip(course.push(impact), (-wa, wb), strict=False):

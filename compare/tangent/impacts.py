@@ -131,6 +131,7 @@ class Impact(NamedTuple):
         vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
+        wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
     """
 
     time: Real
@@ -143,6 +144,7 @@ class Impact(NamedTuple):
     reach: Real
     wa: Real
     wb: Real
+    wall: int | None = None
 
 
 def moving(scene: Scene) -> list[int]:
@@ -354,7 +356,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         ux, uy = speeds[i]
         if is_flat(link):
             line = state.line(link.circle, link.wall)
-            yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
+            yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall)
             if not together:
                 speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue
