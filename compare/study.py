@@ -152,6 +152,11 @@ class Study:
             self.longest = more
         return self.longest or self.reference
 
+    def take(self, longest: Trajectory | None) -> None:
+        """Takes a run of the reference that came farther than this one's, from whoever has made it."""
+        if longest is not None and float(longest.final_time) > float((self.longest or self.reference).final_time):
+            self.longest = longest
+
     def settled(self, engine: Engine, progress: OnProgress | None = None) -> tuple[Trajectory, Alignment]:
         """An engine's run and its alignment, both runs taken on until it is settled or cannot be."""
         end, step, patience = self.span.time, engine.step, self.patience(engine.step)

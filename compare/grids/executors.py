@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
+from ..side_by_side import cores
 
 if TYPE_CHECKING:
     from .row import Row
@@ -36,11 +37,6 @@ class Job(Protocol):
     def rows(self) -> list[Row]:
         """The rows, the same on every machine. Bad input is a SceneError, and ends all."""
         ...
-
-
-def cores() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def prepare() -> None:
