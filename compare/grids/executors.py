@@ -26,6 +26,10 @@ PATIENCE = 10
 """Seconds in which a scheduler answers, or there is none."""
 
 
+RARELY = 20_000
+"""Objects made, less those gone, after which a worker looks for garbage, as the command line does."""
+
+
 class Job(Protocol):
     """What is asked of one scene; small, and made of text, so that any worker can take it."""
 
@@ -43,8 +47,10 @@ def prepare() -> None:
     """Makes a fresh worker count in one thread, and end with the process that started it."""
     for name in THREADS:
         os.environ[name] = "1"
+    import gc
     import signal
 
+    gc.set_threshold(RARELY)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:

@@ -305,7 +305,10 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
                 break
             factor = arb(2) ** exponent
             now = [
-                [(value + arb(step) * factor).mid() for value, step in zip(node, (mine * weights).tolist(), strict=True)]
+                [
+                    (value + arb(step) * factor).mid()
+                    for value, step in zip(node, (mine * weights).tolist(), strict=True)
+                ]
                 for node, mine in zip(now, steps, strict=True)
             ]
         bits = max(bits, int(GUARD_BITS + FIRST_BITS - goal))
