@@ -42,7 +42,7 @@ DOCUMENTS = {
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3", "diff-1", "stress-2", "advice-2", "bench-5", "suite-2", "run-1",
+BY_HAND = ("certificate-3", "diff-1", "stress-2", "advice-2", "bench-4", "suite-2", "run-1",
            "saved-comparison-1")  # fmt: skip
 
 NAMES = (*DOCUMENTS, *BY_HAND)
