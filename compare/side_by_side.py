@@ -305,7 +305,7 @@ def _outcome(task: Task, progress: _Reporter | None) -> _Told:
 
 
 def _sendable(error: BaseException) -> BaseException:
-    """The same, with the place where it was raised as a note.
+    """The same; what is no fault of the input has the place where it was raised as a note.
 
     Raises:
         Exception: where it would come back as something else.
@@ -315,7 +315,8 @@ def _sendable(error: BaseException) -> BaseException:
     same = pickle.loads(pickle.dumps(error))
     if type(same) is not type(error) or str(same) != str(error):
         raise ValueError("it cannot be sent")
-    error.add_note("".join(traceback.format_exception(error)))
+    if not isinstance(error, SceneError):
+        error.add_note("".join(traceback.format_exception(error)))
     return error
 
 

@@ -432,6 +432,7 @@ class ExactEngine(Declared):
             home = decider.retrace.home
             notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
+        log.events = records if isinstance(records, PackedRecords) else None
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))

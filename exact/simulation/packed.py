@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from array import array
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, ClassVar, Generic, TypeVar, cast, overload
 
@@ -90,8 +91,8 @@ class PackedRows(KeptRows[R], Generic[R]):
         if not 0 <= place < len(self):
             raise IndexError(k)
         number, within = divmod(place, self.block)
-        if number == len(self._blocks):
-            return self._tail[within]
+        if number >= len(self._blocks):
+            return self._tail[place - self.block * len(self._blocks)]
         found = self._blocks[number]
         return found[within] if isinstance(found, list) else self._row(found, within)
 
@@ -140,6 +141,8 @@ class PackedRecords(PackedRows[Record[Known]]):
     >>> records = PackedRecords(rows)
     >>> records[70].mark.number, records[70].links, records[8999].mark.step
     (140, (Pair(a=0, b=1),), 26997)
+    >>> float(records.time_at(140)), records.time_at(141).is_finite()
+    (70.0, False)
     """
 
     __slots__ = ()
@@ -153,6 +156,12 @@ class PackedRecords(PackedRows[Record[Known]]):
         times: list[Any] = [mark.time for mark in marks]
         links: list[tuple[Touch, ...]] = [row.links for row in rows]
         return links, arb_mat(len(marks), 1, times), numbers
+
+    def time_at(self, instant: int) -> Known:
+        """The time of an instant, by its number; a ball that says nothing, where no event falls on it."""
+        k = bisect_left(self, instant, key=lambda record: record.mark.number)
+        found = self[k].mark if k < len(self) else None
+        return arb.nan() if found is None or found.number != instant else found.time
 
     def _row(self, block: Any, k: int) -> Record[Known]:
         links, times, numbers = block
