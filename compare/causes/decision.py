@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
@@ -419,6 +419,17 @@ class RunReader:
         return None if one is None or other is None else other - one
 
     # -- one pairing
+
+    def read_ahead(self, found: Sequence[DecidingNumber], bits: int = FIRST_BITS) -> None:
+        """Reads the flights of some decisions in the order of the log, which is then replayed once for all."""
+        pairings = [pairing for d in found for pairing in (d.first, d.second) if pairing is not None]
+        flights = [
+            (-1 if anchor is None else anchor, k, name)
+            for k, p in enumerate(pairings)
+            for name, anchor in p.anchors.items()
+        ]
+        for _, k, name in sorted(flights):
+            self.numbers(pairings[k], name, bits)
 
     def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
         """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""

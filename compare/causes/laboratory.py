@@ -79,6 +79,7 @@ class Laboratory:
         Two that part in both, as after their last meeting, decide nothing, whatever the candidate reports of them.
         """
         found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
+        self.truth.read_ahead(found)
         asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
         known = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
         for decision, value in known:

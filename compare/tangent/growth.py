@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import inf, log2, nextafter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from flint import arb, arb_mat
 
 from ...exact.exact_motion import motion_of
@@ -53,8 +54,13 @@ class Displacements:
     @property
     def columns(self) -> Any:
         """The displacements at `time`, divided by 2**scale."""
-        for row in range(len(self._rows)):
-            self._of(row)
+        if not self.in_doubles:
+            for row in range(len(self._rows)):
+                self._of(row)
+            return self._rows
+        late = self.time - np.array(self._flown)
+        self._rows[:, :2] += late[:, None, None] * self._rows[:, 2:]
+        self._flown = [self.time] * len(self._rows)
         return self._rows
 
     @columns.setter
@@ -68,7 +74,7 @@ class Displacements:
     def through(self, struck: Sequence[Impact]) -> None:
         """Carries them through the impacts of one event, which must be the next."""
         for impact in struck:
-            hit = _doubles(impact) if self.in_doubles else impact
+            hit = in_doubles(impact) if self.in_doubles else impact
             self.fly(hit.time)
             if hit.b is None:
                 self._bounce(self._of(self._row[hit.a]), hit)
@@ -113,7 +119,8 @@ class Displacements:
         return self.columns.reshape(-1, self.columns.shape[-1])
 
 
-def _doubles(impact: Impact) -> Impact:
+def in_doubles(impact: Impact) -> Impact:
+    """An impact in doubles."""
     time, a, b, *numbers, wall = impact
     dx, dy, vx, vy, reach, wa, wb = map(float, numbers)  # pyright: ignore[reportArgumentType]
     return Impact(float(time), a, b, dx, dy, vx, vy, reach, wa, wb, wall)
@@ -187,7 +194,9 @@ POWER = 5
 of its size at most, and so the norm by the size to the power of 2**-(POWER + 1)."""
 
 
-def certified_growth(trajectory: Trajectory, events: int) -> CertifiedGrowth:
+def certified_growth(
+    trajectory: Trajectory, events: int, struck: Sequence[Sequence[Impact]] | None = None
+) -> CertifiedGrowth:
     """Encloses the norm of the tangent map from time 0 to just after an event, along a certified run.
 
     The product of the maps of all flights and impacts is taken in balls along the run's log, with as many bits as it
@@ -195,6 +204,9 @@ def certified_growth(trajectory: Trajectory, events: int) -> CertifiedGrowth:
 
     With G the product's Gram matrix and s its norm, trace(G**k) lies between s**(2 k) and size * s**(2 k); and no
     direction grows by more than s.
+
+    Args:
+        struck: the impacts of these events, as `impacts` gives them, where they are there already.
 
     Raises:
         NoTangentMap: where there is none (see `impacts`), for a run of floats, and for one with no such event.
@@ -214,8 +226,9 @@ def certified_growth(trajectory: Trajectory, events: int) -> CertifiedGrowth:
     while True:
         with ball.precision(bits):
             carried = Displacements(trajectory.scene, unit_rows(trajectory.scene))
-            for struck in impacts(trajectory, events, bits):
-                carried.through(struck)
+            for event in impacts(trajectory, events, bits) if struck is None else struck:
+                carried.through(event)
+            struck = None  # where that does not suffice it takes more bits
             low, high = _norm_squared(carried.matrix)
             if min(low.rel_accuracy_bits(), high.rel_accuracy_bits()) >= TOLD_BITS:
                 two = arb(4).log()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import Enum
-from math import hypot, inf, log2
+from math import hypot, inf, log2, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -309,7 +309,7 @@ def shares(
 
 def _share(changes: Errors, margin: float) -> float:
     """The root mean square of changes over a margin; infinite where there is none."""
-    return float(np.sqrt(np.mean(changes * changes))) / margin if margin > 0 else np.inf
+    return sqrt(np.add.reduce(changes * changes) / len(changes)) / margin if margin > 0 else np.inf
 
 
 # ----------------------------------------
