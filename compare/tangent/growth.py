@@ -54,14 +54,28 @@ class Displacements:
     @property
     def columns(self) -> Any:
         """The displacements at `time`, divided by 2**scale."""
-        if not self.in_doubles:
-            for row in range(len(self._rows)):
-                self._of(row)
+        if self.in_doubles:
+            self._fly_together()
             return self._rows
-        late = self.time - np.array(self._flown)
-        self._rows[:, :2] += late[:, None, None] * self._rows[:, 2:]
-        self._flown = [self.time] * len(self._rows)
+        for row in range(len(self._rows)):
+            self._of(row)
         return self._rows
+
+    def _fly_together(self) -> None:
+        """Carries all of them, in doubles, to `time` at once: the same products and sums as one by one."""
+        import numpy as np
+
+        late = [row for row, flown in enumerate(self._flown) if flown is not self.time]
+        if not late:
+            return
+        waits = np.array([float(self.time - self._flown[row]) for row in late])[:, None, None]
+        self._rows[late, :2] += waits * self._rows[late, 2:]
+        for row in late:
+            self._flown[row] = self.time
+
+    def of(self, circle: int) -> Any:
+        """The displacements of one circle that can move, at `time`, divided by 2**scale."""
+        return self._of(self._row[circle])
 
     @columns.setter
     def columns(self, columns: Any) -> None:

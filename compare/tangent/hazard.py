@@ -68,21 +68,32 @@ class Passing(NamedTuple):
     wait: float
 
 
+Surroundings = dict[tuple[int, int], Others]
+"""By event and circle."""
+
+
 class Course:
     """The states of all circles along a run's impacts, in doubles, in the places of `Scene.surfaces`.
 
     Attributes:
         places, speeds: shape (circles, 2), at `time`.
         time: where they stand.
+
+    Args:
+        scene: what ran.
+        known: what circles would have met instead, by event and circle, as other courses along the same impacts found
+            it; what this one finds is added.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, known: Surroundings | None = None) -> None:
         parts = parts_of(scene)
         scene = scene.surfaces
         circles = scene.circles
         self.places: NDArray[np.float64] = np.array([[float(c.x), float(c.y)] for c in circles])
         self.speeds: NDArray[np.float64] = np.array([[float(c.vx), float(c.vy)] for c in circles])
         self.time = 0.0
+        self._event = -1
+        self._known: Surroundings = {} if known is None else known
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
         self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
@@ -96,7 +107,8 @@ class Course:
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
 
     def fly(self, time: float) -> None:
-        """Goes on to a time, in straight flight."""
+        """Goes on to the time of the next event, in straight flight."""
+        self._event += 1
         self.places += (time - self.time) * self.speeds
         self.time = time
 
@@ -138,6 +150,8 @@ class Course:
 
         Where several contacts of one circle at one instant have a tangent map, their order decides nothing.
         """
+        if (found := self._known.get((self._event, i))) is not None:
+            return found
         met = [impact for impact in event if i in (impact.a, impact.b)]
         partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
         things = [thing for impact in met for thing in self._things_of(impact)]
@@ -146,12 +160,9 @@ class Course:
         unknown = sum(impact.b is None and impact.wall is None for impact in met)
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
-        return Others(
-            np.concatenate([circles.places, walls.places]),
-            np.concatenate([circles.waits, walls.waits]),
-            np.concatenate([circles.rates, walls.rates]),
-            np.concatenate([circles.normals, walls.normals]),
-        )
+        found = Others(*(np.concatenate(pair) for pair in zip(circles, walls, strict=True)))
+        self._known[self._event, i] = found
+        return found
 
     def _circles(self, i: int, partners: Sequence[int]) -> Others:
         """The circles in its way, but for its partners."""
@@ -209,7 +220,7 @@ def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, fl
 
 
 def margins(
-    scene: Scene, struck: Sequence[Sequence[Impact]], free: Sequence[int]
+    scene: Scene, struck: Sequence[Sequence[Impact]], free: Sequence[int], known: Surroundings | None = None
 ) -> list[list[tuple[int, NDArray[np.float64]]]]:
     """Event by event, the margins of each of the circles `free` that takes part.
 
@@ -221,7 +232,7 @@ def margins(
     >>> circle, [round(float(value), 3) for value in told]  # 0.05 back and 0.05 up, and it meets the other wall first
     (0, [0.05])
     """
-    course, told = Course(scene), []
+    course, told = Course(scene, known), []
     for event in struck:
         course.fly(float(event[0].time))
         met = [(impact, i) for impact in event for i in (impact.a, impact.b) if i is not None and i in free]
@@ -290,26 +301,28 @@ def shares(
         theirs = np.where((others.places == WALL)[:, None, None], 0.0, errors[others.places, :2])
         gaps = np.einsum("oc,ock->ok", others.normals, theirs - errors[i, :2])
         shifts = gaps / others.rates[:, None] - shift + off(len(gaps)) - off(len(gaps))
-        told += [_share(one, wait) for one, wait in zip(shifts, others.waits.tolist(), strict=True)]
+        told += _shares(shifts, others.waits)
     thing = course.passing(impact)
     if thing is not None:
         own = course.speeds[a]
         across = np.array([-own[1], own[0]]) / np.hypot(*own)
         aside = across @ (errors[a][:2] + thing.wait * errors[a][2:])
-        return [*told, _share(aside, thing.depth), _share(normal @ apart[2:], abs(float(rate)))]
+        margins_of = np.array([thing.depth, abs(float(rate))])
+        return told + _shares(np.stack([aside, normal @ apart[2:]]), margins_of)
     if b is None:
-        return [*told, _share(normal @ apart[2:], abs(float(rate)))]
+        return told + _shares((normal @ apart[2:])[None], np.abs([rate]))
     speed = float(np.hypot(vx, vy))
     along = velocity / speed
     across = np.array([-along[1], along[0]])
     nearest = apart[:2] - (dx * vx + dy * vy) / speed**2 * apart[2:]
     room = reach - abs(dx * vy - dy * vx) / speed
-    return [*told, _share(across @ nearest, room), _share(along @ apart[2:], speed)]
+    return told + _shares(np.stack([across @ nearest, along @ apart[2:]]), np.array([room, speed]))
 
 
-def _share(changes: Errors, margin: float) -> float:
-    """The root mean square of changes over a margin; infinite where there is none."""
-    return sqrt(np.add.reduce(changes * changes) / len(changes)) / margin if margin > 0 else np.inf
+def _shares(changes: Errors, margins: NDArray[np.float64]) -> list[float]:
+    """Row by row the root mean square of changes over its margin; infinite where there is none."""
+    sizes = np.sqrt((changes * changes).sum(axis=1) / changes.shape[1])
+    return np.divide(sizes, margins, out=np.full(len(margins), np.inf), where=margins > 0).tolist()
 
 
 # ----------------------------------------
@@ -421,25 +434,36 @@ class ErrorCurve:
         return high
 
 
-def error_curve(trajectory: Trajectory, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> ErrorCurve:
-    """The curve of one model along the first events of a certified run, those of `struck`."""
+def error_curve(
+    trajectory: Trajectory,
+    struck: Sequence[Sequence[Impact]],
+    model: ErrorModel,
+    known: Surroundings | None = None,
+) -> ErrorCurve:
+    """The curve of one model along the first events of a certified run, those of `struck`.
+
+    Args:
+        known: as `Course` has it; one for all models of a run saves the second of them most of the work.
+    """
     scene = trajectory.scene
     if model is not ErrorModel.ENCLOSED:
-        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model)))
+        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model, known)))
     decisions: list[tuple[int, float]] = []
     widths = _widths(trajectory, struck)
-    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene)), strict=True)):
+    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene), known), strict=True)):
         for i, found in margin_of:
             decisions += [(event, told[i] - log2(margin) if margin else inf) for margin in found.tolist()]
     return ErrorCurve(model, len(struck), decisions)
 
 
-def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> Iterator[tuple[int, float]]:
+def _carried(
+    scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel, known: Surroundings | None
+) -> Iterator[tuple[int, float]]:
     """Each decision's event, and log2 of what the errors carried there are of its margin, for a unit of 1."""
     draw = np.random.default_rng(SEED)
     free = moving(scene)
     row = {i: k for k, i in enumerate(free)}
-    course = Course(scene)
+    course = Course(scene, known)
     start = np.zeros((len(free), 4, SAMPLES))
     if model is ErrorModel.ROUNDING:
         state = np.hstack([course.places, course.speeds])[free]
@@ -478,20 +502,20 @@ def _strike(
     for (i, change), weight in zip(course.push(impact), (-wa, wb), strict=False):
         if i not in row:
             continue
-        k = row[i]
+        own = carried.of(i)
         if model is ErrorModel.STEPPED:
-            carried.columns[k, :2] -= shrink * change[:, None] * late
+            own[:2] -= shrink * change[:, None] * late
             if impact.b is not None:
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
                 there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
                 turned = (weight * np.array(there) - change)[:, None] / lag * late
-                carried.columns[k, 2:] += shrink * turned
+                own[2:] += shrink * turned
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
         room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
         room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
-        carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
+        own += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 
 def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[dict[int, float]]:
