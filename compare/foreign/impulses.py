@@ -6,13 +6,16 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...scenarios.errors import SceneError
+from ...scenarios.lazy import Later
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ...scenarios.scene import Scene
+else:
+    np = Later("numpy")
 
 Row: TypeAlias = tuple[float, float, float, float]
 """(x, y, vx, vy) of one circle."""
