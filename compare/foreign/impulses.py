@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy import Later
+from ...scenarios.lazy import Later, kept
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,7 +51,7 @@ class Impacts:
         if scene.segments:
             raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
         self.count = len(scene.circles)
-        self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
+        self._inverse_masses = [float(c.inverse_mass) for c in scene.circles]
         self._radii = [float(c.r) for c in scene.circles]
         self._walls: list[tuple[float, float, float, float]] = []
         for wall in scene.walls:
@@ -59,6 +59,11 @@ class Impacts:
             length = math.hypot(nx, ny)
             self._walls.append((float(wall.x0), float(wall.y0), nx / length, ny / length))
         self._sides = [[1.0 if w.height(c.x, c.y).sign() >= 0 else -1.0 for w in scene.walls] for c in scene.circles]
+
+    @kept
+    def weights(self) -> NDArray[np.float64]:
+        """1/m of each circle."""
+        return np.array(self._inverse_masses)
 
     def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
         """The line of centres, at given places."""

@@ -1,4 +1,6 @@
-"""The engines in a process of their own, which can be ended at any moment: `python -m truebreak.compare.play.engine_process`.
+"""The engines in a process of their own, which can be ended at any moment.
+
+    python -m truebreak.compare.play.engine_process
 
 A message is a line of JSON on its standard input, and each answer one on its standard output.
 """

@@ -1,7 +1,7 @@
 """What the page asks and what it is answered: plain data both ways, the same from a server and within a browser.
 
-A message has a `kind`, one of `KINDS`, and the answers are said one after the other: `progress` as often as wanted, then
-one last. Needs python-flint and nothing else for what is asked of `exact` and `double`.
+A message has a `kind`, one of `KINDS`, and the answers are said one after the other: `progress` as often as wanted,
+then one last. Needs python-flint and nothing else for what is asked of `exact` and `double`.
 """
 
 from __future__ import annotations
@@ -78,7 +78,12 @@ def answer(message: object, say: Say) -> None:
     except SceneError as error:
         say({"kind": "refused", "error": str(error)})
     except OutOfTime as error:
-        say({"kind": "refused", "error": f"nothing came of it in time: {error}; ask for more seconds, or a smaller scene"})
+        say(
+            {
+                "kind": "refused",
+                "error": f"nothing came of it in time: {error}; ask for more seconds, or a smaller scene",
+            }
+        )
     except RecursionError:
         say({"kind": "refused", "error": "the scene is nested too deep; write its numbers shorter"})
 
@@ -92,7 +97,7 @@ def engines_here() -> tuple[str, ...]:
 
 
 def names(message: Message, say: Say) -> None:
-    """Every scene of the catalogue that can be played: name, what it shows, its data and its picture; and the engines."""
+    """Every scene of the catalogue that can be played (name, what it shows, data, picture), and the engines."""
     del message
     rows = [
         {
@@ -132,14 +137,23 @@ def scene_of(message: Message) -> Scene:
     data = message.get("scene")
     if not isinstance(data, dict):
         raise SceneError("scene: an object with circles is missing")
-    for kind, most in (("circle", MOST_CIRCLES), ("wall", MOST_OTHERS), ("segment", MOST_OTHERS), ("pocket", MOST_OTHERS)):
+    for kind, most in (
+        ("circle", MOST_CIRCLES),
+        ("wall", MOST_OTHERS),
+        ("segment", MOST_OTHERS),
+        ("pocket", MOST_OTHERS),
+    ):
         rows: Any = data.get(kind, [])
         if isinstance(rows, list) and len(rows) > most:
-            raise SceneError(f"the page plays at most {most} {kind}s, and here are {len(rows):,}; run truebreak compare")
+            raise SceneError(
+                f"the page plays at most {most} {kind}s, and here are {len(rows):,}; run truebreak compare"
+            )
         for row in rows if isinstance(rows, list) else []:
             for key, value in row.items() if isinstance(row, dict) else []:
                 if len(str(value)[: MOST_NUMBERS + 1]) > MOST_NUMBERS:
-                    raise SceneError(f"{kind} {cut(row.get('id'))}: {key} has over {MOST_NUMBERS} characters; shorten it")
+                    raise SceneError(
+                        f"{kind} {cut(row.get('id'))}: {key} has over {MOST_NUMBERS} characters; shorten it"
+                    )
     return scene_from_table(data, "scene", JSON_LIST)
 
 
@@ -178,7 +192,8 @@ def _engines(message: Message) -> list[str]:
 def run(message: Message, say: Say) -> None:
     """Runs a scene exactly and in other engines, and says where they part: `ran`, or, with `why`, that and the reasons.
 
-    The seconds are for all of it: both runs, what is read off them, and the words.
+    The seconds are for all of it: both runs, what is read off them, and the words. There is no `recording` where all
+    that happens happens at the start.
     """
     began = clock.perf_counter()
     scene, seconds, engines = scene_of(message), _seconds(message), _engines(message)
@@ -210,7 +225,7 @@ def run(message: Message, say: Say) -> None:
         left = max((1 - READING_SHARE) * seconds - (clock.perf_counter() - began), 0.1)
         found = beside(found, left)
     data = recording(found)
-    if data is None:
+    if data is None and not found.reference.events:
         raise SceneError(f"nothing happens: {found.reference.stop.message}; throw a disc, or add one in its way")
     say(
         {
@@ -277,7 +292,7 @@ def beside(found: Comparison, seconds: float) -> Comparison:
     return replace(found, candidates=(*found.candidates, changed))
 
 
-ONE_BIT_OFF = "double, one bit off"
+ONE_BIT_OFF = "double (one bit off)"
 """What the run from the other start is called."""
 
 
@@ -361,10 +376,14 @@ def python_of(scene: Scene, engines: Sequence[str], events: int) -> str:
     lines.append("scene = Scene(")
     for kind in used:
         made, key = kinds[kind]
-        rows = [f"        {made}({', '.join(f'{name}={value!r}' for name, value in row.items())})," for row in data[kind]]
+        rows = [
+            f"        {made}({', '.join(f'{name}={value!r}' for name, value in row.items())})," for row in data[kind]
+        ]
         lines += [f"    {key}=[", *rows, "    ],"]
     others = {key: value for key, value in data.items() if key not in kinds and key not in ("description", "source")}
-    lines += [f"    {key}={value!r}," for key, value in others.items() if (key, value) != ("tie_policy", "simultaneous")]
+    lines += [
+        f"    {key}={value!r}," for key, value in others.items() if (key, value) != ("tie_policy", "simultaneous")
+    ]
     return "\n".join([*lines, ")", f"print(compare(scene, {list(engines)!r}, events={events}))"])
 
 

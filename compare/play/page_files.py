@@ -29,7 +29,18 @@ POLICY = (
 )
 """What the page may load: its own files, and pictures that it carries."""
 
-OWN = ("play.js", "scene.js", "editor.js", "address.js", "transport.js", "lessons.js", "replay.js", "check.js", "node_here.js", "play.css")
+OWN = (
+    "play.js",
+    "scene.js",
+    "editor.js",
+    "address.js",
+    "transport.js",
+    "lessons.js",
+    "replay.js",
+    "check.js",
+    "node_here.js",
+    "play.css",
+)
 """Files of `page/` that are handed out as they are."""
 
 PLAYER = ("stage.js", "player.js")

@@ -1,7 +1,8 @@
 """The server of `truebreak play`: the page and the engines for one person, on this computer alone.
 
-It listens on 127.0.0.1 and answers nobody else: the name asked for must be its own (another could be made to lead here),
-and whoever asks the engines must come from its own page and know a token, which only the address that is opened has.
+It listens on 127.0.0.1 and answers nobody else: the name asked for must be its own (another could be made to lead
+here), and whoever asks the engines must come from its own page and know a token, which only the address that is
+opened has.
 There is no file that it reads on demand: what it hands out is made before it starts.
 """
 
@@ -89,7 +90,7 @@ class PlayServer(ThreadingHTTPServer):
 class PlayHandler(BaseHTTPRequestHandler):
     """One request."""
 
-    server: PlayServer
+    server: PlayServer  # pyright: ignore[reportIncompatibleVariableOverride]
     timeout = PATIENCE
     server_version = "truebreak"
     sys_version = ""

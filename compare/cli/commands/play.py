@@ -40,14 +40,13 @@ def play(scene: str | None, port: int, no_browser: bool) -> int:
     try:
         server = PlayServer(page_files("server", loaded), port)
     except (OSError, OverflowError) as error:
-        raise SceneError(f"port {port}: {getattr(error, 'strerror', None) or error}; choose another with --port") from None
+        raise SceneError(
+            f"port {port}: {getattr(error, 'strerror', None) or error}; choose another with --port"
+        ) from None
     with server:
         click.echo(server.address)
         click.echo("Ctrl-C ends it.", err=True)
         if not no_browser:
             webbrowser.open(server.address)
-        try:
-            server.serve_forever()
-        except KeyboardInterrupt:
-            click.echo("ended", err=True)
+        server.serve_forever()
     return DONE

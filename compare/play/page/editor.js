@@ -3,6 +3,7 @@ import { described, rounded, value } from "./scene.js";
 
 const NEAR = 12; // pixels within which a handle is meant; a finger's is larger
 const FINGER = 22;
+const STILL = 2; // pixels by which a click may stray
 const ARROW = 26; // pixels from the rim to where a disc at rest is thrown from
 const MARGIN = 0.12; // share of the scene's size around it
 const LEAST = 1e-9; // a scene of one point has some size all the same
@@ -126,9 +127,10 @@ export class Editor {
     const { part, from } = this.held;
     const thing = this.model.thing();
     if (!thing) return;
-    this.held.moved = true;
     const put = (values) => { for (const [key, number] of Object.entries(values)) if (Number.isFinite(number)) thing[key] = rounded(number, this.pixel); };
     const [dx, dy] = [x - this.held.x, y - this.held.y];
+    this.held.moved ||= Math.hypot(dx, dy) > STILL * this.pixel;
+    if (!this.held.moved) return;
     if (part === "place" && "x" in from) put({ x: value(from.x) + dx, y: value(from.y) + dy });
     else if (part === "place") put({ x0: value(from.x0) + dx, y0: value(from.y0) + dy, x1: value(from.x1) + dx, y1: value(from.y1) + dy });
     else if (part === "start") put({ x0: x, y0: y });

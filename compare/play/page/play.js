@@ -231,8 +231,10 @@ async function run(more) {
   const last = await asked(asking, "Running");
   if (!last) return;
   state.ran = { asking, last, scene: JSON.stringify(asking.scene) };
+  if (last.recording) await show(last.recording);
+  else say($("progress"), "All of it happens at time 0: there is nothing to play.");
   tell(last);
-  await show(last.recording);
+  if (last.recording) $("run-title").scrollIntoView({ block: "start", behavior: calm.matches ? "auto" : "smooth" });
 }
 
 function tell(last) {
@@ -274,7 +276,6 @@ async function show(recording) {
   await state.player;
   if (!first) replay.take(recording);
   replay.begin();
-  $("player").scrollIntoView({ block: "nearest", behavior: calm.matches ? "auto" : "smooth" });
 }
 
 $("go").addEventListener("click", () => run({}));
