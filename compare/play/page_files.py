@@ -43,6 +43,9 @@ OWN = (
 )
 """Files of `page/` that are handed out as they are."""
 
+IN_BROWSER = ("worker.js", "offline.js")
+"""What it takes besides where the engines run in the browser."""
+
 PLAYER = ("stage.js", "player.js")
 """Files of the report, which draws and plays."""
 
@@ -66,7 +69,7 @@ def page_files(transport: Transport, scene: Scene | None = None) -> dict[str, Pa
     >>> sorted(page_files("server"))[:3]
     ['/', '/address.js', '/editor.js']
     """
-    texts = {name: _own(name) for name in OWN}
+    texts = {name: _own(name) for name in (OWN if transport == "server" else OWN + IN_BROWSER)}
     texts |= {name: _report(name) for name in PLAYER}
     texts |= _checker()
     texts["shell.html"] = _shell()
