@@ -1,4 +1,4 @@
-"""The page to play with as part of the site: `python docs/site/playground.py FOLDER [--serve [PORT]]`.
+"""The page to play with as part of the site: `python docs/site/playground.py FOLDER [--serve [PORT] [--open]]`.
 
 Python for WebAssembly and python-flint come from the npm and Python registries, by their clients, and each file is
 checked by its digest: they are neither in the repository nor in the wheel. Where they cannot be fetched, the site is
@@ -8,17 +8,20 @@ built without the page, and says so.
 from __future__ import annotations
 
 import argparse
+import ast
 import hashlib
 import json
 import shutil
 import subprocess
 import sys
 import tempfile
+import webbrowser
 import zipfile
 from collections.abc import Iterable, Mapping
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import ClassVar
 
 from truebreak.compare.play.page_files import page_files
 
@@ -43,10 +46,12 @@ WHEEL = "python_flint-0.9.0-cp314-cp314-pyemscripten_2026_0_wasm32.whl"
 PYTHON = tuple(name for name in DIGESTS if name != WHEEL)
 
 PACKAGES = ("scenarios", "exact", "floating", "compare", "tools", "truebreak")
-LEFT_OUT = ("compare/cli", "compare/adapters", "compare/grids", "compare/testing", "compare/logdiff", "compare/shadowing")
-LEFT_OUT += ("compare/reduction", "compare/report/pictures", "exact/literal", "exact/laws/derivation.py")
-LEFT_OUT += ("tools/building.py", "compare/foreign/isolation.py", "compare/report/html.py", "compare/report/page.py")
-LEFT_OUT += ("compare/play/play_server.py", "compare/play/page_files.py", "compare/play/engine_process.py")
+LEFT_OUT = (
+    *("compare/cli", "compare/adapters", "compare/grids", "compare/testing", "compare/logdiff", "compare/shadowing"),
+    *("compare/reduction", "compare/report/pictures", "compare/report/html.py", "compare/report/page.py"),
+    *("compare/foreign/isolation.py", "compare/play/play_server.py", "compare/play/page_files.py"),
+    *("compare/play/engine_process.py", "exact/literal", "exact/laws/derivation.py", "tools/building.py"),
+)
 """What no message of the page reaches; `tests/compare/play/test_in_browser.py` runs the catalogue without it."""
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -68,11 +73,11 @@ def parts(cache: Path) -> Path:
         with tempfile.TemporaryDirectory() as folder:
             _fetch(Path(folder))
             modules = Path(folder, "node_modules", "pyodide")
-            for name in DIGESTS:
+            for name, told in DIGESTS.items():
                 found = Path(folder, name) if name == WHEEL else modules / name
                 if not found.is_file():
                     raise NotToBeHad(f"{name} was not among what was fetched")
-                if digest(found) != DIGESTS[name]:
+                if digest(found) != told:
                     raise NotToBeHad(f"{name} has another SHA-256 than it should: {digest(found)}")
                 shutil.copy(found, cache / name)
     return cache
@@ -109,8 +114,25 @@ def sources() -> dict[str, bytes]:
         for path in sorted((ROOT / package).rglob("*.py")):
             place = path.relative_to(ROOT).as_posix()
             if not any(place == out or place.startswith(f"{out}/") for out in LEFT_OUT):
-                found[place if package == "truebreak" else f"truebreak/{place}"] = path.read_bytes()
+                found[place if package == "truebreak" else f"truebreak/{place}"] = bare(path.read_text("utf-8"))
     return found
+
+
+def bare(source: str) -> bytes:
+    """A module without comments and docstrings, of which nothing is asked there: half of its bytes.
+
+    >>> bare('def f():\\n    "What it does."\\n    return 1  # one').decode()
+    'def f():\\n    return 1'
+    """
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and isinstance(
+            body, list
+        ):
+            kept = [line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))]
+            node.body = kept or [ast.Pass()]
+    return ast.unparse(tree).encode()
 
 
 def trimmed(wheel: Path) -> dict[str, bytes]:
@@ -138,7 +160,9 @@ def write_playground(folder: Path, cache: Path) -> dict[str, int]:
     archive(folder / "truebreak.zip", sources())
     names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     told = hashlib.sha256("".join(digest(folder / name) for name in names).encode()).hexdigest()
-    keep = json.dumps({"digest": told[:16], "files": ["./", *(n for n in names if n not in ("offline.js", "index.html"))]})
+    keep = json.dumps(
+        {"digest": told[:16], "files": ["./", *(n for n in names if n not in ("offline.js", "index.html"))]}
+    )
     offline = folder / "offline.js"
     offline.write_text(offline.read_text("utf-8").replace('"@@KEPT@@"', json.dumps(keep)), "utf-8")
     return {name: (folder / name).stat().st_size for name in names}
@@ -147,7 +171,11 @@ def write_playground(folder: Path, cache: Path) -> dict[str, int]:
 class _Quiet(SimpleHTTPRequestHandler):
     """The files of a folder; nothing is logged."""
 
-    extensions_map = {**SimpleHTTPRequestHandler.extensions_map, ".mjs": "text/javascript", ".wasm": "application/wasm"}
+    extensions_map: ClassVar = {
+        **SimpleHTTPRequestHandler.extensions_map,
+        ".mjs": "text/javascript",
+        ".wasm": "application/wasm",
+    }
 
     def log_message(self, format: str, *args: object) -> None:
         """Nothing."""
@@ -163,6 +191,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--serve", type=int, nargs="?", const=0, metavar="PORT", help="serve it, and print its address")
+    parser.add_argument("--open", action="store_true", help="open it in a browser")
     asked = parser.parse_args()
     try:
         sizes = write_playground(asked.folder, ROOT / "build" / "play-parts")
@@ -173,6 +202,8 @@ def main() -> int:
     if asked.serve is not None:
         with served(asked.folder, asked.serve) as server:
             print(f"http://127.0.0.1:{server.server_port}/ (Ctrl-C ends it)", flush=True)
+            if asked.open:
+                webbrowser.open(f"http://127.0.0.1:{server.server_port}/")
             server.serve_forever()
     return 0
 

@@ -59,7 +59,7 @@ async function through(stream, most) {
   return bytes;
 }
 
-// What stands in the fragment: token, scene, lesson, name.
+// What the address says: token, scene, lesson, or the name of a scene; in the fragment, or as a query where a page is linked to.
 export function fragment() {
-  return new URLSearchParams(location.hash.slice(1));
+  return new URLSearchParams(location.hash.length > 1 ? location.hash.slice(1) : location.search);
 }

@@ -1,4 +1,4 @@
-// Answers messages in WebAssembly, as the page's worker does: node in_node.mjs FOLDER < MESSAGES, a line of JSON each.
+// Answers messages in WebAssembly, as the page's worker does: node in_node.mjs FOLDER MESSAGES, a file with a line of JSON each.
 // Each answer is [seconds of CPU, the last answer]; the first line is the seconds that starting took.
 import fs from "node:fs";
 import path from "node:path";
@@ -18,7 +18,7 @@ for (const name of ["flint.zip", "truebreak.zip"]) {
 python.runPython(code.replace("${PLACE}", place));
 const ask = python.globals.get("ask");
 console.log(JSON.stringify(cpu()));
-for (const line of fs.readFileSync(0, "utf8").split("\n").filter(Boolean)) {
+for (const line of fs.readFileSync(process.argv[3], "utf8").split("\n").filter(Boolean)) {
   const [before, told] = [cpu(), []];
   ask(line, (text) => told.push(text));
   console.log(`[${cpu() - before}, ${told.at(-1)}]`);
