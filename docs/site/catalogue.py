@@ -62,7 +62,7 @@ def verdicts() -> dict[str, list[str]]:
 
 
 def gallery(names: list[str], playable: bool = False) -> str:
-    """All scenes as pictures with their verdicts, each a link to its page, and to the page to play with if it is there."""
+    """All scenes as pictures with their verdicts, each a link to its page, and to the page to play with."""
     known, cards = verdicts(), []
     for name in names:
         verdict, colour = known[name]

@@ -32,17 +32,18 @@ FLINT = "python-flint==0.9.0"
 PLATFORM = ("--python-version", "3.14", "--implementation", "cp", "--abi", "cp314")
 PLATFORM += ("--platform", "pyemscripten_2026_0_wasm32")
 
+WHEEL = "python_flint-0.9.0-cp314-cp314-pyemscripten_2026_0_wasm32.whl"
+
 DIGESTS = {
     "pyodide.asm.mjs": "f7cdc8ece80678ceb712f8e65ebe6d3a83203a180c399865f49612a051693635",
     "pyodide.asm.wasm": "cc36e3cab04fdfc9a63ff13eb52eae2b911bf46c025cc7b281f394bd3de1d5e6",
     "pyodide.mjs": "6f1d60f7bf529beb300f0f47983c921d3982363640ba20af0e38efdddbc66109",
     "pyodide-lock.json": "5dc2fc119108bc148c7457dc86e7675b5c87e1cafd420b9c34c1eaef7b36c010",
     "python_stdlib.zip": "fa1957e5777068fc4f7437f96d860ae2fbe9c19732ba06c84e004ec16dd7dd7a",
-    "python_flint-0.9.0-cp314-cp314-pyemscripten_2026_0_wasm32.whl": "b31f5c00e0e36040ab58d00b3025156e20869b990d776e4bf90f870b1ee11ad3",
+    WHEEL: "b31f5c00e0e36040ab58d00b3025156e20869b990d776e4bf90f870b1ee11ad3",
 }
 """SHA-256 of each file that is fetched and handed on."""
 
-WHEEL = "python_flint-0.9.0-cp314-cp314-pyemscripten_2026_0_wasm32.whl"
 PYTHON = tuple(name for name in DIGESTS if name != WHEEL)
 
 PACKAGES = ("scenarios", "exact", "floating", "compare", "tools", "truebreak")
