@@ -233,6 +233,7 @@ COMPARE_FLOORS = (
     "reduction logdiff",
     "report",
     "saved_comparisons testing",
+    "play",
     "cli",
 )
 """The rooms and modules of `compare`, lowest first: what runs there runs nothing of a floor above."""

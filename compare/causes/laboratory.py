@@ -277,5 +277,5 @@ def _error(lab: Laboratory) -> float | None:
     at = math.nextafter(last, 0.0)
     names = {lab.divergence.body, lab.divergence.expected, lab.divergence.got}
     rows = [k for k, c in enumerate(lab.study.scene.circles) if c.id in names and not c.fixed]
-    mine, theirs = reference.sample([at])[0], run.sample([at])[0]
-    return max((math.dist(mine[k][:2], theirs[k][:2]) for k in rows), default=None)
+    mine, theirs = ([(float(c.x), float(c.y)) for c in each.at(at).circles] for each in (reference, run))
+    return max((math.dist(mine[k], theirs[k]) for k in rows), default=None)

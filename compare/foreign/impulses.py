@@ -6,15 +6,19 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...exact.replay.parts import PartsNear
 from ...floating.double import DOUBLES
+from ...scenarios.errors import SceneError
+from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ...scenarios.scene import Scene
+else:
+    np = Later("numpy")
 
 Row: TypeAlias = tuple[float, float, float, float]
 """(x, y, vx, vy) of one circle."""
@@ -61,7 +65,7 @@ class Impacts:
         self.things = tuple(parts_of(scene))
         self._near = PartsNear(scene, DOUBLES) if self.things else None
         self.count = len(scene.circles)
-        self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
+        self._inverse_masses = [float(c.inverse_mass) for c in scene.circles]
         self._radii = [float(c.r) for c in scene.circles]
         self._walls: list[tuple[float, float, float, float]] = []
         for wall in scene.walls:
@@ -69,6 +73,11 @@ class Impacts:
             length = math.hypot(nx, ny)
             self._walls.append((float(wall.x0), float(wall.y0), nx / length, ny / length))
         self._sides = [[1.0 if w.height(c.x, c.y).sign() >= 0 else -1.0 for w in scene.walls] for c in scene.circles]
+
+    @kept
+    def weights(self) -> NDArray[np.float64]:
+        """1/m of each circle."""
+        return np.array(self._inverse_masses)
 
     def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
         """The line of centres, at given places."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...floating.knots import DoubleKnot, EventMotion
-from ...floating.pymunk_run import entries, last_entry
+from ...floating.pocket_entries import entries, last_entry
 from ...scenarios.numbers.precision import Double
 from ...scenarios.settings import positive_count, positive_time
 from ...scenarios.trajectory import Contact, Event, Progress, Reversal, Stop, StopReason, Tie, TieProof, Trajectory

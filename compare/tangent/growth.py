@@ -159,7 +159,7 @@ def error_growth(trajectory: Trajectory, events: int) -> float | None:
     """Bits an event by which the largest displacement grows over the first `events` of a run.
 
     The norm of the tangent map; its logarithm over the number of events tends to the largest Lyapunov exponent.
-    None where there is no tangent map (see `impacts`), or no event.
+    None where there is no tangent map (see `impacts`), no event, or no NumPy.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -169,8 +169,10 @@ def error_growth(trajectory: Trajectory, events: int) -> float | None:
     """
     if not 0 < events <= len(trajectory.events):
         return None
-    import numpy as np
-
+    try:
+        import numpy as np
+    except ModuleNotFoundError:
+        return None
     try:
         struck = impacts(trajectory, events)
     except NoTangentMap:

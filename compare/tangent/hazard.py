@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import Enum
-from math import hypot, inf, log2, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from math import hypot, inf, log2
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import (
@@ -25,6 +23,7 @@ from ...exact.laws.formulas import (
 )
 from ...exact.numbers import ball
 from ...exact.replay.state import ReplayState
+from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
 from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
@@ -32,9 +31,14 @@ from .impacts import LEAST_BITS, Impact, moving
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+else:
+    np = Later("numpy")
 
 WALL = -1
 """In place of the index of a circle."""
@@ -245,7 +249,7 @@ def margins(
 # ----------------------------------------
 # What errors do to the decisions of an impact: each in its own direction, as a share of what turns them over.
 
-Errors = NDArray[np.float64]
+Errors: TypeAlias = "NDArray[np.float64]"
 
 
 def shares(
