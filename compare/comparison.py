@@ -433,12 +433,11 @@ def explained(
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
-    if study.scene.polygons and unsettled and not candidate.unable:
-        told, unknown = "causes are not looked for yet in scenes with polygons", CauseName["UNKNOWN"]
-        return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
-    if not study.scene.elastic and unsettled and not candidate.unable:
-        told = "causes are not looked for yet in scenes whose restitution is below 1"
-        unknown = CauseName["UNKNOWN"]
+    new = "with polygons" if study.scene.polygons else "" if study.scene.elastic else "whose restitution is below 1"
+    if new and unsettled and not candidate.unable:
+        from .causes.diagnosis import CauseName, Diagnosis, Experiment
+
+        told, unknown = f"causes are not looked for yet in scenes {new}", CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):
