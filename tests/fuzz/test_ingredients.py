@@ -261,6 +261,7 @@ def test_without_nested_roots_little_else_proves_a_tie(seed: int, rung: Any, mon
 def test_what_the_past_proves_is_compared_as_far_as_it_goes() -> None:
     mix, engine = mixed(24), ExactEngine()
     run = engine.run(mix.case.scene, until=mix.case.until, events=mix.case.events)
-    wrong = replace(run.events[0], impulses=())
-    with pytest.raises(Difference, match="by the past: impulses"):
-        RELATIONS["past"](replace(run, events=(wrong, *run.events[1:])), mix, Random(1), engine)
+    first, later = run.events[0], Quantity.of(run.events[0].time.text()) + Quantity.of("1/10**40")
+    for wrong, words in ((replace(first, impulses=()), "impulses"), (replace(first, time=later), "time of event 0")):
+        with pytest.raises(Difference, match=f"by the past: {words}"):
+            RELATIONS["past"](replace(run, events=(wrong, *run.events[1:])), mix, Random(1), engine)
