@@ -139,7 +139,7 @@ BAR_WAYS = (moved_bar, turned_bar, thicker_bar, longer_bar, no_bar, other_part)
 
 
 @needs_node
-@pytest.mark.parametrize("count", [150, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [150, pytest.param(1500, marks=pytest.mark.slow)])
 def test_altered_runs_among_segments_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
     tried = altered(count, (*BAR_WAYS, *WAYS), "segments", segment_samples())
     assert refused(tried, tmp_path) > count // 2
