@@ -173,6 +173,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     >>> difference(block, other), difference(block, Scene([Circle(0, 0, vx=1), Circle(5, 0)]))
     (None, "circle 'c2': x is 1*r1, not 5")
     """
+    if scene.polygons or not scene.elastic:
+        return f"it has no {'polygons' if scene.polygons else 'restitution'}, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())
@@ -195,6 +197,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                 mass = getattr(thing, "m")  # noqa: B009 (only circles have one)
                 if not _same(row["w"], ZERO if isinstance(mass, str) else Quantity.of(1) / mass, roots):
                     return f"{name}: w is {row['w']}, and not one over the mass {mass}"
+    if not scene.elastic:
+        return f"it has no restitution, which is {scene.restitution}"
     policy = {"sequential": "sequential:order=scene"}
     ours, theirs = str(scene.tie_policy), str(block["tie_policy"])
     if policy.get(ours, ours) != policy.get(theirs, theirs):

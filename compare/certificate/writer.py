@@ -67,8 +67,12 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
+    if trajectory.scene.polygons:
+        raise CertificateError("the scene has polygons, which certificates do not know yet; write segments")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
+    if not trajectory.scene.elastic:
+        raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments):
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")
     if len(trajectory.scene.circles) > CIRCLES:

@@ -324,7 +324,8 @@ class Loop(Generic[N, K]):
     def _first_knots(self) -> None:
         bodies = list(self.decider.bodies.values())
         self.decider.refresh(bodies)
-        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
+        history, reading = self.history, self.decider.reading
+        history.knots += [history.row([(*reading.knot(body), 0, 0)]) for body in bodies]
 
     def _open(self) -> Collection[Link]:
         """The instant at time 0; what stands at gap zero after it."""

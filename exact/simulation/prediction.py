@@ -428,6 +428,7 @@ class Predictor(Generic[M]):
         self.unsure = unsure
         self._count = len(scene.circles)
         self.faces = scene.faces
+        self.two_sided = scene.two_sided
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(
@@ -615,8 +616,8 @@ class Predictor(Generic[M]):
         zero, late, approach = self.zero, a.flight.late, wall_approach(avx, avy, nx, ny)
         if approach > zero:
             return
-        link, first = AtWall(a.index, wall), self.faces.start
-        if link in standing or AtWall(a.index, first + ((wall - first) ^ 1)) in standing:  # a point is at both sides
+        link = AtWall(a.index, wall)
+        if link in standing or (wall in self.two_sided and self._other_side(link) in standing):  # a point is at both
             return
         gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
         still = (
@@ -633,6 +634,11 @@ class Predictor(Generic[M]):
                 return
         self.unsure(link)
         self.prepare()
+
+    def _other_side(self, link: AtWall) -> AtWall:
+        """The contact of the same circle with the other side of a segment."""
+        first = self.two_sided.start
+        return AtWall(link.circle, first + ((link.wall - first) ^ 1))
 
     def push(self, time: M, link: Link, graze: bool = False) -> None:
         """Queues a meeting that is certain to come if nothing else does first."""
