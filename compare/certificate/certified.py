@@ -173,6 +173,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     >>> difference(block, other), difference(block, Scene([Circle(0, 0, vx=1), Circle(5, 0)]))
     (None, "circle 'c2': x is 1*r1, not 5")
     """
+    if scene.polygons or not scene.elastic:
+        return f"it has no {'polygons' if scene.polygons else 'restitution'}, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())

@@ -73,6 +73,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
+    if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments):
+        raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")
     if len(trajectory.scene.circles) > CIRCLES:
         raise CertificateError(
             f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"

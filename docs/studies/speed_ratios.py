@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
+from random import Random
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from truebreak.compare.adapters.adapter import NotInstalled
@@ -22,6 +23,7 @@ from truebreak.compare.adapters.perfect_physics import world_of
 from truebreak.compare.deadline import uninterrupted
 from truebreak.compare.engines import engine, suggestion
 from truebreak.compare.grids.computer import timed
+from truebreak.scenarios import Circle, Quantity, Scene, Segment, Wall
 from truebreak.scenarios.catalogue import build
 from truebreak.scenarios.trajectory import Contact
 
@@ -362,6 +364,41 @@ def _against_billiards(engine: str, most: float, size: Workload) -> Figure:
     return Figure(f"crowd-{engine}", what, ours / events, theirs / size.gas, Target("ratio", "at most", most))
 
 
+EVENTS_AMONG_SEGMENTS = 20
+"""As `EVENTS_A_DISC`; segments take longer to set up."""
+
+
+def among_segments(size: Workload) -> Figure:
+    """An event, certified, among 1,000 discs in a box with 200 segments of all directions, against one without."""
+    side = int(size.crowd**0.5) + 1
+    draw = Random(1)
+    off = [[Quantity.of(draw.randint(-9, 9)) / 20 for _ in range(2)] for _ in range(size.crowd)]
+    discs = [
+        Circle(
+            4 * (k % side) + x, 4 * (k // side) + y, vx=f"{draw.randint(-99, 99)}/50", vy=f"{draw.randint(-99, 99)}/50"
+        )
+        for k, (x, y) in enumerate(off)
+    ]
+    top = 4 * side - 1
+    walls = [Wall(-3, 0, -3, 1), Wall(top, 0, top, 1), Wall(0, -3, 1, -3), Wall(0, top, 1, top)]
+    segments: list[Segment] = []
+    for place in draw.sample(range((side - 1) ** 2), size.crowd // 5):
+        x, y = 4 * (place % (side - 1)) + 2, 4 * (place // (side - 1)) + 2
+        dx, dy = (Quantity.of(draw.randint(-70, 70)) / 100 for _ in range(2))
+        segments.append(Segment(x - dx, y - dy, x + dx + Quantity.of("1/1000"), y + dy))
+    events = EVENTS_AMONG_SEGMENTS * size.crowd
+    among, plain = Scene(discs, walls, segments=segments), Scene(discs, walls)
+    ours, theirs = processor_times([running("exact", among, events), running("exact", plain, events)], size.repeats)
+    what = f"an event, exact among {size.crowd:,} discs and {len(segments)} segments / without these"
+    return Figure(
+        "crowd-segments",
+        f"{what}; {EVENTS_AMONG_SEGMENTS} a disc",
+        ours / events,
+        theirs / events,
+        Target("ratio", "at most", 1.5),
+    )
+
+
 def _growth(engine: str, size: Workload) -> Figure:
     counts = size.large_crowd, size.crowd
     events = [EVENTS_A_DISC * n for n in counts]
@@ -397,6 +434,7 @@ BENCHMARKS: dict[str, Benchmark] = {
     "start-up": start_up,
     "crowd-exact": crowd_exact,
     "crowd-double": crowd_double,
+    "crowd-segments": among_segments,
     "crowd-growth-exact": growth_exact,
     "crowd-growth-double": growth_double,
     "crowd-set-up-exact": set_up_exact,

@@ -1,7 +1,9 @@
 """Certificates of runs among segments, altered at random, are refused, or still true; and compared with a scene."""
+# ruff: noqa: E501 (lines of the checkers stand here as they are)
 
 from __future__ import annotations
 
+import subprocess
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -10,11 +12,13 @@ import pytest
 from segment_scenes import scene_of
 
 from certificate.checkers import both_verify, by_python, needs_node
+from certificate.segment_forgeries import beside_a_face
+from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import WAYS, Told, altered, refused
-from truebreak.compare.certificate import certificate_json, certificate_of
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall
+from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, Segment, Wall
 
 SEEDS = range(70)
 EVENTS = 6
@@ -135,7 +139,7 @@ BAR_WAYS = (moved_bar, turned_bar, thicker_bar, longer_bar, no_bar, other_part)
 
 
 @needs_node
-@pytest.mark.parametrize("count", [150, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [150, pytest.param(1500, marks=pytest.mark.slow)])
 def test_altered_runs_among_segments_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
     tried = altered(count, (*BAR_WAYS, *WAYS), "segments", segment_samples())
     assert refused(tried, tmp_path) > count // 2
@@ -148,9 +152,67 @@ def test_a_certificate_is_compared_with_the_segments_that_are_meant() -> None:
     thin = scene.with_changes(segments=[Segment(-4, 0, 0, 0), Segment(0, 0, 4, 0)])
     assert difference(block, thin) == "segment 's1': r is 1, not 0"
     assert difference(block, scene.with_changes(segments=scene.segments[:1])) == "it has 2 segments, not 1"
+    solid = scene.with_changes(polygons=[Polygon([(0, -9), (4, -9), (4, -7)])])
+    assert "has no polygons" in str(difference(block, solid))
+    assert "has no restitution" in str(difference(block, scene.with_changes(restitution="9/10")))
+    with pytest.raises(CertificateError, match="polygons"):
+        certificate_of(ExactEngine().run(solid, until=1))
 
 
 def test_the_checker_says_how_many_segments(tmp_path: Path) -> None:
     path = tmp_path / "one.json"
     path.write_text(certificate_json(segment_samples()["a corner"]), encoding="utf-8")
     assert "1 circles, 0 walls, 0 pockets, 2 segments" in by_python(path)[1]
+
+
+# -- Faults planted in either checker: each is seen in what it says of honest certificates, or of a forgery.
+
+FAULTS = {
+    "a face without its range": (
+        [('all(self.sign(x, c) > 0 for x in ("foot", "far"))', "True")],
+        [("return ['foot', 'far'].every(name =>", "return true || ['foot', 'far'].every(name =>")],
+    ),
+    "the range with the wrong sign": (
+        [("m.slide * m.gap - m.twice * m.foot", "m.twice * m.foot - m.slide * m.gap")],
+        [("A.sub(A.mul(along(u), gap()), A.twice(A.mul(closing(), foot())))", "A.sub(A.twice(A.mul(closing(), foot())), A.mul(along(u), gap()))")],
+    ),
+    "an end without thickness": (
+        [("found[key] = [*place, NONE, NONE, r, NONE]", "found[key] = [*place, NONE, NONE, NONE, NONE]")],
+        [("y: this.number(y), r: thick, vx", "y: this.number(y), r: zero, vx")],
+    ),
+    "a face without thickness": (
+        [("(r + more) * size", "r * size")],
+        [("wall.face ? A.add(radius, wall.thick[w]) : radius", "radius")],
+    ),
+    "the normal of the other side": (
+        [("dict.fromkeys(product(self.movable, self.faces), 1)", "dict.fromkeys(product(self.movable, self.faces), -1)")],
+        [("!side || side[c.i] > 0 ? x[w]", "side && side[c.i] > 0 ? x[w]")],
+    ),
+    "one end alone": (
+        [("for place in (x, y), (u, v):", "for place in [(x, y)]:")],
+        [("[[e.x0, e.y0], [e.x1, e.y1]]", "[[e.x0, e.y0]]")],
+    ),
+    "the thinner of two ends at a place": (
+        [("if sign == 1: found", "if sign == (-1 if key in found else 1): found")],
+        [("if (larger > 0) there.r", "if (larger < 0) there.r")],
+    ),
+}  # fmt: skip
+"""Of each what the first checker has instead, and the second."""
+
+
+@needs_node
+@pytest.mark.parametrize("fault", FAULTS)
+def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
+    first, second = FAULTS[fault]
+    tried = {**segment_samples(), "forged": completed(beside_a_face(), lax(FAULTS["a face without its range"][0]))}
+    paths: list[Path] = []
+    for number, told in enumerate(tried.values()):
+        paths.append(tmp_path / f"{number}.json")
+        paths[-1].write_text(certificate_json(told), encoding="utf-8")
+    truth = [*([0] * len(segment_samples())), 1]
+    checker = lax(first)
+    assert [checker.verdict(path)[0] for path in paths] != truth
+    program = lax_second(second, tmp_path / "faulty")
+    done = subprocess.run(["node", str(program), *map(str, paths)], capture_output=True, text=True, check=False)
+    assert [not line.startswith("verified") for line in done.stdout.splitlines()] != truth
+    assert [by_python(path)[0] for path in paths] == truth

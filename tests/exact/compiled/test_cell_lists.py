@@ -10,7 +10,8 @@ import pytest
 from truebreak.compare import engine
 from truebreak.exact.compiled import CellLists, cells
 from truebreak.exact.simulation import cells as in_python
-from truebreak.exact.simulation.cells import Cells, FloatFlight, Grid, WallCells, cells_of, frame_of
+from truebreak.exact.simulation.cells import Cells, FloatFlight, Grid, cells_of, frame_of
+from truebreak.exact.simulation.near_walls import WallCells
 from truebreak.scenarios import Trajectory, Wall
 from truebreak.scenarios.catalogue import build
 

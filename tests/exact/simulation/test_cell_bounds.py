@@ -13,16 +13,15 @@ from sympy import Rational, symbols
 
 from truebreak.exact.simulation.cells import (
     MARGIN,
-    ROUNDING,
     UNIT,
     Cells,
     Grid,
-    WallCells,
     cells_for,
     grid_for,
     last_within,
     leaves,
 )
+from truebreak.exact.simulation.near_walls import ROUNDING, WallCells
 from truebreak.scenarios import Wall
 
 COLUMNS = 5

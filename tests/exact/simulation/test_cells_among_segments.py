@@ -12,8 +12,10 @@ from segment_scenes import scene_of
 from truebreak.compare import engine
 from truebreak.exact import ExactEngine
 from truebreak.exact.simulation import cells as grid
-from truebreak.exact.simulation.cells import Crowd, WallCells, usual_radius
+from truebreak.exact.simulation import near_walls
+from truebreak.exact.simulation.cells import Crowd, usual_radius
 from truebreak.exact.simulation.loop import Loop
+from truebreak.exact.simulation.near_walls import WallCells
 from truebreak.scenarios import Circle, Quantity, Scene, Segment, Trajectory, Wall
 from truebreak.scenarios.surfaces import SegmentFace
 
@@ -106,7 +108,7 @@ def test_what_slides_is_seen_as_it_comes_to_a_cell(monkeypatch: pytest.MonkeyPat
     try:
         lost = told(both_ways(slide(), 9, "exact", monkeypatch)[0])
     except AssertionError as found:
-        assert "overlap" in str(found)  # noqa: PT017 (the engine's own look at what it may not see)
+        assert "overlap" in str(found)
         return
     assert lost != told(whole)
 
@@ -171,8 +173,8 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_planted_faults_are_found(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = grid._reach_of
-    monkeypatch.setattr(grid, "_reach_of", lambda *of: FAULTS[fault](*known(*of)))
+    known = near_walls._reach_of
+    monkeypatch.setattr(near_walls, "_reach_of", lambda *of: FAULTS[fault](*known(*of)))
     assert sum(map(missing, range(8))) > 0
 
 
