@@ -113,7 +113,10 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         raise EngineError(f"{where}: run gave {_told(trajectory)}; it must give a scenarios.Trajectory")
     told = trajectory.scene
     if told is not scene and (
-        not isinstance(told, Scene) or told.circles != scene.circles or told.walls != scene.walls or told.segments != scene.segments
+        not isinstance(told, Scene)
+        or told.circles != scene.circles
+        or told.walls != scene.walls
+        or told.segments != scene.segments
     ):
         raise EngineError(
             f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "

@@ -50,7 +50,7 @@ class SegmentFace(Wall):
 
 
 def ends_of(segments: Sequence[Segment]) -> tuple[Circle, ...]:
-    """The ends of segments as fixed circles, with the greatest r there, each named by the first segment that has that."""
+    """The ends of segments as fixed circles, with the greatest r there, named by the first segment that has that."""
     found: dict[tuple[Quantity, Quantity], tuple[Quantity, str | None]] = {}
     for segment in segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):

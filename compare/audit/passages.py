@@ -258,9 +258,7 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
     return Passage(time, Residual("depth", (leg.circle, laws.count + wall), size, room), leg.start)
 
 
-def _through(
-    leg: Leg, line: WallInBalls, height: float, closing: float, radius: float, blur: float
-) -> float:
+def _through(leg: Leg, line: WallInBalls, height: float, closing: float, radius: float, blur: float) -> float:
     """Until when a circle that flies at a face is in it: to the end of either, or out on its other side.
 
     The start of the flight, where it does not come there: one whose centre begins behind the face comes from another

@@ -124,7 +124,7 @@ class Transcript:
         encloses: whether numbers other than doubles are to be read as enclosures.
 
     Attributes:
-        scene: of the run, as engines see it (`Scene.surfaces`): circles, and what is met, are told by their places in it.
+        scene: of the run, as engines see it (`Scene.surfaces`), in whose places circles and what they meet are told.
         states: whether the engine reports where circles are, for every event; without, places were computed from times.
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.

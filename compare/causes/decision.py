@@ -734,7 +734,9 @@ def _meets_an_end_of(flight: Exact, face: Wall, r: Quantity) -> bool:
     slide = law.face_along(vx, vy, ZERO, ZERO, nx, ny)
 
     def foot(x0: Quantity, y0: Quantity) -> Quantity:
-        return law.face_foot(law.face_along(x, y, x0, y0, nx, ny), slide, law.wall_gap(x, y, x0, y0, nx, ny, r * span), approach)
+        return law.face_foot(
+            law.face_along(x, y, x0, y0, nx, ny), slide, law.wall_gap(x, y, x0, y0, nx, ny, r * span), approach
+        )
 
     return any(_is_zero(foot, x0, y0) for x0, y0 in ((face.x0, face.y0), (face.x1, face.y1)))
 

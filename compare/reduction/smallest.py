@@ -265,7 +265,8 @@ class Reduction:
 
     Attributes:
         kind: what was left out: circles, walls, segments, pockets, corners, settings, events or digits.
-        removed: ids of things, of corners those of the two segments that became one, names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
+        removed: ids of things, of corners those of the two segments that became one,
+            names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
         comparison: of what is left: the engine held against the certified run.
         runs: comparisons made by then.
     """
@@ -336,7 +337,8 @@ class Smallest:
 
     @property
     def minimal(self) -> bool:
-        """Whether it is 1-minimal: without any one circle, wall, segment, corner, pocket, setting, its last event, or the digits that
+        """Whether it is 1-minimal: without any one circle, wall, segment, pocket, corner, setting, its
+        last event, or the digits that
         any one number has beyond the next shorter rounding, the divergence (or the breach of the law) is gone, or the
         scene is none."""
         return self.end is End.MINIMAL

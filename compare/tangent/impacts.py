@@ -354,7 +354,9 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         ux, uy = speeds[i]
         if is_flat(link):
             line = state.line(link.circle, link.wall)
-            yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall)
+            yield Impact(
+                state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
+            )
             if not together:
                 speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue

@@ -231,7 +231,6 @@ def test_what_a_step_costs_is_printed(capsys: pytest.CaptureFixture[str]) -> Non
     assert costs_command(["--steps", "0"]) == 2
 
 
-
 def among_segments(r: str) -> Scene:
     """A disc that hits a face, then a wall, and then the end of another segment, off its line."""
     bars = [Segment(-3, 0, 3, 0, id="floor", r=r), Segment("15/2", 2, "17/2", 2, id="shelf", r=r)]

@@ -1,4 +1,4 @@
-"""The audit of runs among segments: engines that keep the law pass, and one that takes a segment for another is found."""
+"""The audit among segments: engines that keep the law pass, and one that takes a segment for another is found."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ def audited(chosen: Any, scene: Scene) -> Audit:
     return audit_run(chosen.run(scene, until=UNTIL, events=EVENTS), chosen)
 
 
-@pytest.mark.parametrize("name", ["double", "single", "quad", "rounded:bits=40", "rounded:bits=12", "interval", "exact"])
+@pytest.mark.parametrize(
+    "name", ["double", "single", "quad", "rounded:bits=40", "rounded:bits=12", "interval", "exact"]
+)
 def test_engines_of_events_keep_the_laws_among_segments(name: str) -> None:
     chosen = engine(name)
     found = [audited(chosen, scene) for scene in SCENES[: 60 if name in ("interval", "exact") else None]]
