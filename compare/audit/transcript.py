@@ -172,8 +172,8 @@ class Transcript:
 
     def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
-        whole = isinstance(self._motion, DoubleMotion)
-        told = self._from_flights(self._motion) if whole else self._from_rows()
+        motion = self._motion
+        told = self._from_flights(motion) if isinstance(motion, DoubleMotion) else self._from_rows()
         return told if self.scene is self.run.scene else map(self._by_parts, told)
 
     def _by_parts(self, instant: ReportedInstant) -> ReportedInstant:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..comparison import Comparison
 
 Item = TypeVar("Item")
-Thing = TypeVar("Thing", Circle, Wall, Segment, Pocket)
+Thing: TypeAlias = Circle | Wall | Segment | Pocket
 
 
 def ddmin(items: Sequence[Item], still: Callable[[Sequence[Item]], bool], parts: int = 2) -> list[Item]:
@@ -183,7 +183,7 @@ def digits(scene: Scene, denominator: int) -> SceneParts:
     names = {place: f"{getattr(scene, place[0])[place[1]].id}.{place[2]}" for place in shorter}
 
     def keeping(kept: Sequence[str]) -> Scene:
-        changed: dict[str, list[Circle | Wall | Segment | Pocket]] = {}
+        changed: dict[str, list[Thing]] = {}
         for (kind, k, key), value in shorter.items():
             if names[kind, k, key] not in kept:
                 row = changed.setdefault(kind, list(getattr(scene, kind)))
