@@ -98,7 +98,7 @@ class PymunkSpace:
     speed: float
 
     def named(self, pair: tuple[int, int]) -> tuple[int, int]:
-        """A circle and a segment, by the segment that names the end, where the circle is nearest to one that is shared."""
+        """A circle and a segment; by the segment that names the end, where it is nearest to one that is shared."""
         first = len(self.bodies) + len(self.walls)
         if pair[1] < first or not self.joints:
             return pair

@@ -28,7 +28,8 @@ class Box2DEngine(SteppedAdapter):
     """Plays scenes in Box2D 2.3, as `pip install box2d` has it: numbers of 24 bits, by time steps.
 
     Circles are bodies that do not rotate, walls are edges of no thickness, long enough for the scene; a run in which a
-    circle gets near the end of one stops. Segments are edges, with their thickness. Restitution 1, friction 0, no damping, no sleeping, no continuous collision,
+    circle gets near the end of one stops. Segments are edges,
+    with their thickness. Restitution 1, friction 0, no damping, no sleeping, no continuous collision,
     no warm starting, and no correction of positions.
 
     Attributes:

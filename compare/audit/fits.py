@@ -282,8 +282,8 @@ def _restitutions(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> 
         (" between circles", lambda s: not walls(s)),
     ]
     named = lambda s: (ids[s.pair[0]], ids[s.pair[1]])  # noqa: E731
-    for name in dict.fromkeys(ids):  # faces and ends have the name of what they are of
-        sorts.append((f" of {name}", lambda s, name=name: name in named(s)))
+    # faces and ends have the name of what they are of
+    sorts += [(f" of {name}", lambda s, name=name: name in named(s)) for name in dict.fromkeys(ids)]
     sorts += [
         (f" between {pair[0]} and {pair[1]}", lambda s, pair=pair: named(s) == pair)
         for pair in dict.fromkeys(map(named, bad))

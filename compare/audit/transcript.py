@@ -124,7 +124,7 @@ class Transcript:
         encloses: whether numbers other than doubles are to be read as enclosures.
 
     Attributes:
-        scene: of the run, as engines see it (`Scene.surfaces`): circles, and what is met, are told by their places in it.
+        scene: of the run, as engines see it (`Scene.surfaces`), in whose places circles and what they meet are told.
         states: whether the engine reports where circles are, for every event; without, places were computed from times.
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.
@@ -172,8 +172,8 @@ class Transcript:
 
     def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
-        whole = isinstance(self._motion, DoubleMotion)
-        told = self._from_flights(self._motion) if whole else self._from_rows()
+        motion = self._motion
+        told = self._from_flights(motion) if isinstance(motion, DoubleMotion) else self._from_rows()
         return told if self.scene is self.run.scene else map(self._by_parts, told)
 
     def _by_parts(self, instant: ReportedInstant) -> ReportedInstant:

@@ -36,7 +36,8 @@ from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
 from ..audit.transcript import ReportedInstant, Transcript
-from .decision import DecidingNumber, FlightBalls, Pairing, RoundedState, RunReader
+from .decision import DecidingNumber, FlightBalls, Pairing, RunReader
+from .given_scene import RoundedState
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -545,7 +546,7 @@ class _Carried(RunReader):
         mine, theirs = self.hit_time(decision.first), self.hit_time(rival)
         return mine is not None and theirs is not None and ball.sign_of(theirs - mine) == -1
 
-    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing) -> bool:
+    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """No zero is proved of carried flights."""
         return False
 

@@ -17,8 +17,9 @@ from ..alignment.instants import DOUBLE_BITS, Kind
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
-from .decision import DecidingNumber, Pairing, RunReader, answer, decisions, rounded
+from .decision import DecidingNumber, Pairing, RunReader, answer, decisions
 from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed
+from .given_scene import rounded
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

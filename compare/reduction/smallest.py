@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..comparison import Comparison
 
 Item = TypeVar("Item")
-Thing = TypeVar("Thing", Circle, Wall, Segment, Pocket)
+Thing: TypeAlias = Circle | Wall | Segment | Pocket
 
 
 def ddmin(items: Sequence[Item], still: Callable[[Sequence[Item]], bool], parts: int = 2) -> list[Item]:
@@ -183,7 +183,7 @@ def digits(scene: Scene, denominator: int) -> SceneParts:
     names = {place: f"{getattr(scene, place[0])[place[1]].id}.{place[2]}" for place in shorter}
 
     def keeping(kept: Sequence[str]) -> Scene:
-        changed: dict[str, list[Circle | Wall | Segment | Pocket]] = {}
+        changed: dict[str, list[Thing]] = {}
         for (kind, k, key), value in shorter.items():
             if names[kind, k, key] not in kept:
                 row = changed.setdefault(kind, list(getattr(scene, kind)))
@@ -265,7 +265,8 @@ class Reduction:
 
     Attributes:
         kind: what was left out: circles, walls, segments, pockets, corners, settings, events or digits.
-        removed: ids of things, of corners those of the two segments that became one, names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
+        removed: ids of things, of corners those of the two segments that became one,
+            names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
         comparison: of what is left: the engine held against the certified run.
         runs: comparisons made by then.
     """
@@ -336,7 +337,8 @@ class Smallest:
 
     @property
     def minimal(self) -> bool:
-        """Whether it is 1-minimal: without any one circle, wall, segment, corner, pocket, setting, its last event, or the digits that
+        """Whether it is 1-minimal: without any one circle, wall, segment, pocket, corner, setting, its
+        last event, or the digits that
         any one number has beyond the next shorter rounding, the divergence (or the breach of the law) is gone, or the
         scene is none."""
         return self.end is End.MINIMAL

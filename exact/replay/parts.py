@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import parts_of
@@ -17,6 +17,16 @@ from .state import Flights
 
 SAME_GAP = 2.0**-40
 """A share of the coordinates: gaps that differ by less are not told apart, and what is approached is met."""
+
+
+def _double(value: Any) -> float:
+    """The double nearest to a number, or to the middle of an enclosure."""
+    return float(value)
+
+
+def _certainly_above(value: Any, other: Any) -> bool:
+    """Whether a number is above another; of enclosures, whether all of it is."""
+    return bool(value > other)
 
 
 class NearestPart(NamedTuple, Generic[N]):
@@ -69,32 +79,32 @@ class PartsNear(Generic[N]):
         """
         parts, r, zero = self.things[thing], self._flights.bodies[circle].r, self._flights.zero
         found: list[tuple[float, bool, float, NearestPart[N]]] = []  # |gap|, approached, how thick, what
-        size = abs(float(x)) + abs(float(y))
+        size = abs(_double(x)) + abs(_double(y))
         for wall in parts.faces:
             line = self._flights.line(circle, wall)
             along = face_along(x, y, line.x0, line.y0, line.nx, line.ny)
-            if not (along > zero and line.nn - along > zero):
+            if not (_certainly_above(along, zero) and _certainly_above(line.nn - along, zero)):
                 continue
             nx, ny = line.nx / line.length, line.ny / line.length
             gap = nx * (x - line.x0) + ny * (y - line.y0) - r
-            size = max(size, abs(float(line.x0)) + abs(float(line.y0)))
-            towards = float(nx * vx + ny * vy) < 0.0
-            found.append((abs(float(gap)), towards, float(r), NearestPart(AtWall(circle, wall), nx, ny, gap)))
+            size = max(size, abs(_double(line.x0)) + abs(_double(line.y0)))
+            towards = _double(nx * vx + ny * vy) < 0.0
+            found.append((abs(_double(gap)), towards, _double(r), NearestPart(AtWall(circle, wall), nx, ny, gap)))
         for end in parts.ends:
             body = self._flights.bodies[end]
             dx, dy, reach = x - body.flight.x, y - body.flight.y, body.r + r
             square = dx * dx + dy * dy
-            span = self._root(square) if float(square) > 0.0 else zero
-            nx, ny = (dx / span, dy / span) if float(span) > 0.0 else (self._flights.one, zero)
-            size = max(size, abs(float(body.flight.x)) + abs(float(body.flight.y)))
-            towards = float(nx * vx + ny * vy) < 0.0
+            span = self._root(square) if _double(square) > 0.0 else zero
+            nx, ny = (dx / span, dy / span) if _double(span) > 0.0 else (self._flights.one, zero)
+            size = max(size, abs(_double(body.flight.x)) + abs(_double(body.flight.y)))
+            towards = _double(nx * vx + ny * vy) < 0.0
             gap = span - reach
-            found.append((abs(float(gap)), towards, float(reach), NearestPart(Pair(circle, end), nx, ny, gap)))
+            found.append((abs(_double(gap)), towards, _double(reach), NearestPart(Pair(circle, end), nx, ny, gap)))
         away, approached, thick, nearest = min(found, key=lambda row: row[0])
         if approached:
             return nearest
         for other, towards, far, part in sorted(found, key=lambda row: row[0]):
-            behind = float(part.nx * nearest.nx + part.ny * nearest.ny) < 0.0
+            behind = _double(part.nx * nearest.nx + part.ny * nearest.ny) < 0.0
             if towards and behind and part.link.flat and other <= away + max(thick, far) + SAME_GAP * size:
                 return part
         return nearest

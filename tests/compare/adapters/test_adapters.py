@@ -12,7 +12,8 @@ from truebreak.compare.adapters.__main__ import main as costs_command
 from truebreak.compare.adapters.adapter import NotInstalled, package
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
-from truebreak.scenarios import Circle, Scene, SceneError, Wall
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.catalogue import build
 from truebreak.scenarios.trajectory import StopReason
 
@@ -228,3 +229,31 @@ def test_what_a_step_costs_is_printed(capsys: pytest.CaptureFixture[str]) -> Non
     assert len(rows) % len(COSTED) == 0
     assert all(float(row[2]) > 0 for row in rows if "not possible" not in row[2])
     assert costs_command(["--steps", "0"]) == 2
+
+
+def among_segments(r: str) -> Scene:
+    """A disc that hits a face, then a wall, and then the end of another segment, off its line."""
+    bars = [Segment(-3, 0, 3, 0, id="floor", r=r), Segment("15/2", 2, "17/2", 2, id="shelf", r=r)]
+    walls = [Wall(-9, 0, -9, 1, id="left"), Wall(9, 0, 9, 1, id="right"), Wall(0, 10, 1, 10, id="top")]
+    return Scene([Circle(-1, 3, vx="1/2", vy=-1, id="disc")], walls, segments=bars, until=30)
+
+
+@pytest.mark.parametrize("name", STEPPED)
+@pytest.mark.parametrize("r", ["0", "1/4"])
+def test_segments_have_faces_ends_and_thickness(name: str, r: str) -> None:
+    chosen = engine(f"{installed(name)}:dt=1/512")
+    scene = among_segments(r)
+    if name == "mujoco" and r == "0":
+        with pytest.raises(SceneError, match="segment 'floor': r = 0; engine 'mujoco' has segments of some thickness"):
+            chosen.run(scene)
+        return
+    exact = ExactEngine().run(scene, events=3)
+    told = chosen.run(scene, events=3)
+    assert [e.contacts for e in told.events] == [e.contacts for e in exact.events]
+    assert {pair.second for e in exact.events for pair in e.contacts} >= {"floor", "shelf"}
+    assert [float(e.time) for e in told.events] == pytest.approx([float(e.time) for e in exact.events], abs=0.1)
+
+
+@pytest.mark.parametrize("name", EVENT_DRIVEN)
+def test_engines_without_segments_say_so(name: str) -> None:
+    assert "segment" not in engine(installed(name)).scene_keys

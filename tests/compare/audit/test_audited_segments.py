@@ -1,4 +1,4 @@
-"""The audit of runs among segments: engines that keep the law pass, and one that takes a segment for another is found."""
+"""The audit among segments: engines that keep the law pass, and one that takes a segment for another is found."""
 
 from __future__ import annotations
 

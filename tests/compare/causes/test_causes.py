@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.causes.decision import nearest, rounded
 from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
+from truebreak.compare.causes.given_scene import nearest, rounded
 from truebreak.compare.comparison import Comparison
 from truebreak.floating.quad import QUADS
 from truebreak.floating.rounded import Rounding

@@ -1,4 +1,4 @@
-"""Causes of divergences at segments: margins known by construction, accounts that close, and the number that decides."""
+"""Causes at segments: margins known by construction, accounts that close, and the number that decides."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_an_end_missed_by_little_has_that_margin() -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_moved_aside_by_the_margin_a_disc_hits_or_misses(seed: int) -> None:
-    """The number that decides is where the answer changes: moved by a little less it stays, by a little more it turns."""
+    """The number that decides is where the answer changes: moved by less it stays, by a little more it turns."""
     rng = Random(seed)
     at = lambda: Quantity.of(Fraction(rng.randint(-4000, 4000), 1000))  # noqa: E731
     bar = Segment(at(), at(), at(), at(), id="bar", r=rng.choice(("0", "1/3")))

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.causes.decision import rounded
 from truebreak.compare.causes.diagnosis import CauseName, Diagnosis, Experiment, diagnosed
+from truebreak.compare.causes.given_scene import rounded
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Quantity, Scene, Wall, catalogue

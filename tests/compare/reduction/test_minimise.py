@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ from truebreak.compare.cli import main
 from truebreak.compare.deadline import Clock
 from truebreak.compare.reduction import minimal_scene as module
 from truebreak.compare.reduction.minimal_scene import Reducing
-from truebreak.compare.reduction.smallest import End, Smallest, ddmin
-from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
+from truebreak.compare.reduction.smallest import End, Smallest, corners, ddmin
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, Segment, Wall, catalogue
 from truebreak.scenarios.files import dump_toml, load_scene, loads_toml
 
 TIE = 10**40
@@ -325,3 +326,25 @@ def test_ctrl_c_is_code_130_and_the_scene_so_far_is_written(
     assert "interrupted" in capsys.readouterr().out
     assert len(load_scene(path).circles) < 6
     assert verdict(load_scene(path), "double") == "diverged"
+
+
+def test_segments_are_left_out_and_corners_straightened() -> None:
+    """Of a chain beside the way, and of one whose end is missed by less than doubles tell, one piece remains."""
+    small = Quantity.of(Fraction(1, 2**60))
+    chain = [Segment(k, -k % 2, k + 1, -(k + 1) % 2, id=f"chain{k}") for k in range(-8, -4)]
+    bars = [Segment(0, 0, -1, "-1/3", id="tip"), Segment(-1, "-1/3", -2, 0, id="tail"), *chain]
+    scene = Scene([Circle(1 - small, 5, vy=-1, id="disc")], segments=bars, until=20)
+    found = smallest(scene, "double")
+    assert found.minimal
+    assert len(found.scene.segments) == 1
+    assert found.scene.segments[0].id == "tip"
+    assert "segments" in {step.kind for step in found.steps}
+
+
+def test_a_corner_is_straightened_once_and_named_by_the_first() -> None:
+    bars = [Segment(0, 0, 1, 1, id="a"), Segment(2, 0, 1, 1, id="b"), Segment(2, 0, 3, 1, id="c")]
+    parts = corners(Scene([Circle(0, 9)], segments=bars))
+    assert parts.items == ("a/b", "b/c")
+    (left,) = parts.keeping([]).segments
+    assert (left.id, left.x0, left.y0, left.x1, left.y1) == ("a", 0, 0, 3, 1)
+    assert [s.id for s in parts.keeping(["b/c"]).segments] == ["a", "c"]

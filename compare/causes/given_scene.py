@@ -1,0 +1,137 @@
+"""The scene as an engine is given it: every number rounded to its bits, whether that is a scene or not."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from flint import arb
+
+from ...exact.numbers import ball
+from ...exact.replay.contact import Flight
+from ...exact.replay.state import ReplayState, SeenWall
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Segment, Wall
+from ..alignment.instants import DOUBLE_BITS
+
+SINGLE_BITS, PAIR_BITS = 24, 106
+"""Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
+
+LEAST_SINGLE = -149
+"""log2 of the least single above zero."""
+
+DIGITS = 1
+"""Decimals that are looked at for each bit: three times as many as it is worth."""
+
+
+def nearest(value: Quantity, bits: int = DOUBLE_BITS) -> Quantity:
+    """The nearest number of so many bits, ties to even.
+
+    Of 53 bits are doubles, of 24 singles, with the exponents that they have. Of 106 is a pair of doubles: the nearest
+    one, and the one nearest to what it leaves.
+
+    Raises:
+        SceneError: beyond the doubles.
+
+    >>> nearest(Quantity.of("1/3"), 2).text(), nearest(Quantity.of("3/8 - 1/10**40"), 1).text()
+    ('3/8', '1/4')
+    """
+    double = _double(value)
+    if bits == DOUBLE_BITS:
+        return Quantity.of(Fraction(double))
+    if bits == PAIR_BITS:
+        high = Quantity.of(Fraction(double))
+        return high + Quantity.of(Fraction(_double(value - high)))
+    exponent = math.frexp(double)[1] - bits
+    spacing = Fraction(2) ** (max(exponent, LEAST_SINGLE) if bits == SINGLE_BITS else exponent)
+    scaled = value / Quantity.of(spacing)
+    below = math.floor(Fraction(scaled.digits(DIGITS * bits)))
+    side = (scaled - Quantity.of(below + Fraction(1, 2))).sign()
+    return Quantity.of((below + (below % 2 if side == 0 else side > 0)) * spacing)
+
+
+def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
+    """The scene with every coordinate, radius, velocity and mass replaced by the nearest number of so many bits.
+
+    Raises:
+        SceneError: if the rounded circles overlap, or a number is beyond the doubles.
+
+    >>> scene = Scene([Circle("1/3", 0)])
+    >>> rounded(scene).circles[0].x == scene.circles[0].x, rounded(rounded(scene)) == rounded(scene)
+    (False, True)
+    """
+    circles = [
+        Circle(
+            *(nearest(value, bits) for value in (c.x, c.y, c.r, c.vx, c.vy)),
+            m=c.m if isinstance(c.m, str) else nearest(c.m, bits),
+            id=c.id,
+            point=c.point,
+        )
+        for c in scene.circles
+    ]
+    walls = [Wall(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    segments = [
+        Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
+        for s in scene.segments
+    ]
+    return scene.with_changes(circles=circles, walls=walls, **({"segments": segments} if segments else {}))
+
+
+def _double(value: Quantity) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise SceneError(f"{value.text()[:40]}: is beyond the doubles") from None
+
+
+class RoundedState(ReplayState[arb]):
+    """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
+
+    Args:
+        bits: None: nothing is rounded.
+    """
+
+    def __init__(self, scene: Scene, bits: int | None) -> None:
+        super().__init__(scene, ball.BALLS)
+        self._bits = bits
+        if bits is None:
+            return
+        for circle, body in zip(scene.circles, self.bodies.values(), strict=True):
+            x, y, vx, vy, r = map(self._near, (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+            body.r = r
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
+            if isinstance(circle.m, Quantity):
+                body.w = 1 / self._near(circle.m)
+
+    def _near(self, value: Quantity) -> arb:
+        return ball.constant(value if self._bits is None else nearest(value, self._bits))
+
+    def line(self, circle: int, wall: int) -> SeenWall[arb]:
+        """As `Flights.line`, of the rounded wall."""
+        if self._bits is not None and wall not in self._lines:
+            exact = self.scene.walls[wall]
+            x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
+            self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
+        return super().line(circle, wall)
+
+    def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
+        nn = nx * nx + ny * ny
+        length = nn.sqrt()
+        self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
+
+    def towards(self, other: RoundedState, share: arb) -> RoundedState:
+        """The state a share of the way to another one of the same scene: places, speeds, radii, 1/m and walls."""
+        made = RoundedState(self.scene, None)
+        for k, body in made.bodies.items():
+            one, two = self.bodies[k], other.bodies[k]
+            x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
+            body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
+        for wall in range(len(self.scene.walls)):
+            one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
+            made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))
+            if self.sides.negative(0, wall):
+                made._lines[wall] = made._lines[wall][1], made._lines[wall][0]
+        return made
