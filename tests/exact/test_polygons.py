@@ -7,12 +7,14 @@ from polygon_scenes import scene_of
 from test_segments import UNTIL, differs
 
 from truebreak.compare import compare
+from truebreak.compare.orders.all_orders import all_orders
+from truebreak.compare.orders.guided import Guided
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.contact import AtWall, Pair, part_at
 from truebreak.exact.simulation.prediction import Predictor
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall, surfaces
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, surfaces
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 SEEDS = range(150)
@@ -163,6 +165,36 @@ def test_a_disc_in_a_concave_corner_is_one_contact_to_whom_cannot_tell():
     assert all(tie.proof.proved for tie in event.ties)
     found = compare(scene, ["double", "pymunk"])
     assert [candidate.verdict for candidate in found.candidates] == ["agree", "agree"]
+
+
+@pytest.mark.parametrize("solid", ["segments", "polygon"])
+def test_all_orders_of_a_corner_are_named_and_followed(solid):
+    left, right = [(-3, 2), (0, 0)], [(0, 0), (4, 1)]
+    things = {
+        "segments": {"segments": [Segment(*left[0], 0, 0, id="l"), Segment(0, 0, *right[1], id="r")]},
+        "polygon": {"polygons": [Polygon([*left, right[1], (4, -1), (-3, -1)], id="valley")]},
+    }[solid]
+    scene = Scene([Circle("1/5", 9, id="post", m="oo"), Circle(*_in_a_valley(), vy=-1, vx="1/9", id="c")], **things)
+    tree = all_orders(ExactEngine(), scene, until=20, events=1)
+    assert tree.complete
+    named = [outcome.decisions[0].chosen.second for outcome in tree.outcomes]
+    assert named == (["l", "r"] if solid == "segments" else ["valley", "valley"])
+    for outcome in tree.outcomes:
+        event = outcome.trajectory.events[0]
+        if solid == "segments":
+            again = ExactEngine().run_with(scene, Guided(scene, outcome.trajectory), until=20, events=1)
+            assert again.events[0].impulses == event.impulses
+    assert len({outcome.trajectory.final["c"].vx.text() for outcome in tree.outcomes}) == 2
+
+
+def _in_a_valley():
+    """The middle of a disc of radius 1 that touches both sides of the valley, moved back along (1/9, -1) for 2."""
+    ax, ay, bx, by = Quantity.of(2), Quantity.of(3), Quantity.of(-1), Quantity.of(4)
+    la, lb = (ax * ax + ay * ay).sqrt(), (bx * bx + by * by).sqrt()
+    a, b = (ax / la, ay / la), (bx / lb, by / lb)  # normals of both sides: n.p = 1 at either
+    det = a[0] * b[1] - a[1] * b[0]
+    x, y = (b[1] - a[1]) / det, (a[0] - b[0]) / det
+    return x - Quantity.of("2/9"), y + 2
 
 
 def test_a_point_that_flies_into_a_corner_stops_by_name():
