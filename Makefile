@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test long durations slow stress stress-map coverage lint format bench docs examples lowest pythons same-bytes sdist picture reference-set clean
+.PHONY: play demo test long durations slow stress stress-map coverage lint format bench docs examples lowest pythons same-bytes sdist picture reference-set clean
 
 .venv/ready: pyproject.toml $(wildcard exact/compiled/*.[ch] floating/flat/*.c)
 	$(PYTHON) -m venv .venv
@@ -12,6 +12,10 @@ BIN = .venv/bin
 # Exit code 1 of a comparison means that the engines diverged: a result, not a failure.
 demo: .venv/ready
 	$(BIN)/truebreak compare gas --html report.html || test $$? -eq 1
+
+# The page to play with, its engines in the browser itself; without their parts, which npm and pip fetch, those of a server.
+play: .venv/ready
+	$(BIN)/python docs/site/playground.py build/play --serve --open || test $$? -ne 77 || $(BIN)/truebreak play
 
 test: .venv/ready
 	$(BIN)/python -m pytest -n auto

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..scenarios.pictures import DrawnDisc, View, draw, scene_picture, view_of
 from ..scenarios.trajectory import StopReason
+from .alignment.align import rows_of
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
@@ -217,9 +218,9 @@ def states_at(run: Trajectory, time: float) -> list[list[float]]:
     """x, y, vx, vy of each circle; of a run in which nothing is left to happen also after its last event."""
     final = float(run.final_time)
     if time < final:
-        return run.sample([time])[0].tolist()
+        return [list(row) for row in rows_of(run, [time])[0]]
     flown = time - final if run.stop.reason is StopReason.QUIET else 0.0
-    return [[x + vx * flown, y + vy * flown, vx, vy] for x, y, vx, vy in run.final.array().tolist()]
+    return [[x + vx * flown, y + vy * flown, vx, vy] for x, y, vx, vy in run.final.rows()]
 
 
 def _discs_at(

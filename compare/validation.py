@@ -94,6 +94,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,
         "reverse_after": scene.reverse_after is not None,
+        "restitution": not scene.elastic,
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 
@@ -112,7 +113,10 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         raise EngineError(f"{where}: run gave {_told(trajectory)}; it must give a scenarios.Trajectory")
     told = trajectory.scene
     if told is not scene and (
-        not isinstance(told, Scene) or told.circles != scene.circles or told.walls != scene.walls
+        not isinstance(told, Scene)
+        or told.circles != scene.circles
+        or told.walls != scene.walls
+        or told.segments != scene.segments
     ):
         raise EngineError(
             f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "

@@ -39,6 +39,7 @@ from .simulation import cells
 from .simulation.decider import History, Limits, Mark, Record, run_limits
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
+from .simulation.packed import PackedKnots, PackedRecords
 from .simulation.policies import Policy
 
 # -- A history carried out again from a saved run gets the numbers and counts that the run had.
@@ -135,16 +136,16 @@ def restore(history: History[Known], run: Trajectory, limits: Limits, tower: Any
             raise SceneError(NOT_ITS_LOG)
         return mark._replace(time=time)
 
-    history.records = [record._replace(mark=timed(record.mark)) for record in history.records]
+    history.records = PackedRecords(record._replace(mark=timed(record.mark)) for record in history.records)
     history.entries = [entry._replace(mark=timed(entry.mark)) for entry in history.entries]
     history.last = None if history.last is None else timed(history.last)
     if history.reversal is not None:
         history.reversal = (history.reversal[0], timed(history.reversal[1]))
     history.knots = [
-        [
+        PackedKnots(
             (number(t), number(x), number(y), number(vx), number(vy), step, instant)
             for t, x, y, vx, vy, step, instant in row[: len(mine)]
-        ]
+        )
         for mine, row in zip(history.knots, motion.knots, strict=True)
     ]
     history.plan.clear()
@@ -432,6 +433,7 @@ class ExactEngine(Declared):
             home = decider.retrace.home
             notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
+        log.events = records if isinstance(records, PackedRecords) else None
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))

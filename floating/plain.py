@@ -293,6 +293,8 @@ class PlainDecider(Generic[M]):
         numbers: the system that the state is in; what its signs do not tell is undecided.
     """
 
+    proves = False
+
     def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state

@@ -6,9 +6,8 @@ import math
 import signal
 import threading
 import time as clock
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,7 +22,6 @@ from ..scenarios.trajectory import (
     Contact,
     Event,
     OnProgress,
-    Pocketing,
     Progress,
     Reversal,
     Stop,
@@ -33,70 +31,8 @@ from ..scenarios.trajectory import (
     Trajectory,
 )
 from .knots import DoubleKnot, DoubleMotion
+from .pocket_entries import entries, last_entry
 from .pymunk_space import PymunkSpace
-
-# -- Entries into pockets of a run in pymunk, which knows none: they follow from the flights between its knots.
-
-
-def entries(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> tuple[Pocketing, ...]:
-    """Every time that a centre comes within a pocket's radius, in order.
-
-    Between two knots a centre flies straight, and enters a pocket (X, Y, R) when |p + v t - (X, Y)|^2 = R^2 has its
-    smaller root within the flight.
-    """
-    found = [
-        Pocketing(str(circle.id), str(pocket.id), Double(time))
-        for circle, row in zip(scene.circles, knots, strict=True)
-        if not circle.fixed
-        for pocket in scene.pockets
-        for time in _times(row, float(pocket.x), float(pocket.y), float(pocket.r), end)
-    ]
-    return tuple(sorted(found, key=lambda entry: float(entry.time)))
-
-
-def last_entry(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> float:
-    """When a run that has no contact left has no entry left either: never before `end`."""
-    return max([end, *(float(entry.time) for entry in entries(scene, knots, math.inf))])
-
-
-def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
-    """When one circle enters one pocket.
-
-    At the time of a knot the velocity from then on decides: who is turned away at the rim does not enter.
-    """
-    _, x, y, _, _ = row[0]
-    inside = _gap(x - x0, y - y0, r) < 0
-    for (t, x, y, vx, vy), (after, *_) in pairwise([*row, (math.inf, 0.0, 0.0, 0.0, 0.0)]):
-        if t > end or t == after:
-            continue
-        wait = time_to_enter(x - x0, y - y0, vx, vy, r)
-        enters = wait is not None and t + wait < after and t + wait <= end
-        if enters and not (inside and wait == 0):
-            yield t + (wait or 0.0)
-        lag = after - t
-        inside = (inside or enters) and _gap(x + vx * lag - x0, y + vy * lag - y0, r) < 0
-
-
-def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
-    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does, or grazes.
-
-    >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 1.0, 1.0, 0.0, 1.0)
-    (2.0, None)
-    """
-    gap = _gap(dx, dy, r)
-    if gap < 0:
-        return 0.0
-    approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
-    discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
-    if approach >= 0 or discriminant <= 0:
-        return None
-    return gap / (-approach + math.sqrt(discriminant))
-
-
-def _gap(dx: float, dy: float, r: float) -> float:
-    """The square of a centre's distance less that of the rim's: below zero inside."""
-    return dx * dx + dy * dy - r * r
-
 
 # -- What is kept of a run in pymunk: an event a step with impulses, a knot for each body that it touched.
 
@@ -172,6 +108,9 @@ class Recorder:
     def step(self, time: float) -> bool:
         """Notes what the step that ended at `time` did; whether that was an event."""
         touched, pushed = self.touched, self._pushed
+        if self._world.joints:
+            for pairs in (touched, pushed):
+                pairs[:] = dict.fromkeys(map(self._world.named, pairs))
         collided = bool(pushed)
         if len(touched) == 1 and not self._corrects:
             self._tie(time, touched[0], all_of_them=False)

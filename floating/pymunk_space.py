@@ -49,7 +49,7 @@ DAMPING = 1.0
 """Share of the velocity kept in a unit of time: all of it."""
 
 ELASTICITY = 1.0
-"""Of every shape: pymunk multiplies the two of a contact, and 1 is perfectly elastic."""
+"""Of every shape, times the square root of the scene's restitution: pymunk multiplies the two of a contact."""
 
 FRICTION = 0.0
 
@@ -82,6 +82,7 @@ class PymunkSpace:
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
         bars: (x0, y0, x1, y1) of each segment.
         outlines: the same of all sides of each polygon.
+        joints: of each end that segments share, the number of the segment that names it: the first of the thickest.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
     """
 
@@ -93,7 +94,20 @@ class PymunkSpace:
     sides: tuple[tuple[int, ...], ...]
     bars: tuple[tuple[float, float, float, float], ...]
     outlines: tuple[tuple[Bar, ...], ...]
+    joints: dict[tuple[float, float], int]
     speed: float
+
+    def named(self, pair: tuple[int, int]) -> tuple[int, int]:
+        """A circle and a segment, by the segment that names the end, where the circle is nearest to one that is shared."""
+        first = len(self.bodies) + len(self.walls)
+        if pair[1] < first or not self.joints:
+            return pair
+        (x0, y0, x1, y1), (x, y) = self.bars[pair[1] - first], self.bodies[pair[0]].position
+        ux, uy = x1 - x0, y1 - y0
+        foot = (x - x0) * ux + (y - y0) * uy
+        end = (x0, y0) if foot <= 0 else (x1, y1) if foot >= ux * ux + uy * uy else None
+        number = None if end is None else self.joints.get(end)
+        return pair if number is None else (pair[0], first + number)
 
     def from_bar(self, number: int, x: float, y: float) -> tuple[float, float]:
         """The way from the nearest point of a segment to a point."""
@@ -169,13 +183,28 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
                 places[shape] = index
     except OverflowError:
         raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
+    elasticity = ELASTICITY * math.sqrt(scene.restitution)
     for shape in places:
-        shape.elasticity = ELASTICITY
+        shape.elasticity = elasticity
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
     outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, speed)
+    joints = _joints(scene, bars)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, joints, speed)
+
+
+def _joints(scene: Scene, bars: Sequence[tuple[float, float, float, float]]) -> dict[tuple[float, float], int]:
+    """See `PymunkSpace.joints`."""
+    at: dict[tuple[float, float], list[int]] = {}
+    for number, (x0, y0, x1, y1) in enumerate(bars):
+        at.setdefault((x0, y0), []).append(number)
+        at.setdefault((x1, y1), []).append(number)
+    return {
+        end: max(numbers, key=lambda number: (scene.segments[number].r, -number))
+        for end, numbers in at.items()
+        if len(numbers) > 1
+    }
 
 
 def _only(cell: int) -> pymunk.ShapeFilter:

@@ -7,18 +7,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, isfinite, nan, nextafter, sqrt
-from typing import SupportsFloat
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, SupportsFloat
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.double_pairs import quick_two_sum, two_product, two_sum
 from ..exact.numbers.system import NumberSystem
+from ..scenarios.lazy import Later
 from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.trajectory import Motion
 from .plain import EventEngine, Passed
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+else:
+    np = Later("numpy")
 
 # -- Numbers of 106 bits as unevaluated sums of two doubles.
 #

@@ -15,7 +15,9 @@ DEFAULT_EVENTS = 1_000
 """Limit on instants where neither the caller nor the scene sets a horizon."""
 
 
-SCENE_KEYS = frozenset({"wall", "segment", "pocket", "capture", "reverse_at", "reverse_after", "tie_policy"})
+SCENE_KEYS = frozenset(
+    {"wall", "segment", "pocket", "capture", "reverse_at", "reverse_after", "tie_policy", "restitution"}
+)
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
 ALL_KEYS = SCENE_KEYS | {"polygon"}

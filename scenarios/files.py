@@ -26,7 +26,7 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
-TOP = (*TEXTS, *COUNTS, *TIMES, "capture", "circle", "wall", "segment", "polygon", "pocket")
+TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "capture", "circle", "wall", "segment", "polygon", "pocket")
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
 SEGMENT = (*WALL, "r")
@@ -37,7 +37,7 @@ ABSENT = frozenset(
     [
         *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
         *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
-        *("period_x", "period_y", "rectangle", "restitution", "rotation", "settle", "spin"),
+        *("period_x", "period_y", "rectangle", "rotation", "settle", "spin"),
         *("spring", "torque"),
     ]
 )
@@ -68,7 +68,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
         _check_keys("", data, TOP)
         values: dict[str, Any] = {key: _text(key, data[key]) for key in TEXTS if key in data}
         values |= {key: _count(key, data[key]) for key in COUNTS if key in data}
-        values |= {key: _number("", key, data[key]) for key in TIMES if key in data}
+        values |= {key: _number("", key, data[key]) for key in (*TIMES, "restitution") if key in data}
         if "capture" in data:
             values["capture"] = _truth("capture", data["capture"])
         return Scene(

@@ -1,4 +1,4 @@
-"""What costs nothing before it is asked for: the version, names, properties, sequences."""
+"""What costs nothing before it is asked for: the version, names, modules, properties, sequences."""
 
 from __future__ import annotations
 
@@ -41,6 +41,32 @@ def handed_on(package: str, homes: Mapping[str, str]) -> tuple[Callable[[str], A
         return sorted({*vars(sys.modules[package]), *homes})
 
     return get, names
+
+
+# -- A module that is imported when a name of it is first asked for.
+
+
+class Later:
+    """A module of another distribution: with what is imported at that moment, and nothing before.
+
+    So whatever only some runs need may be missing where it is not needed: NumPy in a browser, say.
+
+    Args:
+        module: its name.
+
+    >>> Later("math").sqrt(4.0)
+    2.0
+    """
+
+    def __init__(self, module: str) -> None:
+        self._module = module
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):  # a question about this object, as `inspect` asks it
+            raise AttributeError(name)
+        value = getattr(import_module(self._module), name)
+        setattr(self, name, value)
+        return value
 
 
 # -- A property that is computed when it is first asked for, and then kept.

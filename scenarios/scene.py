@@ -11,7 +11,7 @@ from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
-from .settings import TiePolicy, checked_truth, positive_count, positive_time
+from .settings import ELASTIC, TiePolicy, checked_restitution, checked_truth, positive_count, positive_time
 from .things import Circle, Pocket, Polygon, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -38,11 +38,13 @@ class Scene:
         description, source: what the scene shows and where it comes from.
         segments: straight segments, after the walls in that order.
         polygons: solid polygons, after the segments in that order.
+        restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: segments and polygons as faces and ends; itself without.
 
     Raises:
-        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive.
+        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
+            restitution out of its range, and one below 1 together with a reversal.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -63,6 +65,7 @@ class Scene:
     source: str = ""
     segments: tuple[Segment, ...] = ()
     polygons: tuple[Polygon, ...] = ()
+    restitution: Quantity = ELASTIC
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -81,6 +84,7 @@ class Scene:
         source: str = "",
         segments: Iterable[Segment] = (),
         polygons: Iterable[Polygon] = (),
+        restitution: QuantityLike = 1,
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
@@ -98,6 +102,7 @@ class Scene:
             capture=capture,
             description=description,
             source=source,
+            restitution=restitution,
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
@@ -123,6 +128,7 @@ class Scene:
         capture: object,
         description: str,
         source: str,
+        restitution: QuantityLike,
     ) -> None:
         """Sets all but the circles, walls and pockets."""
         put = object.__setattr__
@@ -134,11 +140,17 @@ class Scene:
         put(self, "reverse_at", positive_time("reverse_at", reverse_at))
         put(self, "until", positive_time("until", until))
         put(self, "capture", checked_truth("capture", capture))
+        put(self, "restitution", checked_restitution(restitution))
         if not isinstance(name, str) or not name:
             raise SceneError(f"name = {name!r} is not text; give the scene a name")
         put(self, "name", name)
         if self.reverse_after is not None and self.reverse_at is not None:
             raise SceneError("reverse_after and reverse_at are both set; keep one of them")
+        if not self.elastic and (self.reverse_after is not None or self.reverse_at is not None):
+            key = "reverse_at" if self.reverse_after is None else "reverse_after"
+            raise SceneError(
+                f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
+            )
 
     def _check_things(self) -> None:
         if not self.circles:
@@ -158,6 +170,11 @@ class Scene:
     def __hash__(self) -> int:
         """Taken once: what is known of a scene is looked up by it in every run."""
         return self._hash
+
+    @property
+    def elastic(self) -> bool:
+        """Whether contacts keep the energy: its restitution is 1."""
+        return self.restitution == ELASTIC
 
     @kept
     def ids(self) -> tuple[str, ...]:
@@ -243,6 +260,8 @@ class Scene:
                 data[key] = getattr(self, key).text()
         if self.capture:
             data["capture"] = True
+        if not self.elastic:
+            data["restitution"] = self.restitution.text()
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):
             if circle.point:

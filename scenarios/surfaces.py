@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot, isfinite
+from typing import TYPE_CHECKING, NamedTuple
 
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
 from .things import FIXED, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -64,7 +69,7 @@ def sides_of(polygon: Polygon) -> list[Segment]:
 
 
 def ends_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = (), points: bool = False) -> tuple[Circle, ...]:
-    """The ends as fixed circles, each named by the first thing that has it, with the greatest r there.
+    """The ends as fixed circles, with the greatest r there, each named by the first thing that has that.
 
     Args:
         points: whether there are circles of radius 0, which meet concave corners too.
@@ -75,8 +80,9 @@ def ends_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = (), point
     found: dict[Point, tuple[Quantity, str | None]] = {}
 
     def take(place: Point, r: Quantity, name: str | None) -> None:
-        known, first = found.get(place, (r, name))
-        found[place] = max(r, known), first
+        known = found.get(place)
+        if known is None or r > known[0]:
+            found[place] = r, name
 
     for segment in segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
@@ -265,3 +271,32 @@ def _run_on(a: Segment, b: Segment) -> bool:
         places.append(dx * ux + dy * uy)
     low, high = max(min(places), ZERO), min(max(places), ux * ux + uy * uy)
     return (high - low).sign() > 0
+
+
+# -- Which faces and ends are of which thing.
+
+
+class ThingParts(NamedTuple):
+    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`."""
+
+    faces: tuple[int, ...]
+    ends: tuple[int, ...]
+
+
+@lru_cache(maxsize=64)
+def parts_of(scene: Scene) -> Mapping[int, ThingParts]:
+    """The parts of every thing that has several, by its place in `Scene.ids`.
+
+    >>> from truebreak.scenarios import Scene
+    >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
+    {2: ThingParts(faces=(1, 2), ends=(1, 2))}
+    """
+    whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
+    ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
+    return {
+        before + k: ThingParts(
+            (whole.faces.start + 2 * k, whole.faces.start + 2 * k + 1),
+            (ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]),
+        )
+        for k, segment in enumerate(scene.segments)
+    }

@@ -163,7 +163,11 @@ class State:
         """Shape (circles, 4): x, y, vx, vy as doubles."""
         import numpy as np
 
-        return np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in self.circles])
+        return np.array(self.rows())
+
+    def rows(self) -> list[tuple[float, float, float, float]]:
+        """The same in a list, which needs no NumPy."""
+        return [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in self.circles]
 
 
 class StopReason(Enum):

@@ -1,4 +1,4 @@
-"""A referee of scenes with segments and polygons, in plain coordinates and 100 digits, of code of its own.
+"""A referee of scenes with segments, polygons and a restitution, in plain coordinates and 100 digits, of its own code.
 
 Every disc flies as x + v t. It meets a segment where its distance from the segment, as a set of points, comes down to
 both radii: that is found in the segment's own frame, along and across. What meets at one instant is resolved by the
@@ -147,6 +147,7 @@ class Referee:
                     name, ex, ey, r = self.ends[place]
                     self.ends[place] = name, ex, ey, max(r, bar.r)
         self.now = mpf(0)
+        self.e = number(scene.restitution)
 
     # -- what touches, now
 
@@ -191,9 +192,8 @@ class Referee:
             self.push([contacts[k][1] for k in coming], [speeds[k] for k in coming])
         raise AssertionError("no end")
 
-    @staticmethod
-    def push(arms: list[list[tuple[Disc, mpf, mpf]]], speeds: list[mpf]) -> None:
-        """The impulses s >= 0 of least number with G s + 2 u >= 0, and 0 where s > 0."""
+    def push(self, arms: list[list[tuple[Disc, mpf, mpf]]], speeds: list[mpf]) -> None:
+        """The impulses s >= 0 of least number with u + G s >= -e u, and equal where s > 0."""
         size = range(len(arms))
 
         def coupled(i: int, j: int) -> mpf:
@@ -204,14 +204,17 @@ class Referee:
             for chosen in combinations(size, count):
                 try:
                     found = lu_solve(
-                        matrix([[gram[i][j] for j in chosen] for i in chosen]), matrix([-2 * speeds[i] for i in chosen])
+                        matrix([[gram[i][j] for j in chosen] for i in chosen]),
+                        matrix([-self.e * speeds[i] - speeds[i] for i in chosen]),
                     )
                 except ZeroDivisionError:
                     continue
                 strengths = dict(zip(chosen, found, strict=True))
                 if any(s < -SAME or s > 10**20 for s in strengths.values()):
                     continue
-                slack = [2 * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size]
+                slack = [
+                    speeds[i] + self.e * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size
+                ]
                 if all(value > -SAME for value in slack):
                     for j, s in strengths.items():
                         for disc, nx, ny in arms[j]:

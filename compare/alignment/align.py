@@ -7,11 +7,14 @@ collisions that merely swap their order change nothing; they are counted, not re
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from flint import fmpq
+
+from ...exact.exact_motion import READ_BITS, motion_of
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
@@ -28,6 +31,7 @@ from .instants import (
 from .walk import REPEATED, Patience, Streams, Walk, history, patience_for, walk
 
 if TYPE_CHECKING:
+    from ...exact.exact_motion import ExactMotion
     from ...scenarios.numbers.quantity import Real
     from ...scenarios.trajectory import Trajectory
 
@@ -427,12 +431,14 @@ def separation(
     Args:
         at: other times at which it is measured too, such as a divergence, as far as they lie in between.
     """
-    import numpy as np
-
     last = WITHIN * min(end, float(reference.final_time), float(candidate.final_time))
     times = [last * k / (samples - 1) for k in range(samples)] if last > 0 else [0.0]
     if at:
         times = sorted({*times, *(time for time in at if 0.0 <= time <= last)})
+    try:
+        import numpy as np
+    except ModuleNotFoundError:
+        return _separation_in_lists(reference, candidate, times)
     mine, theirs = reference.sample(times)[:, :, :2], candidate.sample(times)[:, :, :2]
     apart = np.hypot(mine[:, :, 0] - theirs[:, :, 0], mine[:, :, 1] - theirs[:, :, 1])
     farthest = int(np.argmax(apart[-1]))
@@ -443,6 +449,53 @@ def separation(
         str(reference.scene.circles[farthest].id),
         scale,
     )
+
+
+def _separation_in_lists(reference: Trajectory, candidate: Trajectory, times: list[float]) -> Separation:
+    """The same where there is no NumPy."""
+    mine, theirs = rows_of(reference, times), rows_of(candidate, times)
+    apart = [[math.dist(a[:2], b[:2]) for a, b in zip(*rows, strict=True)] for rows in zip(mine, theirs, strict=True)]
+    farthest = max(range(len(apart[-1])), key=apart[-1].__getitem__)
+    return Separation(
+        tuple(times),
+        tuple(math.inf if math.isnan(far := max(row)) else far for row in apart),
+        str(reference.scene.circles[farthest].id),
+        max((abs(value) for rows in mine for row in rows for value in row[:2]), default=0.0),
+    )
+
+
+def rows_of(run: Trajectory, times: Sequence[float]) -> Sequence[Sequence[Sequence[float]]]:
+    """`Trajectory.sample` in lists: for each time, x, y, vx and vy of each circle.
+
+    Where there is no NumPy, as in a browser, engines whose motion tells doubles, and the exact one, have them all the
+    same.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> from truebreak.exact import ExactEngine
+    >>> rows_of(ExactEngine().run(Scene([Circle(0, 0, vx=1)]), until=2), [1.5])
+    [[[1.5, 0.0, 1.0, 0.0]]]
+    """
+    try:
+        return run.sample(times).tolist()
+    except ModuleNotFoundError:
+        motion = motion_of(run)
+        if motion is not None:
+            return _exact_rows(motion, times)
+        return [[tuple(map(float, row)) for row in run.motion.state(time)] for time in times]
+
+
+def _exact_rows(motion: ExactMotion, times: Sequence[float]) -> list[list[tuple[float, ...]]]:
+    """Beside an event, within some ulps of its time, a velocity may be that before it."""
+    rough = [[float(ball.known_ball(knot[0], READ_BITS)) for knot in row] for row in motion.knots]
+    found: list[list[tuple[float, ...]]] = []
+    for time in times:
+        then, rows = fmpq(*float(time).as_integer_ratio()), list[tuple[float, ...]]()
+        for knots, about in zip(motion.knots, rough, strict=True):
+            t, x, y, vx, vy, *_ = knots[max(bisect_right(about, time) - 1, 0)]
+            places = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS))
+            rows.append(tuple(float(ball.known_ball(number, READ_BITS)) for number in (*places, vx, vy)))
+        found.append(rows)
+    return found
 
 
 RETURNED = 2.0**-40

@@ -555,7 +555,7 @@ def _blurred(
 ) -> bool:
     """Whether the velocities differ by no more than the time step blurs them."""
     apart = velocity_difference(reference, candidate, instant)
-    fastest = float(abs(candidate.after(instant.theirs[-1]).array()[:, 2:]).max())
+    fastest = _fastest(candidate.after(instant.theirs[-1]))
     if apart <= same * fastest:
         return True
     if finer is None:
@@ -571,6 +571,11 @@ def _blurred(
     return False
 
 
+def _fastest(state: State) -> float:
+    """The largest component of a velocity."""
+    return max(abs(float(speed)) for circle in state.circles for speed in (circle.vx, circle.vy))
+
+
 def _explained(reference: Trajectory, candidate: Trajectory, instant: SharedInstant, step: float, same: float) -> bool:
     """Whether the velocities differ by no more than the error with which the candidate came to the instant.
 
@@ -579,12 +584,11 @@ def _explained(reference: Trajectory, candidate: Trajectory, instant: SharedInst
     """
     m, c = instant.mine[0], instant.theirs[0]
     here, there = reference.after(m), candidate.after(c)
-    mine, theirs = here.array(), there.array()
     lag = abs(float(reference.events[m].time) - float(candidate.events[c].time))
-    speed = float(abs(mine[:, 2:]).max()) + float(abs(theirs[:, 2:]).max())
+    speed = _fastest(here) + _fastest(there)
     names = {name for name, _, _ in instant.bodies}
-    rows = [row for row, circle in enumerate(here.circles) if circle.id in names]
-    apart = float(abs(mine[rows, :2] - theirs[rows, :2]).max()) + speed * (lag + step)
+    pairs = [(a, b) for a, b in zip(here.circles, there.circles, strict=True) if a.id in names]
+    apart = max(abs(float(p) - float(q)) for a, b in pairs for p, q in ((a.x, b.x), (a.y, b.y))) + speed * (lag + step)
     reach = min((r for circle in reference.scene.circles if (r := float(circle.r)) > 0), default=1.0)
     impulses = sum(map(len, _impulses(reference, instant, instant.mine)))
     room = same * speed + 4 * impulses * speed * apart / reach

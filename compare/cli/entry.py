@@ -43,6 +43,8 @@ Examples:
   truebreak minimise gas --engine double     the smallest scene that shows it
   truebreak advise gas:n=5 --events 12       the cheapest right setting
   truebreak stress near-ties                 how near a tie may be
+  truebreak vectors --out .                  first meetings, to score your own
+  truebreak play                             draw, throw, and see, in a browser
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -62,6 +64,7 @@ PLACES = {
     "judge": "foreign",
     "minimise": "minimise",
     "orders": "orders",
+    "play": "play",
     "run": "run",
     "scenes": "catalogue",
     "shadow": "shadow",
@@ -70,6 +73,7 @@ PLACES = {
     "suite": "suite",
     "survey": "suite",
     "sweep": "sweep",
+    "vectors": "vectors",
     "verify": "run",
 }
 """The module of each command in `commands`, where it is called as here. A new command adds its file and one line."""

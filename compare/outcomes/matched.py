@@ -8,9 +8,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
-from ...floating.pymunk_run import time_to_enter
+from ...floating.pocket_entries import time_to_enter
+from ...scenarios.lazy import Later
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
@@ -18,9 +17,13 @@ from ..foreign.impulses import Impacts
 from .outcome import Entries, changed_outcomes
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ...scenarios.trajectory import Contact, Event, Motion, Pocketing, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.walk import Patience
+else:
+    np = Later("numpy")
 
 Impulses: TypeAlias = "tuple[Contact, ...]"
 

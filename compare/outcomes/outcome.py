@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
-from ...floating.pymunk_run import time_to_enter
+from ...floating.pocket_entries import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
 from ..files.amounts import plain

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 from ...scenarios.errors import SceneError
 from ...scenarios.pictures import DrawnDisc, polygon_outline, segment_line, view_of, wall_line
 from ...scenarios.trajectory import StopReason
+from ..alignment.align import rows_of
 from ..picture import instant_of, names_of
 from .charts import COASTING, errors_shown, predictions
-from .page import COMPARED, provenance, rendered
 from .sentences import headline
 from .terminal import later
 
@@ -177,10 +177,10 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
     flights = [(k, a, m) for k, (a, m) in enumerate(zip(times, middles, strict=True)) if m > a]
     knots: list[list[float]] = []
     known: dict[int, tuple[float, ...]] = {}
-    rows = run.sample([middle for _, _, middle in flights]).tolist() if flights else []
+    rows = [*rows_of(run, [middle for _, _, middle in flights])] if flights else []
     if last > final or not flights:  # what follows the last event: the state that it leaves
         flights.append((len(times) - 1, times[-1], max(final, times[-1])))
-        rows.append(run.final.array().tolist())
+        rows.append(run.final.rows())
     room = JUMP * max(1e-300, *(abs(value) for row in rows for state in row for value in state[:2]))
     for (k, begin, middle), row in zip(flights, rows, strict=True):
         for i, (x, y, vx, vy) in enumerate(row):
@@ -298,6 +298,12 @@ def player_page(comparison: Comparison) -> str:
     Raises:
         SceneError: for a comparison in which there is nothing to play.
     """
+    from .page import (  # here, since a page that is filled in a browser needs no templates
+        COMPARED,
+        provenance,
+        rendered,
+    )
+
     data = recording(comparison)
     if data is None:
         raise SceneError(f"{comparison.scene.name!r}: there is nothing to play; compare over a longer span")

@@ -19,6 +19,7 @@ from api import api_pages
 from catalogue import VERDICTS, Told, catalogue_page, gallery, picture, report, scene_page, verdicts
 from laws import laws_page
 from links import broken, same_titles
+from playground import NotToBeHad, write_playground
 
 from truebreak.scenarios import catalogue
 
@@ -44,6 +45,8 @@ INDEX = """\
 
 New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report of a scene of your own.
 
+{play}
+
 ## Three ways in
 
 - **I have a report to read.** [How to read the report](README.md#how-to-read-the-report), then
@@ -66,9 +69,15 @@ A click leads to its page, with the report to play.
 {gallery}
 """
 
+PLAY = """\
+<p><b><a href="play/index.html">Play with it, here</a></b>: draw discs, throw, and watch the exact run and the one in
+doubles part. All of it runs in this page.</p>"""
+"""On the home page, where the page to play with could be built."""
+
 TREES = {
     "Tutorials": ("README", "docs/tutorial"),
     "How-to": (
+        "docs/play",
         "docs/how-to",
         "docs/floating-point-or-bug",
         "docs/desync",
@@ -139,13 +148,25 @@ def assemble(source: Path, *, short: bool, jobs: int) -> list[str]:
         for folder in ("catalogue", "extra/pictures"):
             _write(source / folder / f"{name}.svg", drawn)
     _write(source / "catalogue" / "index.md", catalogue_page(names))
-    _write(source / "index.md", INDEX.replace("{gallery}", gallery(names)) + _trees(source))
+    playable = _playground(source / "extra" / "play")
+    shown = INDEX.replace("{gallery}", gallery(names, playable)).replace("{play}", PLAY if playable else "")
+    _write(source / "index.md", shown + _trees(source))
     kept = verdicts()
     return [
         f"{VERDICTS.name}: the verdict of {name} is another one by now: run python docs/site/catalogue.py {name}"
         for name, one in told.items()
         if kept[name] != [one.verdict, one.tone]
     ]
+
+
+def _playground(folder: Path) -> bool:
+    """The page to play with; whether there is one. Where its engines cannot be fetched, that is said."""
+    try:
+        write_playground(folder, ROOT / "build" / "play-parts")
+    except NotToBeHad as error:
+        print(f"the site has no page to play with: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def _copy_linked(source: Path) -> None:

@@ -61,8 +61,8 @@ def verdicts() -> dict[str, list[str]]:
     return json.loads(VERDICTS.read_text("utf-8"))
 
 
-def gallery(names: list[str]) -> str:
-    """All scenes as pictures with their verdicts, each a link to its page."""
+def gallery(names: list[str], playable: bool = False) -> str:
+    """All scenes as pictures with their verdicts, each a link to its page, and to the page to play with."""
     known, cards = verdicts(), []
     for name in names:
         verdict, colour = known[name]
@@ -70,7 +70,9 @@ def gallery(names: list[str]) -> str:
         cards.append(
             f'<li class="{colour}"><a href="catalogue/{name}.html"><img src="pictures/{name}.svg" loading="lazy" '
             f'alt="{escape(name)} at time 0"><b>{escape(name)}</b></a><p>{summary}</p>'
-            f'<p class="line">{escape(verdict)}</p></li>'
+            f'<p class="line">{escape(verdict)}</p>'
+            + (f'<p class="line"><a href="play/index.html?scene={name}">play with {name}</a></p>' if playable else "")
+            + "</li>"
         )
     return "\n".join(['<ul class="gallery">', *cards, "</ul>"])
 

@@ -199,6 +199,7 @@ class _Run:
         things = (*scene.circles, *ends, *scene.walls, *segments)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
+        self.e = normal(scene.restitution.sympy())
         self._leg()
 
     def trajectory(self) -> Trajectory:
@@ -240,7 +241,7 @@ class _Run:
     def _run(self) -> Stop:
         while True:
             touching = self._touching()
-            outcome = collide(touching, self.scene.tie_policy, self.draw)
+            outcome = collide(touching, self.scene.tie_policy, self.draw, self.e)
             if outcome.first:
                 self._record(outcome)
                 if len(self.events) == self.limit:

@@ -99,6 +99,11 @@ class Crossings(Protocol):
         """How much before that time they may be made."""
         ...
 
+    @property
+    def slides(self) -> Sequence[Link]:
+        """What was seen to slide along the face of a segment, as predictions were made; until it is taken up."""
+        ...
+
     def cross(self, since: float = inf, /) -> None:
         """Queues what is due at that time.
 
@@ -112,6 +117,7 @@ class NoCrossings:
     """Every arrival is queued as its flights begin."""
 
     next_crossing = early = inf
+    slides: Sequence[Link] = ()
 
     def cross(self, since: float = inf, /) -> None:
         """Nothing."""
@@ -269,6 +275,8 @@ class ArrivalQueue(Generic[N]):
                 if crossing >= low and high - low > crossings.early:
                     return None
                 crossings.cross()
+                if crossings.slides:
+                    return None
                 continue
             heappop(heap)
             while heap and heap[0][0] <= high:
@@ -485,13 +493,14 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST or self.faces:
+        if self._count < crowding.FEWEST:
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        cells = cells_for([self.in_doubles(body) for body in state.bodies.values()], radii, self.scene.walls)
+        flights = [self.in_doubles(body) for body in state.bodies.values()]
+        cells = cells_for(flights, radii, self.scene.walls, len(self.scene.ends))
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
@@ -529,12 +538,15 @@ class Predictor(Generic[M]):
                 self.pair(b, a, standing)
 
     def walls(self, a: Body[M], walls: Sequence[int], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with some walls."""
+        """Queues the next hits of a circle with some walls, and faces of segments, which come after them."""
         for k in walls:
-            self.wall(a, k, standing)
+            if k < self.wall_count:
+                self.wall(a, k, standing)
+            else:
+                self.face(a, k, standing)
 
     def meet_faces(self, a: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with faces of segments."""
+        """Queues the next hits of a circle with all faces of segments."""
         for k in self.faces:
             self.face(a, k, standing)
 

@@ -37,6 +37,9 @@ FAMILIES = {
     **dict.fromkeys(
         ("triangle", "barrier", "wind-tree", "bumper", "funnel", "breakout", "ghost", "corner-hit"), "straight_tables"
     ),
+    "collapse": "line",
+    "beads": "line",
+    "cooling": "gas",
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

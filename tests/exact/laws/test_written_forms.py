@@ -44,7 +44,7 @@ from truebreak.exact.question import (
 from truebreak.exact.replay.contact import AtWall, Body, Flight, Pair
 from truebreak.exact.replay.state import Go, ReplayState
 from truebreak.exact.simulation import prediction
-from truebreak.floating import pymunk_run as pockets
+from truebreak.floating import pocket_entries as pockets
 from truebreak.floating.flat import flying
 from truebreak.floating.knots import DoubleMotion
 from truebreak.scenarios import Circle, Quantity, Scene, Wall

@@ -1,0 +1,385 @@
+// The page: what is pressed, what is asked of the engines, and what is shown of their answers.
+import { fragment, packed, unpacked } from "./address.js";
+import { Editor } from "./editor.js";
+import { LESSONS } from "./lessons.js";
+import { KINDS, Model, checked, described, plain, rounded } from "./scene.js";
+import { InBrowser, Server } from "./transport.js";
+
+const START = JSON.parse(document.getElementById("start").textContent);
+const $ = (id) => document.getElementById(id);
+const OWN = {
+  name: "mine",
+  circle: [
+    { id: "a", x: "-5", y: "0", r: "1", vx: "2", vy: "0.3", m: "1" },
+    { id: "b", x: "3", y: "0.5", r: "1", vx: "0", vy: "0", m: "1" },
+    { id: "c", x: "0", y: "-3", r: "sqrt(2)/2", vx: "1", vy: "1", m: "1/2" },
+  ],
+  wall: [
+    { id: "left", x0: "-9", y0: "0", x1: "-9", y1: "1" },
+    { id: "right", x0: "9", y0: "0", x1: "9", y1: "1" },
+    { id: "bottom", x0: "0", y0: "-5", x1: "1", y1: "-5" },
+    { id: "top", x0: "0", y0: "5", x1: "1", y1: "5" },
+  ],
+};
+const model = new Model(checked(START.scene ?? OWN));
+const editor = new Editor($("editor"), model, () => { setCue(false); run({}); });
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const hash = fragment();
+const engines = START.transport === "server" ? new Server(hash.get("token")) : new InBrowser(loading);
+const state = { ready: false, busy: false, ran: null, player: null, shell: null, written: "" };
+
+function say(place, words) {
+  place.textContent = words;
+  place.hidden = !words && place.id !== "ready" && place.id !== "progress";
+}
+
+function made(tag, values = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), values);
+  element.append(...children);
+  return element;
+}
+
+// -- The scene: list, fields, undo, address.
+
+function refresh() {
+  editor.draw();
+  $("undo").disabled = !model.before.length;
+  $("redo").disabled = !model.after.length;
+  $("remove").disabled = !model.chosen;
+  list();
+  fields();
+}
+
+function list() {
+  const rows = model.all().map(([kind, k]) => {
+    const chosen = kind === model.chosen?.[0] && k === model.chosen?.[1];
+    const button = made("button", { type: "button", textContent: described(kind, model.scene[kind][k]) });
+    button.setAttribute("aria-pressed", String(chosen));
+    button.addEventListener("click", () => { model.choose([kind, k]); $("things").querySelector("[aria-pressed=true]")?.focus(); });
+    return made("li", {}, button);
+  });
+  $("things").replaceChildren(...rows);
+}
+
+function fields() {
+  const [thing, kind] = [model.thing(), model.chosen?.[0]];
+  $("numbers").hidden = !thing;
+  if (!thing) return;
+  const name = `${KINDS[kind].name} ${thing.id}`;
+  if ($("numbers").dataset.of !== `${kind} ${thing.id}`) {
+    $("numbers").dataset.of = `${kind} ${thing.id}`;
+    $("numbers-title").textContent = name;
+    $("fields").replaceChildren(...KINDS[kind].keys.map((key) => {
+      const input = made("input", { type: "text", name: key, autocomplete: "off", spellcheck: false, maxLength: 400 });
+      input.setAttribute("aria-label", `${key} of ${name}`);
+      return made("label", {}, made("span", { textContent: WORDS[key] ?? key }), input);
+    }));
+  }
+  for (const input of $("fields").querySelectorAll("input")) if (document.activeElement !== input) input.value = thing[input.name];
+}
+
+const WORDS = { r: "radius", m: "mass (oo: fixed)", vx: "velocity x", vy: "velocity y" };
+
+$("fields").addEventListener("change", (event) => {
+  const [key, typed, thing] = [event.target.name, event.target.value.trim(), model.thing()];
+  if (!thing || !typed || thing[key] === typed) return;
+  model.change(() => { thing[key] = typed; if (key === "m" && typed === "oo") thing.vx = thing.vy = "0"; });
+});
+$("numbers").addEventListener("submit", (event) => event.preventDefault());
+
+model.addEventListener("told", ({ detail }) => {
+  if (detail === "drag") { editor.draw(); fields(); return; }
+  if (detail === "scene") editor.fit();
+  refresh();
+  if (detail === "choice") say($("edited"), editor.told());
+  else {
+    say($("edited"), editor.told());
+    write();
+  }
+});
+
+let writing = 0;
+// The address follows the scene; a name of the catalogue is short, and says what it is.
+async function write() {
+  const turn = ++writing;
+  const told = await packed(plainWhole());
+  if (turn !== writing) return;
+  state.written = `#s=${told}`;
+  history.replaceState(null, "", state.written);
+}
+
+function plainWhole() {
+  return { ...model.scene, events: wanted() };
+}
+
+function wanted() {
+  const typed = Number($("events").value);
+  return Number.isInteger(typed) && typed > 0 ? Math.min(typed, START.mostEvents) : 300;
+}
+
+$("events").addEventListener("change", () => { $("events").value = wanted(); write(); });
+
+const RADIUS = () => Math.max(...editor.view.slice(2)) / 20;
+function addCircle(fixed) {
+  const r = rounded(RADIUS(), editor.pixel);
+  const [x, y] = editor.free(Number(r));
+  model.add("circle", { x, y, r, vx: "0", vy: "0", m: fixed ? "oo" : "1" });
+}
+$("add-circle").addEventListener("click", () => addCircle(false));
+$("add-post").addEventListener("click", () => addCircle(true));
+$("add-pocket").addEventListener("click", () => {
+  const [x, y] = editor.free(RADIUS());
+  model.add("pocket", { x, y, r: rounded(RADIUS(), editor.pixel) });
+});
+for (const kind of ["wall", "segment"]) {
+  $(`add-${kind}`).addEventListener("click", () => {
+    const [left, bottom, width, height] = editor.view;
+    const at = (share, from, size) => rounded(from + share * size, editor.pixel);
+    const y = kind === "wall" ? at(0.04, bottom, height) : editor.free(RADIUS())[1];
+    model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : {}) });
+  });
+}
+$("remove").addEventListener("click", () => { model.remove(); $("editor").focus(); });
+$("undo").addEventListener("click", () => model.undo());
+$("redo").addEventListener("click", () => model.redo());
+$("fit").addEventListener("click", () => editor.fit());
+function setCue(on) {
+  editor.cue = on;
+  $("cue").setAttribute("aria-pressed", String(on));
+}
+$("cue").addEventListener("click", () => setCue(!editor.cue));
+
+// -- Scenes to pick from, and lessons.
+
+const catalogue = fetch("scenes.json").then((answer) => answer.json()).catch(() => []);
+catalogue.then((rows) => {
+  $("pictures").replaceChildren(...rows.map((row) => {
+    const image = made("img", { alt: "", width: 160, loading: "lazy", src: `data:image/svg+xml,${encodeURIComponent(row.picture)}` });
+    const button = made("button", { type: "button", title: row.about }, image, made("span", { textContent: row.name }));
+    button.addEventListener("click", () => { take(row); $("catalogue").open = false; $("editor").focus(); });
+    return made("li", {}, button);
+  }));
+});
+
+function take(row) {
+  const scene = checked(row.scene);
+  $("events").value = Math.min(scene.events ?? 300, 300);
+  model.replace(scene);
+  say($("edited"), `scene ${row.name}: ${row.about}`);
+}
+
+async function lesson(name) {
+  const { title, scene, events, question, steps, seen } = LESSONS[name];
+  const row = (await catalogue).find((each) => each.name === scene);
+  if (row) take(row);
+  $("events").value = events;
+  $("lesson").hidden = false;
+  $("lesson-title").textContent = title;
+  $("lesson-question").textContent = question;
+  $("lesson-steps").replaceChildren(...steps.map((step) => made("li", { textContent: step })));
+  $("lesson-seen").replaceChildren(made("details", {}, made("summary", { textContent: "What one sees" }), made("p", { textContent: seen })));
+  ++writing;
+  history.replaceState(null, "", `#lesson=${name}`);
+}
+$("lessons").replaceChildren(...Object.entries(LESSONS).map(([name, { title }]) => {
+  const button = made("button", { type: "button", textContent: title });
+  button.addEventListener("click", () => lesson(name));
+  return button;
+}));
+
+// -- Runs.
+
+function loading({ words, share }) {
+  $("loading").hidden = false;
+  if (share !== undefined) $("loading").value = share;
+  say($("ready"), words);
+}
+
+function buttons() {
+  for (const id of ["go", "ulp", "turn"]) $(id).disabled = !state.ready || state.busy;
+  for (const id of ["why", "prove", "report"]) $(id).disabled = !state.ready || state.busy;
+  $("stop").disabled = !state.busy;
+}
+
+// Asks for something that takes a while; null where it was refused or stopped, which is then said.
+async function asked(message, words) {
+  if (!state.ready || state.busy) return null;
+  state.busy = true;
+  buttons();
+  say($("progress"), words);
+  let count = "";
+  const last = await engines.ask(message, (told) => { count = `${told.events.toLocaleString("en")} events`; say($("progress"), `${words}: ${told.note ? `${told.note}, ` : ""}${count}`); });
+  state.busy = false;
+  buttons();
+  if (last.kind === "refused" || last.kind === "stopped") {
+    say($("progress"), last.kind === "stopped" && count ? `Stopped after ${count}.` : sentence(last.error));
+    return null;
+  }
+  say($("progress"), "");
+  return last;
+}
+
+const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
+
+function message(kind, more = {}) {
+  const seconds = Math.min(60, Math.max(1, Number($("seconds").value) || 10));
+  return { kind, scene: plain(model.scene), events: wanted(), seconds, engines: [$("with").value], ...more };
+}
+
+async function run(more) {
+  const asking = message("run", more);
+  const last = await asked(asking, "Running");
+  if (!last) return;
+  state.ran = { asking, last, scene: JSON.stringify(asking.scene) };
+  if (last.recording) await show(last.recording);
+  else say($("progress"), "All of it happens at time 0: there is nothing to play.");
+  tell(last);
+  if (last.recording) $("run-title").scrollIntoView({ block: "start", behavior: calm.matches ? "auto" : "smooth" });
+}
+
+function tell(last) {
+  const verdict = $("verdict");
+  verdict.className = `verdict ${last.tone}`;
+  say(verdict, last.verdict);
+  const proved = last.exact.proved ? "every decision proved" : "not every decision proved";
+  const cut = last.cut.length ? ` Left out, as the seconds were over: ${last.cut.join(", ")}.` : "";
+  say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} events, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
+  const homes = last.others.map((other) => `${other.name} ${other.home === null ? "does not get there" : `is ${distance(other.home)} from home`}`);
+  say($("home"), last.home === null ? "" : `Turned back half-way: the exact run is ${distance(last.home)} from home; ${homes.join("; ")}.`);
+  $("after").hidden = false;
+  say($("proof"), "");
+  answers(last.why);
+}
+
+const script = (src) => new Promise((done) => document.body.append(made("script", { src, onload: done })));
+
+const distance = (x) => (x === 0 ? "exactly 0" : x.toPrecision(3));
+
+function answers(why) {
+  $("answers").hidden = !why;
+  if (!why) return;
+  const rows = [["Where", why.where], ["Why", why.why], ["So what", why.so_what], ["What now", why.what_now]];
+  $("answers").replaceChildren(...rows.map(([name, words]) => {
+    const told = made("dd", { textContent: words });
+    if (name === "What now") told.append(made("span", { className: "go" }, made("code", { textContent: why.command })));
+    return made("div", {}, made("dt", { textContent: name }), told);
+  }));
+}
+
+// Hands a recording to the report's player, which is loaded with the first and given each other one.
+async function show(recording) {
+  const first = !state.player;
+  if (first) {
+    document.body.append(made("script", { type: "application/json", id: "recording", textContent: JSON.stringify(recording) }));
+    state.player = script("player.js").then(() => script("replay.js"));
+  }
+  await state.player;
+  if (!first) replay.take(recording);
+  replay.begin();
+}
+
+$("go").addEventListener("click", () => run({}));
+$("ulp").addEventListener("click", () => run({ ulp: true, engines: ["double"] }));
+$("turn").addEventListener("click", () => run({ back: Math.max(1, Math.floor(wanted() / 2)) }));
+$("stop").addEventListener("click", () => engines.stop());
+async function explain() {
+  const last = await asked({ ...state.ran.asking, why: true }, "Looking for causes");
+  if (!last) return;
+  state.ran.last = last;
+  tell(last);
+  $("answers").querySelector("dd")?.scrollIntoView({ block: "nearest" });
+}
+$("why").addEventListener("click", explain);
+
+// -- Things to take away.
+
+async function copy(words, what) {
+  $("copied-text").hidden = false;
+  $("copied-text").textContent = words;
+  const done = await navigator.clipboard?.writeText(words).then(() => true, () => false);
+  say($("copied"), done ? `${what} copied.` : `${what} is below, to be copied by hand.`);
+}
+
+$("copy-link").addEventListener("click", async () => {
+  const link = `${location.origin}${location.pathname}#s=${await packed(plainWhole())}`;
+  copy(link, "The link");
+});
+for (const [id, key, what] of [["copy-toml", "toml", "The scene as TOML"], ["copy-python", "python", "The scene as Python"], ["copy-command", "command", "The command"]]) {
+  $(id).addEventListener("click", async () => {
+    const last = await asked(message("texts"), "Writing");
+    if (last) copy(last[key], what);
+  });
+}
+
+function save(name, text, kind) {
+  const link = made("a", { href: URL.createObjectURL(new Blob([text], { type: kind })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+const stem = () => model.scene.name.replace(/[^A-Za-z0-9]+/g, "-").replace(/^-|-$/g, "").slice(0, 60) || "scene";
+
+$("prove").addEventListener("click", async () => {
+  const { scene, events, seconds } = state.ran.asking;
+  const last = await asked({ kind: "certificate", scene, events, seconds }, "Writing the certificate");
+  if (!last) return;
+  save(`${stem()}-certificate.json`, last.text, "application/json");
+  say($("proof"), "The certificate is saved; it is checked now, by a program that shares nothing with the engine.");
+  const checker = new Worker("check.js", { type: "module" });
+  checker.onmessage = ({ data }) => { say($("proof"), `Certificate of ${last.events.toLocaleString("en")} events, saved and checked in this page: ${data}.`); checker.terminate(); };
+  checker.onerror = () => { say($("proof"), "The certificate is saved; the checker did not load: run truebreak verify FILE."); };
+  checker.postMessage(last.text);
+});
+
+const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
+$("report").addEventListener("click", async () => {
+  if (!state.ran.last.why) await explain();
+  state.shell ??= await fetch("shell.html").then((answer) => answer.text());
+  const { last, asking } = state.ran;
+  const why = last.why ?? {};
+  const parts = {
+    TITLE: escaped(`${asking.scene.name}: did floating point change what happened?`), TONE: last.tone, VERDICT: escaped(last.verdict),
+    WHERE: escaped(why.where ?? "–"), WHY: escaped(why.why ?? "–"), SO: escaped(why.so_what ?? "–"), NOW: escaped(why.what_now ?? "–"),
+    COMMAND: escaped(why.command ?? ""), SCENE: escaped(JSON.stringify(asking.scene, null, 1)),
+    DAY: new Date().toISOString().slice(0, 10),
+    RECORDING: JSON.stringify(last.recording).replaceAll("<", "\\u003c"),
+  };
+  save(`${stem()}.html`, state.shell.replace(/@@([A-Z]+)@@/g, (whole, name) => parts[name] ?? whole), "text/html");
+});
+
+// -- The start.
+
+async function fromAddress() {
+  try {
+    if (hash.has("s")) {
+      const scene = await unpacked(hash.get("s"));
+      if (scene.events) $("events").value = Math.min(scene.events, START.mostEvents);
+      model.scene = scene;
+      model.tell("scene");
+    } else if (hash.has("scene")) {
+      const row = (await catalogue).find((each) => each.name === hash.get("scene"));
+      if (row) take(row);
+      else say($("edited"), "The address names a scene that the page does not have.");
+    } else if (Object.hasOwn(LESSONS, hash.get("lesson") ?? "")) await lesson(hash.get("lesson"));
+    else if (hash.has("token")) await write();
+  } catch (error) {
+    say($("edited"), `The address holds no scene that can be played: ${error.message}.`);
+  }
+}
+
+const resized = () => editor.draw();
+new ResizeObserver(resized).observe($("editor").parentElement);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", resized);
+addEventListener("hashchange", () => { if (location.hash !== state.written) location.reload(); });
+refresh();
+await fromAddress();
+const told = await engines.ready();
+$("loading").hidden = true;
+if (told.kind === "refused") say($("ready"), sentence(told.error));
+else {
+  $("with").replaceChildren(...told.engines.map((name) => new Option(name)));
+  state.ready = true;
+  say($("ready"), "Ready.");
+}
+buttons();
+if (START.transport === "worker" && "serviceWorker" in navigator) navigator.serviceWorker.register("offline.js").catch(() => {});
