@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 from polygon_scenes import scene_of
 from test_segments import UNTIL, differs
@@ -12,6 +14,7 @@ from truebreak.compare.orders.guided import Guided
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.contact import AtWall, Pair, part_at
+from truebreak.exact.simulation import cells
 from truebreak.exact.simulation.prediction import Predictor
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
 from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, surfaces
@@ -233,6 +236,36 @@ def test_parts_are_those_that_are_touched():
     assert scene.surfaces.circles[corner.b].x == 3
 
 
+def test_cells_change_nothing(monkeypatch):
+    draw, discs = Random(5), []
+    walls = [
+        Wall(0, 0, 40, 0, id="b"),
+        Wall(40, 0, 40, 40, id="r"),
+        Wall(40, 40, 0, 40, id="t"),
+        Wall(0, 40, 0, 0, id="l"),
+    ]
+    shape = [(4, 4), (7, 5), (6, 7), (5, 6)]
+    solids = [
+        Polygon([(x + 8 * i, y + 8 * j) for x, y in shape], id=f"g{i}{j}", r="1/4") for i in range(4) for j in range(4)
+    ]
+    while len(discs) < 70:
+        place, speed = ([draw.randint(*ends) for _ in "xy"] for ends in ((5, 395), (-99, 99)))
+        (x, y), (vx, vy) = (f"{place[0]}/10", f"{place[1]}/10"), (f"{speed[0]}/50", f"{speed[1]}/50")
+        try:
+            disc = Circle(x, y, r="2/5", vx=vx, vy=vy, id=f"c{len(discs)}")
+            scene = Scene([*discs, disc], walls, polygons=solids)
+        except SceneError:
+            continue
+        discs.append(disc)
+    runs = [ExactEngine().run(scene, events=150)]
+    monkeypatch.setattr(cells, "FEWEST", 10**9)
+    runs.append(ExactEngine().run(scene, events=150))
+    assert runs[0].plan["cells crossed"] > 0 == runs[1].plan.get("cells crossed", 0)
+    told = [[(event.contacts, event.time.digits(25)) for event in run.events] for run in runs]
+    assert told[0] == told[1]
+    assert sum(pair.second.startswith("g") for event in runs[0].events for pair in event.contacts) > 20
+
+
 # -- Words.
 
 
@@ -292,7 +325,7 @@ def test_bad_input_has_one_line(made, says):
 def test_what_does_not_know_polygons_says_so():
     from truebreak.compare.adapters.adapter import SteppedAdapter
     from truebreak.compare.certificate.writer import CertificateError, certificate_of
-    from truebreak.compare.report.floats import floats_json
+    from truebreak.compare.report.floats import floats_csv, floats_json
     from truebreak.compare.shadowing.shadows import shadow
     from truebreak.compare.validation import unsupported
     from truebreak.scenarios import Declared
@@ -302,6 +335,8 @@ def test_what_does_not_know_polygons_says_so():
         certificate_of(ExactEngine().run(scene))
     with pytest.raises(SceneError, match="polygons"):
         floats_json(scene)
+    with pytest.raises(SceneError, match="polygons"):
+        floats_csv(scene)
     with pytest.raises(SceneError, match="polygons"):
         shadow(scene)
     assert unsupported(Declared(), scene) == "polygon"
