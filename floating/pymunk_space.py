@@ -100,7 +100,7 @@ class PymunkSpace:
     def named(self, pair: tuple[int, int]) -> tuple[int, int]:
         """A circle and a segment; by the segment that names the end, where it is nearest to one that is shared."""
         first = len(self.bodies) + len(self.walls)
-        if pair[1] < first or not self.joints:
+        if pair[1] < first or pair[1] - first >= len(self.bars) or not self.joints:
             return pair
         (x0, y0, x1, y1), (x, y) = self.bars[pair[1] - first], self.bodies[pair[0]].position
         ux, uy = x1 - x0, y1 - y0

@@ -144,8 +144,8 @@ class Referee:
                 if place is None:
                     self.ends.append((bar.id, x, y, bar.r))
                 else:
-                    name, ex, ey, r = self.ends[place]
-                    self.ends[place] = name, ex, ey, max(r, bar.r)
+                    name, ex, ey, r = self.ends[place]  # the first of the thickest names it
+                    self.ends[place] = (bar.id, ex, ey, bar.r) if bar.r > r else (name, ex, ey, r)
         self.now = mpf(0)
         self.e = number(scene.restitution)
 

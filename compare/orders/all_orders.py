@@ -284,7 +284,7 @@ def all_orders(
         raise SceneError(f"cap = {cap!r}: must be a whole number from 1")
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 0:
         raise SceneError(f"samples = {samples!r}: must be a whole number from 0")
-    movers = [not circle.fixed for circle in scene.circles]
+    movers = [not circle.fixed for circle in scene.surfaces.circles]
     seen: dict[Hashable, int] = {}
     outcomes: list[Leaf] = []
     known = _Ends()
@@ -343,8 +343,8 @@ def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Branching, ...]:
     return tuple(
         Branching(
             choice.instant,
-            tuple(contact_of(scene, link) for link in choice.offered),
-            contact_of(scene, choice.chosen),
+            tuple(contact_of(scene.surfaces, link) for link in choice.offered),
+            contact_of(scene.surfaces, choice.chosen),
         )
         for choice in choices
     )

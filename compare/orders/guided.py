@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...exact.replay.contact import Touch, touch_of
+from ...exact.replay.contact import Touch, contact_of
 from ...exact.simulation.policies import Ask, Policy
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
@@ -15,13 +15,13 @@ from ...scenarios.trajectory import Trajectory
 class _Course:
     """What one body does in the history followed: groups of contacts, each group in any order."""
 
-    groups: list[list[Touch]] = field(default_factory=list)
+    groups: list[list[frozenset[str]]] = field(default_factory=list)
     place: int = 0
 
-    def next(self) -> list[Touch]:
+    def next(self) -> list[frozenset[str]]:
         return self.groups[self.place] if self.place < len(self.groups) else []
 
-    def meets(self, link: Touch) -> None:
+    def meets(self, link: frozenset[str]) -> None:
         """Crosses a contact off; one that is not next leaves the course where it is."""
         group = self.next()
         if link in group:
@@ -45,21 +45,21 @@ class Guided(Policy):
     chooses_order = True
 
     def __init__(self, scene: Scene, history: Trajectory, any_order: bool = False) -> None:
-        places = {name: place for place, name in enumerate(scene.ids)}
-        self._courses = [_Course() for _ in scene.circles]
+        self._seen = scene.surfaces
+        self._courses = {str(circle.id): _Course() for circle in scene.circles}
         for event in history.events:
-            links = [touch_of(scene, places[first], places[second]) for first, second in event.impulses]
-            for together in [links] if any_order else [[link] for link in links]:
+            pairs = [frozenset(pair) for pair in event.impulses]
+            for together in [pairs] if any_order else [[pair] for pair in pairs]:
                 self._add(together)
 
-    def _add(self, links: Sequence[Touch]) -> None:
+    def _add(self, pairs: Sequence[frozenset[str]]) -> None:
         """Contacts that come next, in no order among themselves."""
-        groups: dict[int, list[Touch]] = {}
-        for link in links:
-            for i in link.circles:
-                groups.setdefault(i, []).append(link)
-        for body, group in groups.items():
-            self._courses[body].groups.append(group)
+        groups: dict[str, list[frozenset[str]]] = {}
+        for pair in pairs:
+            for name in pair & self._courses.keys():
+                groups.setdefault(name, []).append(pair)
+        for name, group in groups.items():
+            self._courses[name].groups.append(group)
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact."""
@@ -68,9 +68,11 @@ class Guided(Policy):
         return (chosen,)
 
     def _is_next(self, link: Touch) -> bool:
-        return all(link in self._courses[i].next() for i in link.circles)
+        pair = frozenset(contact_of(self._seen, link))
+        return all(pair in self._courses[name].next() for name in pair & self._courses.keys())
 
     def note(self, link: Touch) -> None:
         """A contact has been kicked."""
-        for i in link.circles:
-            self._courses[i].meets(link)
+        pair = frozenset(contact_of(self._seen, link))
+        for name in pair & self._courses.keys():
+            self._courses[name].meets(pair)

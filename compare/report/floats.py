@@ -33,6 +33,7 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
     1.850371707708594e-17
     """
+    _check_exported(scene)
     data: dict[str, Any] = {
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
@@ -65,6 +66,7 @@ def floats_csv(scene: Scene) -> str:
     Raises:
         SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
     """
+    _check_exported(scene)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),

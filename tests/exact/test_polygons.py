@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 from polygon_scenes import scene_of
 from test_segments import UNTIL, differs
 
 from truebreak.compare import compare
+from truebreak.compare.orders.all_orders import all_orders
+from truebreak.compare.orders.guided import Guided
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.contact import AtWall, Pair, part_at
+from truebreak.exact.simulation import cells
 from truebreak.exact.simulation.prediction import Predictor
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall, surfaces
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, surfaces
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 SEEDS = range(150)
@@ -165,6 +170,36 @@ def test_a_disc_in_a_concave_corner_is_one_contact_to_whom_cannot_tell():
     assert [candidate.verdict for candidate in found.candidates] == ["agree", "agree"]
 
 
+@pytest.mark.parametrize("solid", ["segments", "polygon"])
+def test_all_orders_of_a_corner_are_named_and_followed(solid):
+    left, right = [(-3, 2), (0, 0)], [(0, 0), (4, 1)]
+    things = {
+        "segments": {"segments": [Segment(*left[0], 0, 0, id="l"), Segment(0, 0, *right[1], id="r")]},
+        "polygon": {"polygons": [Polygon([*left, right[1], (4, -1), (-3, -1)], id="valley")]},
+    }[solid]
+    scene = Scene([Circle("1/5", 9, id="post", m="oo"), Circle(*_in_a_valley(), vy=-1, vx="1/9", id="c")], **things)
+    tree = all_orders(ExactEngine(), scene, until=20, events=1)
+    assert tree.complete
+    named = [outcome.decisions[0].chosen.second for outcome in tree.outcomes]
+    assert named == (["l", "r"] if solid == "segments" else ["valley", "valley"])
+    for outcome in tree.outcomes:
+        event = outcome.trajectory.events[0]
+        if solid == "segments":
+            again = ExactEngine().run_with(scene, Guided(scene, outcome.trajectory), until=20, events=1)
+            assert again.events[0].impulses == event.impulses
+    assert len({outcome.trajectory.final["c"].vx.text() for outcome in tree.outcomes}) == 2
+
+
+def _in_a_valley():
+    """The middle of a disc of radius 1 that touches both sides of the valley, moved back along (1/9, -1) for 2."""
+    ax, ay, bx, by = Quantity.of(2), Quantity.of(3), Quantity.of(-1), Quantity.of(4)
+    la, lb = (ax * ax + ay * ay).sqrt(), (bx * bx + by * by).sqrt()
+    a, b = (ax / la, ay / la), (bx / lb, by / lb)  # normals of both sides: n.p = 1 at either
+    det = a[0] * b[1] - a[1] * b[0]
+    x, y = (b[1] - a[1]) / det, (a[0] - b[0]) / det
+    return x - Quantity.of("2/9"), y + 2
+
+
 def test_a_point_that_flies_into_a_corner_stops_by_name():
     for y in (1, 4):  # a concave and a convex one
         x = 0 if y == 1 else 3
@@ -199,6 +234,36 @@ def test_parts_are_those_that_are_touched():
     corner = part_at(scene, 0, 0, 3.5, 4.5)
     assert isinstance(corner, Pair)
     assert scene.surfaces.circles[corner.b].x == 3
+
+
+def test_cells_change_nothing(monkeypatch):
+    draw, discs = Random(5), []
+    walls = [
+        Wall(0, 0, 40, 0, id="b"),
+        Wall(40, 0, 40, 40, id="r"),
+        Wall(40, 40, 0, 40, id="t"),
+        Wall(0, 40, 0, 0, id="l"),
+    ]
+    shape = [(4, 4), (7, 5), (6, 7), (5, 6)]
+    solids = [
+        Polygon([(x + 8 * i, y + 8 * j) for x, y in shape], id=f"g{i}{j}", r="1/4") for i in range(4) for j in range(4)
+    ]
+    while len(discs) < 70:
+        place, speed = ([draw.randint(*ends) for _ in "xy"] for ends in ((5, 395), (-99, 99)))
+        (x, y), (vx, vy) = (f"{place[0]}/10", f"{place[1]}/10"), (f"{speed[0]}/50", f"{speed[1]}/50")
+        try:
+            disc = Circle(x, y, r="2/5", vx=vx, vy=vy, id=f"c{len(discs)}")
+            scene = Scene([*discs, disc], walls, polygons=solids)
+        except SceneError:
+            continue
+        discs.append(disc)
+    runs = [ExactEngine().run(scene, events=150)]
+    monkeypatch.setattr(cells, "FEWEST", 10**9)
+    runs.append(ExactEngine().run(scene, events=150))
+    assert runs[0].plan["cells crossed"] > 0 == runs[1].plan.get("cells crossed", 0)
+    told = [[(event.contacts, event.time.digits(25)) for event in run.events] for run in runs]
+    assert told[0] == told[1]
+    assert sum(pair.second.startswith("g") for event in runs[0].events for pair in event.contacts) > 20
 
 
 # -- Words.
@@ -260,7 +325,7 @@ def test_bad_input_has_one_line(made, says):
 def test_what_does_not_know_polygons_says_so():
     from truebreak.compare.adapters.adapter import SteppedAdapter
     from truebreak.compare.certificate.writer import CertificateError, certificate_of
-    from truebreak.compare.report.floats import floats_json
+    from truebreak.compare.report.floats import floats_csv, floats_json
     from truebreak.compare.shadowing.shadows import shadow
     from truebreak.compare.validation import unsupported
     from truebreak.scenarios import Declared
@@ -270,6 +335,8 @@ def test_what_does_not_know_polygons_says_so():
         certificate_of(ExactEngine().run(scene))
     with pytest.raises(SceneError, match="polygons"):
         floats_json(scene)
+    with pytest.raises(SceneError, match="polygons"):
+        floats_csv(scene)
     with pytest.raises(SceneError, match="polygons"):
         shadow(scene)
     assert unsupported(Declared(), scene) == "polygon"

@@ -8,6 +8,7 @@ from fractions import Fraction
 from random import Random
 
 import pytest
+from joint_scenes import scene_of as joints
 from mpmath import mpf
 from segment_referee import Referee
 from segment_scenes import scene_of
@@ -301,3 +302,38 @@ def test_bad_input_has_one_line(made, says):
         made()
     assert says in str(error.value)
     assert "\n" not in str(error.value)
+
+
+# -- Joints.
+
+
+def test_joints_agree_with_the_referee():
+    scenes = [(seed, scene) for seed in range(160) if (scene := joints(seed)) is not None]
+    assert len(scenes) > 100
+    assert {seed: told for seed, scene in scenes if (told := differs(scene))} == {}
+
+
+@pytest.mark.parametrize("r", ["0", "1/2"])
+def test_a_smooth_joint_pushes_once(r):
+    """Where two segments on one line meet, and where an end lies on another's face, seen from its other side."""
+    for others in (
+        [Segment(0, 0, 4, 0, id="b", r=r)],
+        [Segment(0, 0, 4, 0, id="b", r=r), Segment(0, 0, 0, -3, id="t", r=r)],
+    ):
+        scene = Scene([Circle(0, 5, vx=1, vy=-1, id="c")], segments=[Segment(-4, 0, 0, 0, id="a", r=r), *others])
+        scene = scene.with_changes(circles=[Circle(Quantity.of(r) - 4, 5, vx=1, vy=-1, id="c")])
+        for engine in (ExactEngine(), DoubleEngine()):
+            run = engine.run(scene, until=9)
+            assert len(run.events) == 1
+            assert len(run.events[0].contacts) == 1
+            assert (float(run.final["c"].vx), float(run.final["c"].vy)) == (1, 1)
+
+
+def test_an_end_on_a_face_and_the_face_are_one_push():
+    floor, post = Segment(-4, 0, 4, 0, id="floor"), Segment(1, 0, 1, -3, id="post")
+    scene = Scene([Circle(-3, 5, vx=1, vy=-1, id="c")], segments=[floor, post])
+    run = ExactEngine().run(scene, until=9)
+    (event,) = run.events
+    assert set(event.contacts) == {("c", "floor"), ("c", "post")}
+    assert all(tie.proof.proved for tie in event.ties)
+    assert (run.final["c"].vx.text(), run.final["c"].vy.text()) == ("1", "1")
