@@ -131,7 +131,12 @@ class Course:
         met = [impact for impact in event if i in (impact.a, impact.b)]
         partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
         circles, walls = self._circles(i, partners), self._walls_of(i, len(met) - len(partners))
-        found = Others(*(np.concatenate(pair) for pair in zip(circles, walls, strict=True)))
+        found = Others(
+            np.concatenate([circles.places, walls.places]),
+            np.concatenate([circles.waits, walls.waits]),
+            np.concatenate([circles.rates, walls.rates]),
+            np.concatenate([circles.normals, walls.normals]),
+        )
         self._known[self._event, i] = found
         return found
 
