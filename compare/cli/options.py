@@ -228,6 +228,10 @@ GRID_HTML = a_file("--html", help="Write one page: scenes by engines, to filter 
 REPORTS = click.option(
     "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
 )
+AGAINST = a_file(
+    "--against",
+    help="With --html: what changed since the rows of this file, which an earlier --store wrote, as a column.",
+)
 
 
 def exit_zero(help: str) -> Option:

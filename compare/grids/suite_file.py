@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -378,7 +378,7 @@ def read_report(path: str) -> tuple[dict[str, Any], list[Row]]:
     return data, [row_of(row, f"{where}: row {number}") for number, row in enumerate(data["rows"])]
 
 
-def since(earlier: Sequence[Row], report: SuiteReport) -> list[Since]:
+def since(earlier: Iterable[Row], report: SuiteReport) -> list[Since]:
     """Every row of which something changed, first those that there are, then those that are gone."""
     before = {row.pair: row for row in earlier}
     found = [change for row in report.rows if (change := _change(before.get(row.pair), row)) is not None]
@@ -399,6 +399,8 @@ def _change(earlier: Row | None, row: Row) -> Since | None:
         return Since(*row.pair, "scene", f"{label}: the scene itself is another, and so nothing is compared")
     if earlier.verdict != row.verdict:
         return Since(*row.pair, "verdict", f"{label}: {in_words(earlier)} before, {in_words(row)} now")
+    if earlier.mark != row.mark:
+        return Since(*row.pair, "verdict", f"{label}: {earlier.mark} before, {row.mark} now")
     if earlier.laws is not None and earlier.lawless != row.lawless:
         kept = [f"does not keep the law ({r.laws['told']})" if r.laws and r.lawless else "breaks no law"
                 for r in (earlier, row)]  # fmt: skip

@@ -481,8 +481,9 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
         return ""
     name = candidate.engine
     if horizon.low.event is None:
-        seen = f"the {foreseen.events:,} events looked at"
-        return f"By the growth of errors alone {name} is predicted to be right in {seen}."
+        seen = f"in the first {counted(foreseen.events, 'event')}, and nothing is predicted beyond them"
+        seen = seen if foreseen.reason else f"in the {foreseen.events:,} events looked at"
+        return f"By the growth of errors alone {name} is predicted to be right {seen}."
     if not horizon.low.event:
         return f"{name} is predicted to be wrong from the first event on."
     half = (

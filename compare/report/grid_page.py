@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -74,10 +74,26 @@ def grid_page(
         states=states if changes is None else [*states, ("changed", "changed since")],
         names=names,
         changed=changes is not None,
+        since="" if changes is None else since_words(changes, {row.pair for row in store}),
         data=embedded(
             {"rows": listed, "engines": names, "words": WORDS, "labels": LABELS, "changed": changes is not None}
         ),
     )
+
+
+def since_words(changes: Mapping[tuple[str, str], str], there: Set[tuple[str, str]]) -> str:
+    """Of how many rows something changed, and how many of before are not among the rows that there are.
+
+    >>> since_words({("lee", "double"): "...", ("gas", "quad"): "..."}, {("lee", "double"), ("lee", "quad")})
+    'Since the earlier grid 1 of 2 rows changed; 1 row of it is not here.'
+    >>> since_words({}, {("lee", "double")})
+    'Since the earlier grid nothing changed.'
+    """
+    changed = len(changes.keys() & there)
+    gone = len(changes) - changed
+    told = f"{changed:,} of {counted(len(there), 'row')} changed" if changed else "nothing changed"
+    left = f"; {counted(gone, 'row')} of it {'is' if gone == 1 else 'are'} not here" if gone else ""
+    return f"Since the earlier grid {told}{left}."
 
 
 def lead(rows: Sequence[Row]) -> str:

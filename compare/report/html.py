@@ -146,12 +146,13 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
     whole = _parts(comparison.outcomes.get(name))
     parts = [(_parts(c.expected.get(name)), _parts(c.outcomes.get(name))) for c in comparison.candidates]
     keys = list(dict.fromkeys(key for part in (whole, *(p for pair in parts for p in pair)) for key in part))
+    rooms = [room_of(c.expected.get(name)) for c in comparison.candidates]
     rows: list[OutcomeRow] = []
     counts = [0] * len(parts)
     for key in keys:
         cells = []
         for number, (candidate, (mine, theirs)) in enumerate(zip(comparison.candidates, parts, strict=True)):
-            cell = _cell(candidate, name, mine.get(key), theirs.get(key))
+            cell = _cell(candidate, name, mine.get(key), theirs.get(key), rooms[number])
             counts[number] += cell not in (SAME, UNTOLD)
             cells.append(cell)
         if any(cell not in (SAME, UNTOLD) for cell in cells):
@@ -171,9 +172,9 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
     return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
 
 
-def _cell(candidate: Candidate, name: str, mine: Any, theirs: Any) -> str:
-    """One engine's value beside the reference's over the same time."""
-    same = same_outcome(mine, theirs, room_of(candidate.expected.get(name))) or _alike(mine, theirs)
+def _cell(candidate: Candidate, name: str, mine: Any, theirs: Any, room: float) -> str:
+    """One engine's value beside the reference's over the same time; equal are what differs by less than a room."""
+    same = same_outcome(mine, theirs, room) or _alike(mine, theirs)
     if not settled(candidate) or ((same or name not in candidate.changed) and not candidate.whole):
         return UNTOLD
     if same or name not in candidate.changed:

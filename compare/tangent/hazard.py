@@ -164,7 +164,12 @@ class Course:
         unknown = sum(impact.b is None and impact.wall is None for impact in met)
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
-        found = Others(*(np.concatenate(pair) for pair in zip(circles, walls, strict=True)))
+        found = Others(
+            np.concatenate([circles.places, walls.places]),
+            np.concatenate([circles.waits, walls.waits]),
+            np.concatenate([circles.rates, walls.rates]),
+            np.concatenate([circles.normals, walls.normals]),
+        )
         self._known[self._event, i] = found
         return found
 

@@ -7,9 +7,21 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Whole, WithDefault, a_file, isolating, some_engines
+from ..options import (
+    AGAINST,
+    GRID_HTML,
+    JOBS,
+    JSON,
+    REPORTS,
+    STORE,
+    Whole,
+    WithDefault,
+    a_file,
+    isolating,
+    some_engines,
+)
 from ..progress import DONE, ExitCode
-from .sweep import came_to_nothing, check_reports, showing_done, write_page
+from .sweep import came_to_nothing, changes_since, check_reports, earlier_rows, showing_done, write_page
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -50,6 +62,7 @@ def _default_engines() -> str:
 @STORE
 @a_file("--svg", help="Also write the map as a picture.")
 @GRID_HTML
+@AGAINST
 @REPORTS
 @JOBS
 @click.option("--list", "listed", is_flag=True, help="List the families.")
@@ -66,6 +79,7 @@ def stress(
     store: str | None,
     svg: str | None,
     html: str | None,
+    against: str | None,
     reports: bool,
     jobs: int | None,
     listed: bool,
@@ -92,7 +106,7 @@ def stress(
         _list()
         return DONE
     if show is not None:
-        if short or as_json or any(value is not None for value in (engines, levels, store, svg, html)):
+        if short or as_json or any(value is not None for value in (engines, levels, store, svg, html, against)):
             raise click.UsageError("--show prints one scene and runs nothing; give --side and --seed alone with it")
         _show(families, show, side, seed)
         return DONE
@@ -102,6 +116,7 @@ def stress(
         families, DEFAULT_ENGINES if engines is None else split_engines(engines), levels=levels, short=short
     )
     check_reports(html, reports)
+    before = earlier_rows(against, html, [] if store is None else [store])
     for path in filter(None, (store, svg, html)):
         check_writable(path)
     rows = Store(store or ":memory:", asked.settings)
@@ -115,7 +130,9 @@ def stress(
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
     if html is not None:
         shown = {row.scene: place_of(row).show for row in rows}
-        write_page(html, "Stress: where engines turn wrong", rows, reports, {}, _scene_of, commands=shown)
+        changes = changes_since(before, rows)
+        title = "Stress: where engines turn wrong"
+        write_page(html, title, rows, reports, {}, _scene_of, commands=shown, changes=changes)
     if as_json:
         print_json(stress_json(rows.settings, rows, told))
     else:

@@ -9,7 +9,7 @@ import click
 from .. import completion
 from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Seconds, a_file, exit_zero, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import came_to_nothing, check_reports, showing_done, write_page
+from .sweep import came_to_nothing, check_against, check_reports, showing_done, write_page
 
 SUITE_HELP = """
 \b
@@ -129,6 +129,7 @@ def suite(
 @JOBS
 @a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
 @GRID_HTML
+@a_file("--against", help="With --html: what changed since this survey, written with --json, as a column.")
 @REPORTS
 @a_file("--page", help="Write the survey as a page in Markdown.")
 @isolating
@@ -143,6 +144,7 @@ def survey(
     jobs: int | None,
     recorded: tuple[str, ...],
     html: str | None,
+    against: str | None,
     reports: bool,
     page: str | None,
     as_json: bool,
@@ -154,12 +156,15 @@ def survey(
     """
     from ...grids.engine_survey import limit_of, read_survey, survey_json
     from ...grids.engine_survey import survey as run_survey
+    from ...grids.suite_file import since
     from ...report.grid_tables import print_survey
     from ...report.listing import print_json
     from ...report.survey_page import page_text
     from ...writing import check_writable, write_whole
 
     check_reports(html, reports)
+    check_against(against, html)
+    before = None if against is None else read_survey([against]).report.rows
     for file in (page, html):
         if file is not None:
             check_writable(file)
@@ -176,7 +181,9 @@ def survey(
     if html is not None:
         tried = found.report.rows
         limits = {row.index: (None, limit_of(row.scene)) for row in tried}
-        write_page(html, "Survey of engines", tried, reports, limits)
+        changes = None if before is None else since(before, found.report)
+        since_then = None if changes is None else {(one.scene, one.engine): one.sentence for one in changes}
+        write_page(html, "Survey of engines", tried, reports, limits, changes=since_then)
     if page is not None:
         write_whole(page, page_text(found))
     if as_json:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from .. import completion
-from ..options import EVENTS, GRID_HTML, JOBS, JSON, REPORTS, SCENE_HELP, WORK, a_file, isolating, some_engines
+from ..options import AGAINST, EVENTS, GRID_HTML, JOBS, JSON, REPORTS, SCENE_HELP, WORK, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ ended it.
 )
 @a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
 @GRID_HTML
+@AGAINST
 @REPORTS
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @isolating
@@ -102,6 +104,7 @@ def sweep(
     executor_text: str | None,
     svg: str | None,
     html: str | None,
+    against: str | None,
     reports: bool,
     yes: bool,
     as_json: bool,
@@ -126,6 +129,7 @@ def sweep(
         if file not in (None, "-"):
             check_writable(file)
     check_reports(html, reports)
+    before = earlier_rows(against, html, store)
     if executor_text is not None and (jobs is not None or scene is None):
         raise click.UsageError("--executor brings its own workers, to run a SCENE: leave --jobs out, and give a SCENE")
     if csv_file == "-" and as_json:
@@ -157,7 +161,8 @@ def sweep(
     if html is not None:
         limits = {row.index: (None, settings["events"]) for row in rows} if reports else {}
         title = " ".join([settings["scene"], *settings["vary"]])
-        write_page(html, title, rows, reports, limits, pictures=[survival_svg(told)])
+        changes = changes_since(before, rows)
+        write_page(html, title, rows, reports, limits, pictures=[survival_svg(told)], changes=changes)
     unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
     if as_json:
         print_json(sweep_json(settings, rows.scenes, told, rows.failures(), unsure))
@@ -174,6 +179,57 @@ def check_reports(html: str | None, reports: bool) -> None:
     """
     if reports and html is None:
         raise click.UsageError("--reports are written beside a page: add --html FILE")
+
+
+def check_against(against: str | None, html: str | None) -> None:
+    """Refuses an earlier grid without the page in which what changed since is a column.
+
+    Raises:
+        UsageError: then.
+    """
+    if against is not None and html is None:
+        raise click.UsageError("--against is a column of a page: add --html FILE")
+
+
+def earlier_rows(against: str | None, html: str | None, stores: Iterable[str]) -> Store | None:
+    """The rows of before, from the store that was named; None if none was.
+
+    Raises:
+        UsageError: without a page, and where it is the store that is written to.
+        SceneError: if it is no store.
+    """
+    from ....scenarios.errors import SceneError
+    from ...grids.store import merged
+
+    check_against(against, html)
+    if against is None:
+        return None
+    path = Path(against)
+    if not path.exists():
+        raise SceneError(f"--against {against!r}: there is no such file; name one that --store has written")
+    if any(Path(other).exists() and path.samefile(other) for other in stores):
+        raise click.UsageError(f"--against {against!r} is the --store too, which is written to; take a copy of before")
+    try:
+        return merged([against])
+    except SceneError as error:
+        raise SceneError(str(error).replace("--store", "--against", 1)) from None
+
+
+def changes_since(before: Store | None, rows: Store) -> dict[tuple[str, str], str] | None:
+    """By scene and engine what changed, in a sentence; None if nothing of before was named.
+
+    Raises:
+        SceneError: if the rows of before are of another kind of grid.
+    """
+    from ....scenarios.errors import SceneError
+    from ...grids.suite_file import SuiteReport, since
+
+    if before is None:
+        return None
+    kind, asked = before.settings.get("grid"), rows.settings.get("grid")
+    if kind != asked:
+        raise SceneError(f"--against {before.path!r}: is a store of a {kind}; name one of a {asked}")
+    return {(one.scene, one.engine): one.sentence for one in since(before, SuiteReport("", rows))}
 
 
 def write_page(

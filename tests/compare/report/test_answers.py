@@ -14,6 +14,7 @@ from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.engines import engine
 from truebreak.compare.picture import instant_of, moment_frames, states_at
 from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line
+from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.scenarios import Circle, Scene, catalogue
 
@@ -169,3 +170,18 @@ def test_a_gap_too_small_to_be_seen_is_shown_through_a_lens() -> None:
 def test_a_scene_without_events_has_answers() -> None:
     found = compare(Scene([Circle(0, 0)]))
     assert answers(found).where == "Nowhere: nothing happens in this span."
+
+
+def test_the_json_has_what_the_page_says_was_run_in_its_place() -> None:
+    """The cheapest that is right first; of an engine that agrees nothing."""
+    found = comparison("gas")
+    told = {row["engine"]: row["alternatives"] for row in comparison_json(found)["candidates"]}
+    for candidate in found.candidates:
+        runs = [] if candidate.right else all_run(found, candidate)
+        rows = told[candidate.engine]
+        assert [(row["engine"], row["events_agreed"], row["right"]) for row in rows] == [
+            (run.engine, run.agreed, run.right) for run in runs
+        ]
+        assert [row["cost"] for row in rows] == [run.cost(candidate) for run in runs]
+        assert all((row["cost"] is None) == (row["cost_in"] is None) for row in rows)
+    assert "time steps" in {row["cost_in"] for row in told["pymunk"]}

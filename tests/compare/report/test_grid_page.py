@@ -17,6 +17,15 @@ from truebreak.compare.report.grid_page import grid_page
 HERE = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
 AXE = Path(__file__).parent / "node_modules" / "axe-core" / "axe.min.js"
+
+
+def called(*words: str) -> int | str | None:
+    """The exit code of a command line."""
+    with pytest.raises(SystemExit) as stop:
+        main(list(words))
+    return stop.value.code
+
+
 EVIL = "</script><img src=x onerror=alert(1)>"
 
 
@@ -192,3 +201,36 @@ def test_a_suite_writes_its_page_and_the_reports_beside_it(
             main([*words, *odd])
         assert stop.value.code == 2
         assert said in capsys.readouterr().err
+
+
+def test_what_changed_since_an_earlier_store_is_a_column_of_a_sweep(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The earlier store is of a longer run: what has no row now is counted, what diverges elsewhere is said."""
+    before, html = str(tmp_path / "before.db"), str(tmp_path / "page.html")
+    asked = ["sweep", "gas:n=3", "--vary", "seed=1..2", "--engines", "single", "--jobs", "1"]
+    assert called(*asked, "--events", "3", "--store", before) == 0
+    assert called(*asked, "--events", "40", "--html", html, "--against", before) == 0
+    told = json.loads(re.findall(r'<script id="data"[^>]*>(.*?)</script>', Path(html).read_text("utf-8"), re.S)[0])
+    assert told["changed"]
+    assert [row["since"].partition(": ")[2] for row in told["rows"]] == [
+        f"agreed, 3 of 3 events before, diverged at event {row['event']} now" for row in told["rows"]
+    ]
+    assert "Since the earlier grid 2 of 2 rows changed." in Path(html).read_text("utf-8")
+    capsys.readouterr()
+    for words, said in (
+        (["--against", before], "--against is a column of a page: add --html FILE"),
+        (["--html", html, "--against", before, "--store", before], "take a copy of before"),
+        (["--html", html, "--against", f"{before}x"], "there is no such file; name one that --store has written"),
+    ):
+        assert called(*asked, "--events", "3", *words) == 2
+        assert said in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_store_of_another_kind_of_grid_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before, html = str(tmp_path / "before.db"), str(tmp_path / "page.html")
+    assert called("sweep", "lee", "--vary", "tie=simultaneous", "--jobs", "1", "--store", before) == 0
+    capsys.readouterr()
+    short = ["stress", "near-ties", "--levels", "4..4", "--engines", "double", "--jobs", "1", "--html", html]
+    assert called(*short, "--against", before) == 2
+    assert "is a store of a sweep; name one of a stress" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import pytest
 from pages import comparison, page
 
 from truebreak.compare import compare
+from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.cli import main
 from truebreak.compare.report.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.sentences import about, margin_phrase, short
@@ -77,6 +78,9 @@ def test_the_report_is_twelve_lines_and_the_rest_comes_when_asked_for(
     assert len(lines) == 5 + len(comparison("gas").candidates) + 4 == 12
     assert [line[:10].strip() for line in lines[-4:]] == ["where", "why", "so what", "what now"]
     assert "pymunk diverges at event 22" in lines[0]
+    told = foreseen(comparison("gas"))
+    assert told is not None and told.horizons[1] is not None
+    assert f"pymunk is predicted to be right until event {told.horizons[1].low.event} " in lines[-1]
     whole = printed("gas", capsys, verbose=True)
     assert "kind of error" in whole
     assert "kind of error" not in "\n".join(lines)
