@@ -133,7 +133,7 @@ class Course:
         meets[[i, *partners]] = False
         dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
         waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
-        normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
+        normals = np.array((dx + waits * vx[meets], dy + waits * vy[meets])).T / reach[:, None]
         return Others(np.flatnonzero(meets), waits, root / reach, normals)
 
     def _walls_of(self, i: int, at_walls: int) -> Others:
@@ -145,7 +145,7 @@ class Course:
         meets = approach < 0
         meets[np.abs(gap).argsort()[:at_walls]] = False
         waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
-        normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
+        normals = -side[meets, None] * np.array((nx[meets], ny[meets])).T
         return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
 
 
@@ -413,6 +413,7 @@ def _strike(
 ) -> None:
     """One impact: what was carried goes through it, and what the engine gets wrong at it is added."""
     carried.through([impact])
+    rows = carried.columns
     time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:]))
     shrink = 2.0**-carried.scale
     late = draw.uniform(0, 1, SAMPLES) if model is ErrorModel.STEPPED else np.zeros(SAMPLES)
@@ -421,18 +422,18 @@ def _strike(
             continue
         k = row[i]
         if model is ErrorModel.STEPPED:
-            carried.columns[k, :2] -= shrink * change[:, None] * late
+            rows[k, :2] -= shrink * change[:, None] * late
             if impact.b is not None:
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
                 there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
                 turned = (weight * np.array(there) - change)[:, None] / lag * late
-                carried.columns[k, 2:] += shrink * turned
+                rows[k, 2:] += shrink * turned
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
         room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
         room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
-        carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
+        rows[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 
 def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[dict[int, float]]:
