@@ -149,6 +149,11 @@ class SideBySide:
         """Whether more than one task is carried out at once."""
         return self.jobs > 1
 
+    @property
+    def _at_work(self) -> int:
+        """How many copies there are that have not ended."""
+        return sum(not copy.over for copy in self._copies.values())
+
     def add(self, name: Hashable, task: Task) -> None:
         """One more."""
         self._tasks[name] = task
@@ -171,7 +176,7 @@ class SideBySide:
             self._waiting.appendleft(name)
         self._begin(progress is not None)
         copy = self._copies.get(name)
-        while copy is None and self.together and name in self._waiting:
+        while copy is None and self._at_work and name in self._waiting:
             self._listen()
             self._begin(progress is not None)
             copy = self._copies.get(name)
@@ -201,7 +206,7 @@ class SideBySide:
         """Begins what there is room for, where it is worth it: one that is alone is done here."""
         if not self.together or (not self._copies and len(self._waiting) < 2):
             return
-        while self._waiting and sum(not copy.over for copy in self._copies.values()) < self.jobs:
+        while self._waiting and self._at_work < self.jobs:
             name = self._waiting.popleft()
             self._copies[name] = self._copied(self._tasks[name], noted)
 

@@ -36,10 +36,9 @@ from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
 from .replay.contact import NamedContacts
 from .simulation import cells
-from .simulation.decider import History, Limits, Mark, Record, run_limits
+from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, run_limits
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
-from .simulation.packed import PackedKnots, PackedRecords
 from .simulation.policies import Policy
 
 # -- A history carried out again from a saved run gets the numbers and counts that the run had.

@@ -37,9 +37,8 @@ from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
 from .replay.contact import Link
 from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
-from .simulation.decider import Knot, Mark
+from .simulation.decider import Knot, Mark, PackedRecords
 from .simulation.loop import Tape
-from .simulation.packed import PackedRecords
 
 if TYPE_CHECKING:
     import numpy as np

@@ -22,7 +22,7 @@ from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
 from ...exact.replay.state import Flip, Go, Kick, Step, Take
-from ...exact.simulation.packed import PackedRows
+from ...exact.simulation.decider import PackedRows
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.lazy import Late

@@ -182,7 +182,7 @@ class Course:
         meets[[i, *partners]] = False
         dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
         waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
-        normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
+        normals = np.array((dx + waits * vx[meets], dy + waits * vy[meets])).T / reach[:, None]
         return Others(np.flatnonzero(meets), waits, root / reach, normals)
 
     def _things_of(self, impact: Impact) -> list[ThingParts]:
@@ -218,7 +218,7 @@ class Course:
         meets[np.abs(gap).argsort()[:unknown]] = False
         meets[list(at)] = False
         waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
-        normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
+        normals = -side[meets, None] * np.array((nx[meets], ny[meets])).T
         return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
 
 

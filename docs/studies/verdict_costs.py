@@ -239,10 +239,15 @@ def finer_steps(scene_engines: Sequence[str] = DEFAULTS) -> Iterator[list[float]
     true = Study._run
 
     def watched(
-        self: Study, engine: Engine, scene: Scene, until: float, progress: OnProgress | None
+        self: Study,
+        engine: Engine,
+        scene: Scene,
+        until: float,
+        progress: OnProgress | None,
+        events: int | None = None,
     ) -> tuple[Trajectory, bool]:
         found: list[tuple[Trajectory, bool]] = []
-        took = timed(lambda: found.append(true(self, engine, scene, until, progress)))
+        took = timed(lambda: found.append(true(self, engine, scene, until, progress, events)))
         if engine.step is not None and engine.step < given:
             taken.append(took.cpu)
         return found[0]

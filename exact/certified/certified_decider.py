@@ -19,8 +19,7 @@ from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Ques
 from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
-from ..simulation.decider import History, Limits, Mark, Record
-from ..simulation.packed import PackedKnots, PackedRecords
+from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
 from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
 from .cascade import Cascade, Grounds, InBalls, TieRule
 from .filtered import QUICK_BITS, FilteredPredictor

@@ -10,6 +10,7 @@ import sys
 import textwrap
 import time as clock
 import warnings
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -50,6 +51,25 @@ def test_tasks_are_carried_out_elsewhere_and_at_once() -> None:
     assert max(begin, begun) < min(end, ended)
 
 
+def test_one_that_is_alone_is_done_here() -> None:
+    with SideBySide(2) as tasks:
+        for name in "ab":
+            tasks.add(name, lambda progress: os.getpid())
+            assert tasks.result(name) == os.getpid()
+
+
+@copies
+@pytest.mark.parametrize("jobs", [2, 3])
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_any_number_of_tasks_comes_to_its_end_in_any_order(jobs: int, count: int) -> None:
+    with SideBySide(jobs) as tasks:
+        for k in range(count):
+            tasks.add(k, lambda progress, k=k: k)
+        assert [tasks.result(k) for k in reversed(range(count))] == list(reversed(range(count)))
+        tasks.add("late", lambda progress: 1)
+        assert tasks.result("late") == 1
+
+
 def test_one_job_is_done_here() -> None:
     with SideBySide(1) as tasks:
         tasks.add("a", lambda progress: os.getpid())
@@ -73,7 +93,7 @@ def test_the_first_error_is_raised_and_nothing_stays_behind(jobs: int) -> None:
     def hangs(progress: Any) -> None:
         clock.sleep(60)
 
-    with pytest.raises(SceneError, match="^one: bad$"), SideBySide(jobs) as tasks:
+    with pytest.raises(SceneError, match=r"^one: bad$"), SideBySide(jobs) as tasks:
         tasks.add(0, lambda progress: 7)
         tasks.add(1, bad("one"))
         tasks.add(2, bad("two"))
@@ -113,9 +133,12 @@ def test_what_cannot_be_sent_and_whose_copy_dies_is_done_here() -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         return "here"
 
+    def nameless(progress: Any) -> Any:
+        return lambda number=here: number
+
     with SideBySide(2) as tasks:
         tasks.add(0, dies)
-        tasks.add(1, lambda progress: lambda: os.getpid())
+        tasks.add(1, nameless)
         tasks.add(2, lambda progress: bytes(1 << 20))
         assert tasks.result(0) == "here"
         assert tasks.result(1)() == here
@@ -220,7 +243,6 @@ def _runs(pid: int) -> bool:
     except ProcessLookupError:
         return False
     try:
-        with open(f"/proc/{pid}/stat", encoding="ascii") as file:
-            return file.read().rpartition(")")[2].split()[0] != "Z"
+        return Path(f"/proc/{pid}/stat").read_text("ascii").rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
         return False

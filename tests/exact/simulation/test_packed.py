@@ -10,8 +10,7 @@ from flint import arb, fmpq
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.ball import parts_of
 from truebreak.exact.replay.contact import Pair
-from truebreak.exact.simulation.decider import Knot, Mark, Record
-from truebreak.exact.simulation.packed import PackedKnots, PackedRecords
+from truebreak.exact.simulation.decider import Knot, Mark, PackedKnots, PackedRecords, Record
 from truebreak.scenarios import catalogue
 
 
