@@ -1,4 +1,6 @@
-"""A referee of scenes with segments and a restitution, in plain coordinates and 100 digits: it shares nothing with the engines.
+"""A referee of scenes with segments and a restitution, in plain coordinates and 100 digits.
+
+It shares nothing with the engines.
 
 Every disc flies as x + v t. It meets a segment where its distance from the segment, as a set of points, comes down to
 both radii: that is found in the segment's own frame, along and across. What meets at one instant is resolved by the
@@ -54,6 +56,7 @@ class Happened:
     time: mpf
     approaching: set[tuple[str, str]]
     touching: set[tuple[str, str]]
+    rounds: int
 
 
 @dataclass
@@ -153,11 +156,11 @@ class Referee:
         """Impulses of the policy `simultaneous` until nothing approaches."""
         contacts = list(self.normals())
         first: set[tuple[str, str]] = set()
-        for _ in range(1000):
+        for rounds in range(1000):
             speeds = [sum(nx * d.vx + ny * d.vy for d, nx, ny in arms) for _, arms in contacts]
             coming = [k for k, u in enumerate(speeds) if u < -SAME]
             if not coming:
-                return Happened(self.now, first, {name for name, _ in contacts})
+                return Happened(self.now, first, {name for name, _ in contacts}, rounds)
             first = first or {contacts[k][0] for k in coming}
             self.push([contacts[k][1] for k in coming], [speeds[k] for k in coming])
         raise AssertionError("no end")

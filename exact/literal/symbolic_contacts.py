@@ -303,7 +303,7 @@ class Collided:
     impulses: tuple[Indices, ...]
 
 
-def collide(touching: Touching, policy: TiePolicy, draw: Random, e: Any = Integer(1)) -> Collided:
+def collide(touching: Touching, policy: TiePolicy, draw: Random, e: Any) -> Collided:
     """Applies impulses until no touching pair approaches, cluster by cluster.
 
     Args:
