@@ -34,7 +34,6 @@ FAMILIES = {
     "free-discs": "article",
     "magic-masses": "article",
     "cross": "article",
-    "collapse": "line",
     "beads": "line",
     "cooling": "gas",
 }

@@ -44,7 +44,6 @@ SINGLE = {
     "article:figure=slope": 5,
     "cradle": 20,
     "cradle:e=9/10": 12,
-    "collapse": 12,
     "cooling:n=3": 2,
     "tennis": 20,
     "tennis:big=2": 20,
