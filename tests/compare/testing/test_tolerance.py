@@ -35,7 +35,6 @@ def test_every_family_of_the_catalogue_is_here() -> None:
     """But for a flight among 335 fixed circles, which is more than `check` goes over by itself."""
     assert {spec.partition(":")[0] for spec in SCENES} == set(catalogue.names()) - {
         "siam",
-        "collapse",
         "beads",
         "cooling",
     }
