@@ -230,6 +230,8 @@ def _is_physics(key: str) -> bool:
 
 def _check_keys(label: str, table: dict[str, Any], known: Iterable[str]) -> None:
     for key in table:
+        if label and key == "restitution":
+            raise SceneError(f"{label}: restitution: one holds for the whole scene; write it above the first table")
         if key not in known:
             near = difflib.get_close_matches(key[:SHOWN].lower(), known, n=1, cutoff=0.5)
             remedy = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(known)}"

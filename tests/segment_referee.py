@@ -54,6 +54,7 @@ class Happened:
     time: mpf
     approaching: set[tuple[str, str]]
     touching: set[tuple[str, str]]
+    rounds: int
 
 
 @dataclass
@@ -183,11 +184,11 @@ class Referee:
         """Impulses of the policy `simultaneous` until nothing approaches."""
         contacts = list(self.normals())
         first: set[tuple[str, str]] = set()
-        for _ in range(1000):
+        for rounds in range(1000):
             speeds = [sum(nx * d.vx + ny * d.vy for d, nx, ny in arms) for _, arms in contacts]
             coming = [k for k, u in enumerate(speeds) if u < -SAME]
             if not coming:
-                return Happened(self.now, first, {name for name, _ in contacts})
+                return Happened(self.now, first, {name for name, _ in contacts}, rounds)
             first = first or {contacts[k][0] for k in coming}
             self.push([contacts[k][1] for k in coming], [speeds[k] for k in coming])
         raise AssertionError("no end")

@@ -303,7 +303,7 @@ class Collided:
     impulses: tuple[Indices, ...]
 
 
-def collide(touching: Touching, policy: TiePolicy, draw: Random, e: Any = Integer(1)) -> Collided:
+def collide(touching: Touching, policy: TiePolicy, draw: Random, e: Any) -> Collided:
     """Applies impulses until no touching pair approaches, cluster by cluster.
 
     Args:
@@ -397,11 +397,11 @@ def _single(touching: Touching, pair: Indices, e: Any) -> dict[int, tuple[Any, A
         found = velocities_after(a, b)
     except ValueError as error:
         raise SymbolicUndecided(str(error)) from error
-    after = {i: found[:2], j: found[2:]} if len(found) > 2 else {i: found}
+    after: dict[int, tuple[Any, ...]] = {i: found[:2], j: found[2:]} if len(found) > 2 else {i: found}
     discs = touching.discs
     return {
         k: (normal(((1 - e) * discs[k].vx + (1 + e) * vx) / 2), normal(((1 - e) * discs[k].vy + (1 + e) * vy) / 2))
-        for k, (vx, vy) in after.items()
+        for k, (vx, vy, *_) in after.items()
     }
 
 

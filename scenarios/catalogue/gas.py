@@ -63,9 +63,9 @@ def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle]
     draw = Draw(seed)
     room = _Room(side * GRAIN)
     circles: list[Circle] = []
-    for number in range(1, n + 1):
+    for place in range(1, n + 1):
         r = MIXED[draw.between(0, len(MIXED) - 1)] if mixed else GRAIN
-        x, y = room.place(draw, r, number)
+        x, y = room.place(draw, r, place)
         vx, vy = draw.between(-GRAIN, GRAIN), draw.between(-GRAIN, GRAIN)
         radius = Quantity.of(r) / GRAIN
         circles.append(
@@ -76,7 +76,7 @@ def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle]
                 vx=Quantity.of(vx) / GRAIN,
                 vy=Quantity.of(vy) / GRAIN,
                 m=radius * radius,
-                id=f"c{number}",
+                id=f"c{place}",
             )
         )
     return circles, _walls(side)
@@ -216,11 +216,11 @@ SCENES = {
             Parameter("e", "9/10", "restitution", number(above=0)),
         ),
         known=(
-            "While it stays homogeneous, each hit, of two discs or of a wall, takes 1 - e**2 of the mean energy of a disc: "
-            "after k hits there is left exp(-(1 - e**2) k/n) of the energy (Haff's law, by count instead of time, with "
-            "nothing to fit)."
+            "While it stays homogeneous, each hit, of two discs or of a wall, takes 1 - e**2 of the mean energy of a "
+            "disc: after k hits there is left exp(-(1 - e**2) k/n) of the energy (Haff's law, by count instead of "
+            "time, with nothing to fit)."
         ),
-        source="P. K. Haff, Grain flow as a fluid-mechanical phenomenon, Journal of Fluid Mechanics 134 (1983), 401-430",
+        source="P. K. Haff, Grain flow as a fluid-mechanical phenomenon, J. Fluid Mechanics 134 (1983), 401-430",
         make=cooling,
     ),
 }

@@ -15,7 +15,6 @@ ONE = Quantity.of(1)
 
 CRADLE_EVENTS = 60
 DROP_EVENTS = 400
-COLLAPSE_EVENTS = 60
 
 
 def cradle(n: int, r: Quantity, gap: Quantity, tie: TiePolicy, e: Quantity = ONE) -> Scene:
@@ -81,16 +80,6 @@ def near_tie(k: int, first: str) -> Scene:
     late = Quantity.of(10) ** -k
     none = Quantity.of(0)
     return Scene(_three(none, late) if first == "left" else _three(late, none), events=10)
-
-
-def collapse(e: Quantity, gap: Quantity) -> Scene:
-    """A ball flies at two equal ones at rest, on one line.
-
-    >>> [float(c.x) for c in collapse(Quantity.of("1/20"), Quantity.of(1)).circles]
-    [0.0, 3.0, 6.0]
-    """
-    balls = [Circle((2 + gap) * k, 0, vx=1 if k == 0 else 0, id=f"b{k + 1}") for k in range(3)]
-    return Scene(balls, restitution=e, events=COLLAPSE_EVENTS)
 
 
 def beads(n: int, e: Quantity) -> Scene:
@@ -200,20 +189,6 @@ SCENES = {
         ),
         source=f"a perturbation of: {LEE}",
         make=near_tie,
-    ),
-    "collapse": SceneEntry(
-        name="collapse",
-        summary="Three balls on a line that lose so much energy that their hits have no end.",
-        parameters=(
-            Parameter("e", "1/20", "restitution", number(above=0)),
-            Parameter("gap", "1/2", "gap between the balls; 0 makes them touch", number(least=0)),
-        ),
-        known=(
-            "Infinitely many hits, in finite time with gaps and in one instant without, for a restitution up to "
-            "7 - 4 sqrt(3) = 0.0718; finitely many above it."
-        ),
-        source=BERNU,
-        make=collapse,
     ),
     "beads": SceneEntry(
         name="beads",

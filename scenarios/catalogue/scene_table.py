@@ -37,7 +37,6 @@ FAMILIES = {
     **dict.fromkeys(
         ("triangle", "barrier", "wind-tree", "bumper", "funnel", "breakout", "ghost", "corner-hit"), "straight_tables"
     ),
-    "collapse": "line",
     "beads": "line",
     "cooling": "gas",
 }

@@ -1,8 +1,8 @@
 """A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
 
 Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0; an
-impulse turns approach speeds around, all but what the restitution takes; a derivative is what the rules of differentiation make of the very formulas that
-give the new lines. What a log's steps are called is all that both know.
+impulse turns approach speeds around, all but what the restitution takes; a derivative is what the rules of
+differentiation make of the very formulas that give the new lines. What a log's steps are called is all that both know.
 """
 
 from __future__ import annotations

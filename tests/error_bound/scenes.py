@@ -187,7 +187,7 @@ def hall(room: Room) -> None:
 
 
 def lossy(room: Room) -> None:
-    """What is lost at each contact: little, half, or nearly all; walls at any angle, unequal masses, one of them fixed."""
+    """At each contact little is lost, half, or nearly all; walls at any angle, unequal masses, one of them fixed."""
     masses(room)
     if len(room.rows) > 3:
         rest(room.rows[2], m="oo")

@@ -1,4 +1,4 @@
-"""Restitution below 1: against a referee in plain coordinates, the laws that hold of it, and faults that must be found."""
+"""Restitution below 1: against a referee in plain coordinates, its laws, and faults that must be found."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from truebreak.floating import (
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.files import dump_toml, loads_toml
 
-LOSSES = ("9/10", "1/2", "99/100", "1/7", "1/1000", "sqrt(2)/2", "1 - 1/10**9", "3/4")
+LOSSES = ("9/10", "1/2", "99/100", "1/7", "1/20", "sqrt(2)/2", "1 - 1/10**9", "3/4")
 UNTIL, EVENTS = 30, 14
 
 
@@ -83,6 +83,8 @@ def differs(scene: Scene, events: int = EVENTS) -> str:
         names = {tuple(pair) for pair in theirs.contacts}
         if not mine.approaching <= names <= mine.touching:
             return f"event {theirs.index}: {names}, not {mine.approaching}"
+    if "collapse" in run.stop.message:  # the referee, whose numbers end, is through with it after many rounds
+        return "" if told.events[len(run.events)].rounds > 20 else "no collapse"
     if len(told.events) != len(run.events):
         return f"{len(run.events)} events, not {len(told.events)}: {run.stop.message}"
     if "no normal" in run.stop.message or told.blunt is not None:

@@ -82,14 +82,15 @@ def json_refusal(text: str) -> str:
         ),
         (BALL + "fixed = 1", "x.toml: circle 'a': fixed = 1 is not true or false"),
         (
-            "gravity = [0, -10]\n"
-            + BALL
-            + "restitution = 1\n"
-            + BALL.replace('"a"', '"b"')
-            + "restitution = 1\n[[box]]",
-            "x.toml: box, gravity, restitution (of circle 'a'): physics that is not there; "
+            "gravity = [0, -10]\n" + BALL + "spin = 1\n" + BALL.replace('"a"', '"b"') + "spin = 1\n[[box]]",
+            "x.toml: box, gravity, spin (of circle 'a'): physics that is not there; "
             "docs/scenes.md#what-the-world-has says what is: leave them out",
         ),
+        (
+            BALL + "restitution = 1\n",
+            "x.toml: circle 'a': restitution: one holds for the whole scene; write it above the first table",
+        ),
+        ("restitution = 2\n" + BALL, "x.toml: restitution = 2: is not in 0 to 1; write a number above 0, up to 1"),
         (
             "[[arcs]]\nx = 1\n" + BALL,
             "x.toml: arcs: physics that is not there; docs/scenes.md#what-the-world-has says what is: leave it out",

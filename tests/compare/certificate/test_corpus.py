@@ -52,7 +52,7 @@ def whole_catalogue(_: int) -> Iterator[tuple[str, Trajectory]]:
     """Every family with its defaults, but for segments and polygons."""
     for name in catalogue.names():
         scene = catalogue.build(name)
-        if not scene.segments and not scene.polygons:
+        if scene.elastic and not scene.polygons:
             yield name, ExactEngine().run(scene)
 
 

@@ -7,6 +7,7 @@ docs/error-bound.md.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import count
 from math import inf
 
@@ -33,6 +34,8 @@ from truebreak.exact.question import (
     BeforeTime,
     Coupling,
     Discriminant,
+    Endless,
+    Falling,
     Moment,
     Pivot,
     RelativeSpeed,
@@ -161,7 +164,7 @@ def row() -> tuple[ReplayState, tuple[Pair | AtWall, ...]]:
     """Three circles that touch, the middle one both others, and the last a wall: any places and masses, and velocities,
     as one sees them who flies with the middle one."""
     values = {"px": 2.0, "py": 0.25, "qx": 1.75, "qy": 1.0, "ux": 1.0, "uy": 0.5, "wx": -0.75, "wy": 0.25}
-    world = World(**values, wa=0.5, wb=1.25, wc=0.75, nx=-1.5, ny=0.5, time=1.0)
+    world = World(**values, wa=0.5, wb=1.25, wc=0.75, nx=-1.5, ny=0.5, time=1.0, share=0.75)
     w, zero = world, world.zero
     world.masses, world.r, world.R = (w.wa, w.wb, w.wc), w.one, w.one + w.one
     places = ((zero, zero), (w.px, w.py), (w.px + w.qx, w.py + w.qy))
@@ -173,7 +176,7 @@ def row() -> tuple[ReplayState, tuple[Pair | AtWall, ...]]:
     state = ReplayState(scene, world)
     for body, flight, mass in zip(state.bodies.values(), world.flights, world.masses, strict=True):
         body.flight, body.w = flight, mass
-    seen = stub(x0=zero, y0=zero, nx=w.nx, ny=w.ny)
+    seen = stub(x0=zero, y0=zero, nx=w.nx, ny=w.ny, nn=w.nx * w.nx + w.ny * w.ny)
     state._lines[0] = (seen, seen)
     return state, (Pair(0, 1), Pair(1, 2), AtWall(2, 0))
 
@@ -197,6 +200,36 @@ def test_impulses_together_keep_energy_and_momentum_and_turn_every_approach():
     assert after[1][:2] == [-speed for speed in before[1][:2]]
     assert momenta == [sum((b.flight[k] / b.w for b in state.bodies.values()), state.zero) for k in (2, 3)]
     assert (state.bodies[0].flight.vx, state.bodies[0].flight.vy) == (ux - wa * first * px, uy - wa * first * py)
+
+
+@pytest.mark.parametrize("together", [slice(0, 1), slice(2, 3), slice(0, 2)], ids=["two", "a wall", "several"])
+def test_with_a_restitution_contacts_separate_e_times_as_fast(together):
+    """`derivation.pair_restitution`: what else it states, momentum and the velocity across, is each impulse's own."""
+    state, links = row()
+    share = state.share = state.one * 7 / 8
+    if together.start == 0 and together.stop == 1:
+        dx, dy = state.span(links[0])
+        for body in list(state.bodies.values())[:2]:
+            body.r = state.root(dx * dx + dy * dy) / 2
+    before = [link.closing(state) for link in links[together]]
+    state.kick(links[together])
+    assert [link.closing(state) for link in links[together]] == [-(share * 2 - 1) * speed for speed in before]
+
+
+def test_pushes_in_turns_are_those_of_the_question_whether_they_end():
+    """Two pushes in turn: z**2 - (1 + e) c z + e, whose discriminant and half sum of zeros are asked for."""
+    state, (one, other, _) = row()
+    share = state.share = state.one * 7 / 8
+    e, ((aa, ab), (_, bb)) = share * 2 - 1, state.contact_system((one, other))[0]
+    assert Endless(one, other).value(state) * 4 == (1 + e) * (1 + e) * ab * ab - 4 * e * aa * bb
+    p, q = -one.closing(state), other.closing(state)
+    ahead = Falling(one, other).value(state)
+    dx, dy = state.span(one)
+    for index in one:
+        state.bodies[index].r = state.root(dx * dx + dy * dy) / 2
+    state.kick((one,))
+    assert -other.closing(state) == -(1 + e) * ab / aa * p - q
+    assert ahead * 2 == aa * (-other.closing(state) - q)
 
 
 def test_a_slack_is_what_a_contact_outside_separates_by_beyond_its_approach():
@@ -264,25 +297,33 @@ def flat(world: World, steps: int = STEPS):
         tick=count(1).__next__,
         steps=steps,
         unsure=None,
+        share=None,
     )
 
 
-def test_the_flat_loop_predicts_and_carries_out_the_contact_of_two(monkeypatch):
+SHARES = pytest.mark.parametrize("share", [None, Fraction(7, 8)], ids=["elastic", "restitution 3/4"])
+
+
+@SHARES
+def test_the_flat_loop_predicts_and_carries_out_the_contact_of_two(share, monkeypatch):
     world = two(0)
     monkeypatch.setattr(flying, "sqrt", root_of)
     f = flat(world)
     flying.pairs(f, 0, [f.flights[1]], ())
     ((time, _, i, j, _, _, wait, graze),) = f.heap
     assert (i, j, graze) == (0, 1, False)
-    state = steps_of(plain(world), PAIR, (0, 1))
+    state = plain(world)
+    f.share = state.share = share and world.number(share)
+    state = steps_of(state, PAIR, (0, 1))
     assert time == state.instant
     flying.strike(f, 0, 1, time, wait)
     for (x, y, vx, vy, t, *_), body in zip(f.flights, state.bodies.values(), strict=True):
         assert (x, y, vx, vy, t) == body.flight[:5]
 
 
+@SHARES
 @pytest.mark.parametrize("kind", WALLS)
-def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind):
+def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind, share):
     world = wall_world(kind)
     f = flat(world)
     x0, y0, nx, ny, nn, length = world.seen
@@ -291,7 +332,9 @@ def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind):
     flying.walls(f, 0, [line], ())
     ((time, _, i, wall, _, _, wait, graze),) = f.heap
     assert (i, wall, graze) == (0, 1, False)
-    state = steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,))
+    state = at_wall(ReplayState(scene_with_wall(), world), world)
+    f.share = state.share = share and world.number(share)
+    state = steps_of(state, FACE, (0,))
     assert time == state.instant
     flying.rebound(f, 0, 1, time, wait)
     assert f.flights[0][:5] == state.bodies[0].flight[:5]

@@ -32,6 +32,9 @@ TIED = {
     "inscribed:n=4": 5,
     "magic-masses": 3,
     "magic-masses:a=1/2": 3,
+    "beads:e=1/5": 1,
+    "beads:n=3,e=1/2": 1,
+    "cradle:gap=0,e=1/2,n=3": 5,
 }
 """Scenes in which several contacts fall on one instant, and how many instants are compared."""
 
@@ -40,6 +43,8 @@ SINGLE = {
     "article:figure=floor": 5,
     "article:figure=slope": 5,
     "cradle": 20,
+    "cradle:e=9/10": 12,
+    "cooling:n=3": 2,
     "tennis": 20,
     "tennis:big=2": 20,
     "tennis:big=sqrt(5)": 10,

@@ -118,7 +118,7 @@ def test_settings_are_given_as_text_or_by_name() -> None:
         ),
         (
             "cradle:gaps=2",
-            "catalogue scene 'cradle' has no parameter 'gaps'; did you mean 'gap'? it has: n, r, gap, tie",
+            "catalogue scene 'cradle' has no parameter 'gaps'; did you mean 'gap'? it has: n, r, gap, tie, e",
         ),
         ("gas:n", "catalogue scene 'gas': 'n' is not a setting; write key=value"),
         ("gas:n=1,n=2", "catalogue scene 'gas': n is set twice; keep one"),
