@@ -43,7 +43,7 @@ Examples:
   truebreak minimise gas --engine double     the smallest scene that shows it
   truebreak advise gas:n=5 --events 12       the cheapest right setting
   truebreak stress near-ties                 how near a tie may be
-  truebreak play                             draw, throw, and see, in a browser
+  truebreak play                             draw and throw, in a browser
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
