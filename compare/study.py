@@ -40,6 +40,10 @@ QUIET_BY = 16
 many times the time at which it is asked to end at first, and to `FARTHER` times that if it takes steps, which cost as
 much where nothing happens: only then are its outcomes told."""
 
+QUIET_EVENTS, QUIET_MORE = 2, 4
+"""An engine of events comes to its own end within this many times the reference's events, and this many more, or is
+asked for what the reference's time is."""
+
 RUN_SHARE = 7 / 8
 """Share of the seconds left that a run may take: what it has by then is still to be read."""
 
@@ -115,7 +119,9 @@ class Study:
             raise OutOfTime(told.stop.message)
         return told
 
-    def _run(self, engine: Engine, scene: Scene, until: float, progress: OnProgress | None) -> tuple[Trajectory, bool]:
+    def _run(
+        self, engine: Engine, scene: Scene, until: float, progress: OnProgress | None, events: int | None = None
+    ) -> tuple[Trajectory, bool]:
         """A run, and whether it was cut short as the seconds were over."""
         left = self.watch.left(RUN_SHARE * self.share)
         with time_limit(left, self.watch.seconds) as watch:
@@ -123,7 +129,7 @@ class Study:
                 engine,
                 scene,
                 until=until if math.isfinite(until) else None,
-                events=self.cap,
+                events=events or self.cap,
                 progress=watch.watched(progress),
             )
         checked = uninterrupted(check_trajectory(told, scene, engine.name, engine.bits))
@@ -152,6 +158,11 @@ class Study:
             self.longest = more
         return self.longest or self.reference
 
+    def take(self, longest: Trajectory | None) -> None:
+        """Takes a run of the reference that came farther than this one's, from whoever has made it."""
+        if longest is not None and float(longest.final_time) > float((self.longest or self.reference).final_time):
+            self.longest = longest
+
     def settled(self, engine: Engine, progress: OnProgress | None = None) -> tuple[Trajectory, Alignment]:
         """An engine's run and its alignment, both runs taken on until it is settled or cannot be."""
         end, step, patience = self.span.time, engine.step, self.patience(engine.step)
@@ -159,7 +170,11 @@ class Study:
             end = patience.latest(float(self.reference.final_time))
         asked = self.past(end)
         past, last = asked - end, asked * (QUIET_BY if step is None else FARTHER)
-        mine, run = self.reference, self._timed(engine, asked, progress)
+        mine, run = self.reference, self._to_its_end(engine, asked, progress)
+        if run is None:
+            run = self._timed(engine, asked, progress)
+        else:
+            asked = math.inf
         finer = self._series(engine)
         while True:
             alignment = align(mine, run, span=self.span, step=step, bits=engine.bits, patience=patience, finer=finer)
@@ -187,10 +202,23 @@ class Study:
         went = run.stop.reason is StopReason.HORIZON and float(run.final_time) >= asked
         return later if went and math.isinf(self.span.time) and later <= last else None
 
-    def _timed(self, engine: Engine, until: float, progress: OnProgress | None) -> Trajectory:
+    def _to_its_end(self, engine: Engine, asked: float, progress: OnProgress | None) -> Trajectory | None:
+        """Beside a history that comes to its end, an engine of events is run to its own at once, if that is near."""
+        if math.isfinite(self.span.time) or engine.step is not None or not engine.bits:
+            return None
+        try:
+            run = self._timed(engine, math.inf, progress, events=QUIET_EVENTS * len(self.reference.events) + QUIET_MORE)
+        except OutOfTime:
+            return None
+        early = run.stop.reason in UNKNOWING and float(run.final_time) < asked
+        return run if early or run.stop.reason is StopReason.QUIET else None
+
+    def _timed(
+        self, engine: Engine, until: float, progress: OnProgress | None, events: int | None = None
+    ) -> Trajectory:
         """A run that is to be settled, and what it took."""
         spent = clock.process_time()
-        run = self.run(engine, self.scene, until, progress)
+        run = self._run(engine, self.scene, until, progress, events)[0]
         self.took = clock.process_time() - spent
         return run
 

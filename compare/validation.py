@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.engine import SCENE_KEYS
+from ..scenarios.engine import ALL_KEYS
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
 from ..scenarios.settings import positive_time
@@ -59,11 +59,9 @@ def check_engine(engine: Any) -> Engine:
     keys = engine.scene_keys
     if not isinstance(keys, Set | Sequence) or isinstance(keys, str):
         raise EngineError(f"engine {name!r}: scene_keys = {_told(keys)}; must be a frozenset of keys")
-    strange = sorted(str(key) for key in keys if not isinstance(key, str) or key not in SCENE_KEYS)
+    strange = sorted(str(key) for key in keys if not isinstance(key, str) or key not in ALL_KEYS)
     if strange:
-        raise EngineError(
-            f"engine {name!r}: scene_keys has {strange[0]!r}; choose from {', '.join(sorted(SCENE_KEYS))}"
-        )
+        raise EngineError(f"engine {name!r}: scene_keys has {strange[0]!r}; choose from {', '.join(sorted(ALL_KEYS))}")
     return engine
 
 
@@ -91,10 +89,12 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
     uses = {
         "wall": bool(scene.walls),
         "segment": bool(scene.segments),
+        "polygon": bool(scene.polygons),
         "pocket": bool(scene.pockets),
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,
         "reverse_after": scene.reverse_after is not None,
+        "restitution": not scene.elastic,
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 
@@ -113,7 +113,10 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         raise EngineError(f"{where}: run gave {_told(trajectory)}; it must give a scenarios.Trajectory")
     told = trajectory.scene
     if told is not scene and (
-        not isinstance(told, Scene) or told.circles != scene.circles or told.walls != scene.walls
+        not isinstance(told, Scene)
+        or told.circles != scene.circles
+        or told.walls != scene.walls
+        or told.segments != scene.segments
     ):
         raise EngineError(
             f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "

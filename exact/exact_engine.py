@@ -9,7 +9,7 @@ from operator import lt
 
 from flint import arb
 
-from ..scenarios.engine import Declared, endable
+from ..scenarios.engine import ALL_KEYS, Declared, endable
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import check_doubles
@@ -39,6 +39,7 @@ from .simulation import cells
 from .simulation.decider import History, Limits, Mark, Record, run_limits
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
+from .simulation.packed import PackedKnots, PackedRecords
 from .simulation.policies import Policy
 
 # -- A history carried out again from a saved run gets the numbers and counts that the run had.
@@ -77,9 +78,9 @@ def may_be_taken_up(scene: Scene, tape: Tape) -> bool:
     """Whether what lies ahead of a log's end can be predicted from there alone.
 
     Not among cells where something touched and left a flight as it was: on its way from there to the end that flight
-    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments.
+    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments or polygons.
     """
-    if scene.segments:
+    if scene.segments or scene.polygons:
         return False
     touched = any(isinstance(found, Instant) and (found.touches or found.rims) for found in tape.whole())
     return not (touched and len(scene.circles) >= cells.FEWEST)
@@ -135,16 +136,16 @@ def restore(history: History[Known], run: Trajectory, limits: Limits, tower: Any
             raise SceneError(NOT_ITS_LOG)
         return mark._replace(time=time)
 
-    history.records = [record._replace(mark=timed(record.mark)) for record in history.records]
+    history.records = PackedRecords(record._replace(mark=timed(record.mark)) for record in history.records)
     history.entries = [entry._replace(mark=timed(entry.mark)) for entry in history.entries]
     history.last = None if history.last is None else timed(history.last)
     if history.reversal is not None:
         history.reversal = (history.reversal[0], timed(history.reversal[1]))
     history.knots = [
-        [
+        PackedKnots(
             (number(t), number(x), number(y), number(vx), number(vy), step, instant)
             for t, x, y, vx, vy, step, instant in row[: len(mine)]
-        ]
+        )
         for mine, row in zip(history.knots, motion.knots, strict=True)
     ]
     history.plan.clear()
@@ -289,6 +290,7 @@ class ExactEngine(Declared):
     max_bits: int = 1 << 20
     ties: str = "proved"
     work: int = DEFAULT_WORK
+    scene_keys = ALL_KEYS
 
     def __post_init__(self) -> None:
         TieRule.parse(self.ties)
@@ -431,6 +433,7 @@ class ExactEngine(Declared):
             home = decider.retrace.home
             notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
+        log.events = records if isinstance(records, PackedRecords) else None
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))

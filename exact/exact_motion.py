@@ -6,6 +6,7 @@ import copyreg
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from flint import arb, fmpq
@@ -20,6 +21,7 @@ from ..scenarios.numbers.precision import (
     bounds_of,
     certain_double,
     decimals_of,
+    even_double,
     nearest_double,
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -37,6 +39,7 @@ from .replay.contact import Link
 from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
 from .simulation.decider import Knot, Mark
 from .simulation.loop import Tape
+from .simulation.packed import PackedRecords
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +55,6 @@ TEXT_DEPTH = 5
 
 TEXT_WORK = 1_000_000
 """Units of work that writing out one value may take: about a second."""
-
 
 STATES_KEPT = 3
 """Of how many numbers of bits a log keeps how far it was replayed."""
@@ -72,7 +74,10 @@ class RunLog:
         steps: the log.
         lost: how many bits of its precision the run lost, at most, in the time of an event.
         centred: whether that was with the deviations in a set (see `CentredState`).
+        events: those of the run, whose times are at hand; None where it was read from a file.
     """
+
+    events: PackedRecords | None = None
 
     def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
         self.scene = scene.surfaces
@@ -84,7 +89,7 @@ class RunLog:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""
-        return {**self.__dict__, "_reached": {}, "_too_deep": []}
+        return {**self.__dict__, "_reached": {}, "_too_deep": [], "events": None}
 
     def in_balls(self, bits: int, upto: int) -> CentredState:
         """The state after the first `upto` steps, in balls computed with `bits` bits.
@@ -106,10 +111,9 @@ class RunLog:
 
     def begins(self, other: RunLog, upto: int) -> bool:
         """Whether another log has the same first `upto` steps, of the same scene: then its numbers are the same."""
-        if other is self:
-            return True
-        same = len(other.steps) >= upto and other.scene == self.scene
-        return same and all(one == two for one, two in zip(self.steps[:upto], other.steps[:upto], strict=True))
+        same = other is self or (len(other.steps) >= upto and other.scene == self.scene)
+        ours, theirs = (self.steps, other.steps) if other is not self else ((), ())
+        return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
 
     def units(self, bits: int, upto: int) -> int:
         """The work of that."""
@@ -153,7 +157,8 @@ LEAST_BITS = 320
 class ExactValue:
     """A real number of an exact run.
 
-    float() gives the nearest double, certified; `digits`, `sympy` and `text` give the value itself.
+    float() gives the nearest double, certified; of a number so near half-way between two that counted work does not
+    tell where it lies, the even one. `digits`, `sympy` and `text` give the value itself.
 
     Attributes:
         log: the run that it belongs to.
@@ -223,8 +228,8 @@ class ExactValue:
                 allowed -= log.units(working, upto)
                 if allowed < 0:
                     raise Undecided(
-                        f"a number of the run, {value.str(3)}, is not known any nearer with {working // 2} bits of "
-                        "work that is counted, nor proved to be zero; ask for its `ball`, which is what is known of it"
+                        f"a number of the run, {value.str(20)}, is neither told from zero, or from half-way between "
+                        f"decimals, with {working // 2} bits of counted work, nor proved to be it; ask for its `ball`"
                     )
 
     def __float__(self) -> float:
@@ -244,16 +249,19 @@ class ExactValue:
                 double = certain_double(self.near.ball(bits))
         if double is None:
             value = self._sharpened(
-                2 * DOUBLE_BITS, lambda value: _is_double(value) or ball.is_accurate(value, HALF_WAY_BITS)
+                2 * DOUBLE_BITS, lambda it: certain_double(it) is not None or ball.is_accurate(it, HALF_WAY_BITS)
             )
-            double = certain_double(value)
-        if double is None:
-            exact = self.exact()
-            fraction = None if exact is None else exact.fraction()
-            if fraction is not None:
-                return nearest_double(fraction)
-            double = certain_double(self._sharpened(2 * HALF_WAY_BITS, _is_double))
-            assert double is not None
+            if (double := certain_double(value)) is None:
+                exact = self.exact()
+                fraction = None if exact is None else exact.fraction()
+                if fraction is not None:
+                    return nearest_double(fraction)
+                try:
+                    sharp = self._sharpened(2 * HALF_WAY_BITS, lambda it: certain_double(it) is not None)
+                    double = certain_double(sharp)
+                except Undecided:
+                    double = even_double(value)
+                assert double is not None
         return double
 
     def bounds(self) -> tuple[float, float]:
@@ -347,11 +355,6 @@ VALUE_WORK = 3_000_000
 
 MORE_WORK = 40
 """Besides, so many times the work of its first replay: enough for five times twice the bits."""
-
-
-def _is_double(value: arb) -> bool:
-    """Whether the nearest double is told."""
-    return certain_double(value) is not None
 
 
 # -- The times of a run, each with the formula that computes it again from the log.
@@ -530,7 +533,7 @@ class ExactMotion:
         near, far = (_exact_near(value) for value in (time, other))
         if near is not None and far is not None:
             return near > far
-        bits = 128
+        bits = 96  # the time of an event is known to more in its run, and told from a double beside it
         while True:
             with ball.precision(bits + 64):
                 sign = ball.sign_of(time.ball(bits) - other.ball(bits))
@@ -567,9 +570,9 @@ class ExactMotion:
         return (left - right).sign() > 0
 
     def _time_value(self, i: int, k: int) -> ExactValue:
-        """The instant of a knot. In balls the knot's own number is only a clock beside it, so nothing is at hand."""
+        """The instant of a knot. In balls the knot's own number is only a clock beside it."""
         t, *_, upto, instant = self.knots[i][k]
-        near = arb.nan() if isinstance(t, arb) else t
+        near = t if not isinstance(t, arb) else self.log.events.time_at(instant) if self.log.events else arb.nan()
         return time_of(self.log, Mark(instant, near, upto, i))
 
     def _of_circle(self, i: int, time: RunTime) -> ExactRow:
@@ -658,15 +661,13 @@ EQUAL_BITS = 1024
 """Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
 
 
-def _instant(knot: Knot[Known]) -> int:
-    return knot[-1]
+_instant = itemgetter(-1)  # of a knot
 
 
 def _exact_near(time: RunTime) -> fmpq | None:
     """A time as a rational number, where it is at hand as one."""
-    if isinstance(time, Quantity):
-        return time.rational
-    return time.near if isinstance(time.near, fmpq) else None
+    near = time.rational if isinstance(time, Quantity) else time.near
+    return near if isinstance(near, fmpq) else None
 
 
 def _ball(number: Known) -> arb:
@@ -675,8 +676,7 @@ def _ball(number: Known) -> arb:
 
 def _double(number: Known) -> float:
     """The nearest double where that is certain at the accuracy at hand, else the double nearest the midpoint."""
-    value = _ball(number)
-    double = certain_double(value)
+    double = certain_double(value := _ball(number))
     return float(value) if double is None else double
 
 

@@ -414,3 +414,34 @@ class Coupling(RootFree):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether the order of {name(self.first)} and {name(self.second)} matters"
+
+
+# -- Two contacts of one instant that push each other in turns, where energy is lost at each: whether that has an end.
+#
+# The one approaches with speed p, the other parts with q, in the scale of their arms; G as in `State.contact_system`,
+# with G_12 < 0. A push makes of that the speeds e p and -(1 + e) p |G_12| / G_11 + q. With r_n the speeds at which they
+# are pushed in turn, each over the square root of its own entry of G, r_(n+1) = (1 + e) c r_n - e r_(n-1), where
+# c^2 = G_12^2 / (G_11 G_22). All of them are positive, so that the pushes have no end, where both zeros of
+# z^2 - (1 + e) c z + e are real, and r_(n+1) / r_n is once at least the smaller of them: such as half their sum.
+
+
+@dataclass(frozen=True, eq=False)
+class Endless(Coupling):
+    """Can two contacts push each other without end (not negative)? (1 + e)^2 c^2 - 4 e, in the scale of G."""
+
+    def value(self, state: ReplayState[N]) -> N:
+        (one, row), _ = state.contact_system((self.first, self.second))
+        share = state.one if state.share is None else state.share
+        return share * share * one[1] * one[1] - (share + share - state.one) * one[0] * row[1]
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.first)} and {name(self.second)} push each other without end"
+
+
+class Falling(Endless):
+    """Do they, once `first` approaches (not negative)? r_(n+1) / r_n less half the sum of the zeros, in its scale."""
+
+    def value(self, state: ReplayState[N]) -> N:
+        (one, _), (closing, parting) = state.contact_system((self.first, self.second))
+        share = state.one if state.share is None else state.share
+        return share * one[1] * closing - one[0] * parting

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import Undecided
-from ..scenarios.engine import EventDriven
+from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -274,6 +274,7 @@ class IntervalEngine(EventDriven):
     """
 
     bits: int = 53
+    scene_keys = ALL_KEYS
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:

@@ -16,7 +16,7 @@ from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
-from ..scenarios.engine import EventDriven
+from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double
@@ -293,6 +293,8 @@ class PlainDecider(Generic[M]):
         numbers: the system that the state is in; what its signs do not tell is undecided.
     """
 
+    proves = False
+
     def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state
@@ -479,6 +481,8 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;
     an overlap that rounding has made collides at once.
     """
+
+    scene_keys = ALL_KEYS
 
     @property
     @abstractmethod

@@ -8,7 +8,7 @@ from typing import Any
 
 import pymunk
 
-from ..scenarios.engine import SCENE_KEYS, Declared
+from ..scenarios.engine import ALL_KEYS, Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -100,7 +100,7 @@ class PymunkEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, which pymunk has no notion of, and `tie_policy`: it solves all contacts of a step."""
-        return SCENE_KEYS - {"capture", "tie_policy"}
+        return ALL_KEYS - {"capture", "tie_policy"}
 
     def finer(self) -> PymunkEngine:
         """Half the time step, and room for twice the steps."""

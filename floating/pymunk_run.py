@@ -81,9 +81,10 @@ class Recorder:
                 first, second = arbiter.shapes
                 i, j = places[first], places[second]
                 pair = (i, j) if i < j else (j, i)
-                if arbiter.total_impulse != (0.0, 0.0):
+                if arbiter.total_impulse != (0.0, 0.0) and pair not in pushed:  # a polygon may be of several shapes
                     pushed.append(pair)
-                touched.append(pair)
+                if pair not in touched:
+                    touched.append(pair)
             except BaseException as error:
                 failures.append(error)
 
@@ -107,6 +108,9 @@ class Recorder:
     def step(self, time: float) -> bool:
         """Notes what the step that ended at `time` did; whether that was an event."""
         touched, pushed = self.touched, self._pushed
+        if self._world.joints:
+            for pairs in (touched, pushed):
+                pairs[:] = dict.fromkeys(map(self._world.named, pairs))
         collided = bool(pushed)
         if len(touched) == 1 and not self._corrects:
             self._tie(time, touched[0], all_of_them=False)
@@ -162,7 +166,10 @@ class Recorder:
         bodies = self._world.bodies
         walls = self._world.walls
         if second >= len(bodies) + len(walls):
-            return self._world.from_bar(second - len(bodies) - len(walls), *bodies[first].position)
+            number = second - len(bodies) - len(walls)
+            if number >= len(self._world.bars):
+                return self._world.from_outline(number - len(self._world.bars), *bodies[first].position)
+            return self._world.from_bar(number, *bodies[first].position)
         if second >= len(bodies):
             nx, ny, _ = self._world.walls[second - len(bodies)]
             return nx, ny
@@ -411,8 +418,7 @@ class Run:
             if np.any(side * (speed @ (nx, ny)) < 0):
                 return False
         for body in self.world.moving:  # a distance from a segment is convex along a flight
-            for number in range(len(self.world.bars)):
-                away = self.world.from_bar(number, *body.position)
+            for away in self.world.ways_from(*body.position):
                 if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
                     return False
         return not any(

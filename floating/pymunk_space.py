@@ -1,6 +1,7 @@
 """A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run.
 
-A segment of the scene is pymunk's own: it is the same thing, its thickness too.
+A segment of the scene is pymunk's own: it is the same thing, its thickness too. So is a convex polygon; the sides of
+another one are segments.
 """
 
 from __future__ import annotations
@@ -14,11 +15,14 @@ import pymunk
 
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
-from ..scenarios.things import Circle, Segment, Wall
+from ..scenarios.things import Circle, Polygon, Segment, Wall
 
 # -- Convex polygons, cut by lines: where walls leave room.
 
 Point: TypeAlias = tuple[float, float]
+
+Bar: TypeAlias = tuple[float, float, float, float]
+"""A straight way from one point to another: x0, y0, x1, y1."""
 
 
 def clipped(region: Sequence[Point], nx: float, ny: float, height: float) -> list[Point]:
@@ -45,7 +49,7 @@ DAMPING = 1.0
 """Share of the velocity kept in a unit of time: all of it."""
 
 ELASTICITY = 1.0
-"""Of every shape: pymunk multiplies the two of a contact, and 1 is perfectly elastic."""
+"""Of every shape, times the square root of the scene's restitution: pymunk multiplies the two of a contact."""
 
 FRICTION = 0.0
 
@@ -73,10 +77,12 @@ class PymunkSpace:
         space: ready to step.
         bodies: one a circle, in scene order.
         moving: those of the circles that are not fixed.
-        places: the index in `scene.ids` of each shape's circle, wall or segment.
+        places: the index in `scene.ids` of each shape's circle, wall, segment or polygon.
         walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
         bars: (x0, y0, x1, y1) of each segment.
+        outlines: the same of all sides of each polygon.
+        joints: of each end that segments share, the number of the segment that names it: the first of the thickest.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
     """
 
@@ -87,14 +93,41 @@ class PymunkSpace:
     walls: tuple[tuple[float, float, float], ...]
     sides: tuple[tuple[int, ...], ...]
     bars: tuple[tuple[float, float, float, float], ...]
+    outlines: tuple[tuple[Bar, ...], ...]
+    joints: dict[tuple[float, float], int]
     speed: float
+
+    def named(self, pair: tuple[int, int]) -> tuple[int, int]:
+        """A circle and a segment, by the segment that names the end, where the circle is nearest to one that is shared."""
+        first = len(self.bodies) + len(self.walls)
+        if pair[1] < first or not self.joints:
+            return pair
+        (x0, y0, x1, y1), (x, y) = self.bars[pair[1] - first], self.bodies[pair[0]].position
+        ux, uy = x1 - x0, y1 - y0
+        foot = (x - x0) * ux + (y - y0) * uy
+        end = (x0, y0) if foot <= 0 else (x1, y1) if foot >= ux * ux + uy * uy else None
+        number = None if end is None else self.joints.get(end)
+        return pair if number is None else (pair[0], first + number)
 
     def from_bar(self, number: int, x: float, y: float) -> tuple[float, float]:
         """The way from the nearest point of a segment to a point."""
-        x0, y0, x1, y1 = self.bars[number]
-        ux, uy = x1 - x0, y1 - y0
-        share = min(1.0, max(0.0, ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)))
-        return x - x0 - share * ux, y - y0 - share * uy
+        return _from_bar(self.bars[number], x, y)
+
+    def from_outline(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """The way from the nearest point of a polygon's sides to a point."""
+        return min((_from_bar(bar, x, y) for bar in self.outlines[number]), key=lambda way: math.hypot(*way))
+
+    def ways_from(self, x: float, y: float) -> Iterator[tuple[float, float]]:
+        """The ways from the nearest points of all segments and sides to a point."""
+        for bar in (*self.bars, *(bar for outline in self.outlines for bar in outline)):
+            yield _from_bar(bar, x, y)
+
+
+def _from_bar(bar: Bar, x: float, y: float) -> tuple[float, float]:
+    x0, y0, x1, y1 = bar
+    ux, uy = x1 - x0, y1 - y0
+    share = min(1.0, max(0.0, ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)))
+    return x - x0 - share * ux, y - y0 - share * uy
 
 
 def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, slop: float, bias: float) -> PymunkSpace:
@@ -144,14 +177,34 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
             shape = _bar(space.static_body, segment)
             space.add(shape)
             places[shape] = len(scene.circles) + len(scene.walls) + index
+        for index, polygon in enumerate(scene.polygons, start=len(scene.ids) - len(scene.polygons)):
+            for shape in _solid(space.static_body, polygon):
+                space.add(shape)
+                places[shape] = index
     except OverflowError:
         raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
+    elasticity = ELASTICITY * math.sqrt(scene.restitution)
     for shape in places:
-        shape.elasticity = ELASTICITY
+        shape.elasticity = elasticity
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, speed)
+    outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
+    joints = _joints(scene, bars)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, joints, speed)
+
+
+def _joints(scene: Scene, bars: Sequence[tuple[float, float, float, float]]) -> dict[tuple[float, float], int]:
+    """See `PymunkSpace.joints`."""
+    at: dict[tuple[float, float], list[int]] = {}
+    for number, (x0, y0, x1, y1) in enumerate(bars):
+        at.setdefault((x0, y0), []).append(number)
+        at.setdefault((x1, y1), []).append(number)
+    return {
+        end: max(numbers, key=lambda number: (scene.segments[number].r, -number))
+        for end, numbers in at.items()
+        if len(numbers) > 1
+    }
 
 
 def _only(cell: int) -> pymunk.ShapeFilter:
@@ -172,6 +225,18 @@ def _bar(static: pymunk.Body, segment: Segment) -> pymunk.Segment:
     """A segment, which circles of every cell meet."""
     ends = (float(segment.x0), float(segment.y0)), (float(segment.x1), float(segment.y1))
     return pymunk.Segment(static, *ends, float(segment.r))
+
+
+def _sides(polygon: Polygon) -> list[tuple[Point, Point]]:
+    return [((float(a[0]), float(a[1])), (float(b[0]), float(b[1]))) for a, b in polygon.sides()]
+
+
+def _solid(static: pymunk.Body, polygon: Polygon) -> list[pymunk.Shape]:
+    """A polygon, which circles of every cell meet: one shape where it is convex, else its sides."""
+    sides, r = _sides(polygon), float(polygon.r)
+    if polygon.convex:
+        return [pymunk.Poly(static, [a for a, _ in sides], radius=r)]
+    return [pymunk.Segment(static, a, b, r) for a, b in sides]
 
 
 def _mass(circle: Circle) -> float:

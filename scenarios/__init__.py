@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .numbers.quantity import Quantity
     from .scene import Scene
     from .settings import TiePolicy
-    from .things import Circle, Pocket, Segment, Wall
+    from .things import Circle, Pocket, Polygon, Segment, Wall
     from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "Engine",
     "Event",
     "Pocket",
+    "Polygon",
     "Quantity",
     "Scene",
     "SceneError",
@@ -43,6 +44,7 @@ _HOMES = {
     "Engine": "engine",
     "Event": "trajectory",
     "Pocket": "things",
+    "Polygon": "things",
     "Quantity": "numbers.quantity",
     "Scene": "scene",
     "SceneError": "errors",

@@ -15,8 +15,13 @@ DEFAULT_EVENTS = 1_000
 """Limit on instants where neither the caller nor the scene sets a horizon."""
 
 
-SCENE_KEYS = frozenset({"wall", "segment", "pocket", "capture", "reverse_at", "reverse_after", "tie_policy"})
+SCENE_KEYS = frozenset(
+    {"wall", "segment", "pocket", "capture", "reverse_at", "reverse_after", "tie_policy", "restitution"}
+)
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
+
+ALL_KEYS = SCENE_KEYS | {"polygon"}
+"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out."""
 
 
 class Engine(Protocol):
@@ -48,7 +53,7 @@ class Engine(Protocol):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """Those of `SCENE_KEYS` that it follows."""
+        """Those of `ALL_KEYS` that it follows."""
         ...
 
     def finer(self) -> Engine | None:
@@ -104,7 +109,7 @@ class EventDriven(Unchangeable):
     Attributes:
         step: none: event-driven (see `Engine.step`).
         rounds_input: takes a scene's numbers as they are (see `Engine.rounds_input`).
-        scene_keys: follows every key (see `Engine.scene_keys`).
+        scene_keys: follows `SCENE_KEYS` (see `Engine.scene_keys`).
     """
 
     step: Any = None

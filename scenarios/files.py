@@ -16,7 +16,7 @@ from .errors import SHOWN, Bare, SceneError, cut, printable
 from .numbers.parsing import MAX_LENGTH
 from .numbers.quantity import Quantity
 from .scene import MAX_CIRCLES, Scene
-from .things import FIXED, INFINITE, Circle, Pocket, Segment, Wall
+from .things import FIXED, INFINITE, Circle, Pocket, Polygon, Segment, Wall
 
 # -- From the keys and values of a scene file to the scene; whatever does not fit is refused by name.
 
@@ -26,17 +26,18 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
-TOP = (*TEXTS, *COUNTS, *TIMES, "capture", "circle", "wall", "segment", "pocket")
+TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "capture", "circle", "wall", "segment", "polygon", "pocket")
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
 SEGMENT = (*WALL, "r")
+POLYGON = ("id", "points", "r")
 POCKET = ("id", "x", "y", "r")
 
 ABSENT = frozenset(
     [
         *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
         *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
-        *("period_x", "period_y", "polygon", "rectangle", "restitution", "rotation", "settle", "spin"),
+        *("period_x", "period_y", "rectangle", "rotation", "settle", "spin"),
         *("spring", "torque"),
     ]
 )
@@ -47,7 +48,7 @@ WORLD = "docs/scenes.md#what-the-world-has"
 
 
 TOML_LIST, JSON_LIST = "write [[{kind}]] above each of them", 'write "{kind}": [{{...}}, {{...}}]'
-"""How each kind of file writes a list of circles, walls or pockets."""
+"""How each kind of file writes a list of circles, walls or others."""
 
 
 def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) -> Scene:
@@ -67,7 +68,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
         _check_keys("", data, TOP)
         values: dict[str, Any] = {key: _text(key, data[key]) for key in TEXTS if key in data}
         values |= {key: _count(key, data[key]) for key in COUNTS if key in data}
-        values |= {key: _number("", key, data[key]) for key in TIMES if key in data}
+        values |= {key: _number("", key, data[key]) for key in (*TIMES, "restitution") if key in data}
         if "capture" in data:
             values["capture"] = _truth("capture", data["capture"])
         return Scene(
@@ -75,6 +76,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
             walls=_things(data, "wall", _wall, remedy),
             pockets=_things(data, "pocket", _pocket, remedy),
             segments=_things(data, "segment", _segment, remedy),
+            polygons=_things(data, "polygon", _polygon, remedy),
             **values,
         )
     except SceneError as error:
@@ -123,6 +125,23 @@ def _wall(label: str, row: dict[str, Any]) -> Wall:
 def _segment(label: str, row: dict[str, Any]) -> Segment:
     _check_keys(label, row, SEGMENT)
     return Segment(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("r",)))
+
+
+def _polygon(label: str, row: dict[str, Any]) -> Polygon:
+    _check_keys(label, row, POLYGON)
+    if "points" not in row:
+        raise SceneError(f"{label}: points is missing; write points = [[x, y], [x, y], [x, y]]")
+    points: object = row["points"]
+    if not isinstance(points, list):
+        raise SceneError(f"{label}: points = {cut(points)} is not a list; write [[x, y], [x, y], [x, y]]")
+    pairs: list[tuple[Quantity, Quantity]] = []
+    for number, point in enumerate(cast("list[object]", points), start=1):
+        pair = cast("list[object]", point) if isinstance(point, list) else []
+        if len(pair) != 2:
+            raise SceneError(f"{label}: point {number} = {cut(point)} is not a pair; write [x, y]")
+        place = f"{label}: point {number}"
+        pairs.append((_number(place, "x", pair[0]), _number(place, "y", pair[1])))
+    return Polygon(pairs, id=row["id"], **_numbers(label, row, required=(), others=("r",)))
 
 
 def _pocket(label: str, row: dict[str, Any]) -> Pocket:
@@ -188,7 +207,7 @@ def _check_physics(data: dict[str, Any]) -> None:
         SceneError: naming each key, and the first thing that has it.
     """
     found = {key: "" for key in data if _is_physics(key)}
-    for kind in ("circle", "wall", "segment", "pocket"):
+    for kind in ("circle", "wall", "segment", "polygon", "pocket"):
         rows: object = data.get(kind)
         for row in rows if _few(rows) and _are_tables(rows) else []:
             for key in row:
@@ -421,10 +440,13 @@ def _data(scene: Scene) -> dict[str, Any]:
     """The scene's keys and values, once it is sure that a file can hold them."""
     data = scene.data()
     _check_table("", data)
-    for kind in ("circle", "wall", "segment", "pocket"):
+    for kind in ("circle", "wall", "segment", "polygon", "pocket"):
         rows: list[dict[str, Any]] = data.get(kind, [])
         for row in rows:
-            _check_table(f"{kind} {cut(row['id'])}: ", row)
+            label = f"{kind} {cut(row['id'])}: "
+            _check_table(label, row)
+            for number, point in enumerate(row.get("points", ()), start=1):
+                _check_table(f"{label}point {number}: ", dict(zip("xy", point, strict=True)))
     return data
 
 
@@ -444,10 +466,21 @@ def _check_table(place: str, table: dict[str, Any]) -> None:
 def _toml_line(key: str, value: Any) -> str:
     if isinstance(value, bool):
         return f"{key} = {'true' if value else 'false'}"
+    if isinstance(value, list):
+        pairs = [", ".join(_toml_number(part) for part in pair) for pair in cast("list[list[str]]", value)]
+        text = ", ".join(f"[{pair}]" for pair in pairs)
+        if len(text) > PLAIN:
+            text = "".join(f"\n    [{pair}]," for pair in pairs) + "\n"
+        return f"{key} = [{text}]"
     if isinstance(value, int) or (key in NUMBERS and BARE.fullmatch(value)):
         return f"{key} = {value}"
     quoted = json.dumps(value, ensure_ascii=False)  # TOML escapes what JSON does, and the character 7f
     return f"{key} = {printable(quoted, WIDE)}"
+
+
+def _toml_number(text: str) -> str:
+    """One number of a list: as it stands where every reader of TOML holds it exactly, else in quotes."""
+    return text if BARE.fullmatch(text) else json.dumps(text)
 
 
 # -- Scene files on disk: read whole, written all or nothing.

@@ -11,7 +11,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from .things import Circle, Pocket, Segment, Wall
+    from .things import Circle, Pocket, Polygon, Segment, Wall
 
     pass
 
@@ -37,6 +37,8 @@ class Pictured(Protocol):
     def pockets(self) -> tuple[Pocket, ...]: ...
     @property
     def segments(self) -> tuple[Segment, ...]: ...
+    @property
+    def polygons(self) -> tuple[Polygon, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,9 @@ def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
         x0, y0, x1, y1, r = segment_line(segment)
         xs += [x0 - r, x1 - r, x0 + r, x1 + r]
         ys += [y0 - r, y1 - r, y0 + r, y1 + r]
+    for points, r in map(polygon_outline, scene.polygons):
+        xs += [x + side for x, _ in points for side in (-r, r)]
+        ys += [y + side for _, y in points for side in (-r, r)]
     width, height = max(xs) - min(xs), max(ys) - min(ys)
     room = MARGIN * max(width, height, 1e-9)
     width, height = (
@@ -112,6 +117,11 @@ def segment_line(segment: Segment) -> tuple[float, float, float, float, float]:
     return float(segment.x0), float(segment.y0), float(segment.x1), float(segment.y1), float(segment.r)
 
 
+def polygon_outline(polygon: Polygon) -> tuple[list[tuple[float, float]], float]:
+    """A polygon's points and the radius of its corners as doubles."""
+    return [(float(x), float(y)) for x, y in polygon.points], float(polygon.r)
+
+
 def _nearest(
     line: tuple[float, float, float, float], points: Iterable[tuple[float, float]]
 ) -> list[tuple[float, float]]:
@@ -130,6 +140,7 @@ def _nearest(
 
 STYLE = """
 .frame { fill: #fbfaf7; } .wall { stroke: #555; stroke-width: 1.5; } .pocket { fill: #ddd9cf; }
+.solid { fill: #999; stroke: #999; stroke-width: 0; stroke-linejoin: round; }
 .circle { fill: #2b6cb022; stroke: #2b6cb0; } .fixed { fill: #5555; stroke: #555; }
 .other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
 .velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
@@ -205,6 +216,7 @@ def draw(
     parts += [_round("pocket", view, float(p.x), float(p.y), float(p.r)) for p in scene.pockets]
     names = set(marked)
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
+    parts += [_solid(view, *polygon_outline(p), p.id in names, str(p.id)) for p in scene.polygons]
     parts += [_segment(view, segment_line(s), s.id in names, str(s.id)) for s in scene.segments]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
@@ -250,6 +262,15 @@ def _segment(view: View, line: tuple[float, float, float, float, float], marked:
     return (
         f'<line class="wall{" marked" if marked else ""}" x1="{view.x(x0):.2f}" y1="{view.y(y0):.2f}" '
         f'x2="{view.x(x1):.2f}" y2="{view.y(y1):.2f}"{wide}><title>{escape(name)}</title></line>'
+    )
+
+
+def _solid(view: View, points: Sequence[tuple[float, float]], r: float, marked: bool, name: str) -> str:
+    """A polygon, with its corners as round as they are."""
+    path = " ".join(f"{view.x(x):.2f},{view.y(y):.2f}" for x, y in points)
+    return (
+        f'<polygon class="solid{" marked" if marked else ""}" points="{path}" '
+        f'style="stroke-width:{max(2 * r * view.scale, 3.0 * marked):.2f}"><title>{escape(name)}</title></polygon>'
     )
 
 

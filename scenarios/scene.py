@@ -11,13 +11,13 @@ from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
-from .settings import TiePolicy, checked_truth, positive_count, positive_time
-from .things import Circle, Pocket, Segment, Wall
+from .settings import ELASTIC, TiePolicy, checked_restitution, checked_truth, positive_count, positive_time
+from .things import Circle, Pocket, Polygon, Segment, Wall
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
 
-THINGS = frozenset({"circles", "walls", "pockets", "segments"})
+THINGS = frozenset({"circles", "walls", "pockets", "segments", "polygons"})
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,14 @@ class Scene:
         capture: whether a circle that enters a pocket leaves play.
         description, source: what the scene shows and where it comes from.
         segments: straight segments, after the walls in that order.
+        polygons: solid polygons, after the segments in that order.
+        restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
-        surfaces: the same scene as engines see it: segments as faces and ends; itself where there are none.
+        surfaces: the same scene as engines see it: segments and polygons as faces and ends; itself without.
 
     Raises:
-        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive.
+        SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
+            restitution out of its range, and one below 1 together with a reversal.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -61,6 +64,8 @@ class Scene:
     description: str = ""
     source: str = ""
     segments: tuple[Segment, ...] = ()
+    polygons: tuple[Polygon, ...] = ()
+    restitution: Quantity = ELASTIC
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -78,12 +83,15 @@ class Scene:
         description: str = "",
         source: str = "",
         segments: Iterable[Segment] = (),
+        polygons: Iterable[Polygon] = (),
+        restitution: QuantityLike = 1,
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
         put(self, "walls", tuple(_named(walls, "w")))
         put(self, "pockets", tuple(_named(pockets, "p")))
         put(self, "segments", tuple(_named(segments, "s")))
+        put(self, "polygons", tuple(_named(polygons, "g")))
         self._settle(
             name=name,
             tie_policy=tie_policy,
@@ -94,16 +102,16 @@ class Scene:
             capture=capture,
             description=description,
             source=source,
+            restitution=restitution,
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
-        if self.segments:
-            from .surfaces import check_segments, ends_of
+        if self.segments or self.polygons:
+            from .surfaces import check_surfaces
 
-            outer, inner = check_segments(self.circles, self.walls, self.segments)
-            ends = len(ends_of(self.segments))
+            outer, inner = check_surfaces(self.circles, self.walls, self.segments, self.polygons, self._ends)
             n = len(self.circles)
-            inner += [(i, j if j < n else j + ends) for i, j in touching]
+            inner += [(i, j if j < n else j + len(self._ends)) for i, j in touching]
             touching = tuple(sorted([*touching, *outer]))
             put(self, "_lowered_touching", tuple(sorted(inner)))
         put(self, "touching", touching)
@@ -120,6 +128,7 @@ class Scene:
         capture: object,
         description: str,
         source: str,
+        restitution: QuantityLike,
     ) -> None:
         """Sets all but the circles, walls and pockets."""
         put = object.__setattr__
@@ -131,11 +140,17 @@ class Scene:
         put(self, "reverse_at", positive_time("reverse_at", reverse_at))
         put(self, "until", positive_time("until", until))
         put(self, "capture", checked_truth("capture", capture))
+        put(self, "restitution", checked_restitution(restitution))
         if not isinstance(name, str) or not name:
             raise SceneError(f"name = {name!r} is not text; give the scene a name")
         put(self, "name", name)
         if self.reverse_after is not None and self.reverse_at is not None:
             raise SceneError("reverse_after and reverse_at are both set; keep one of them")
+        if not self.elastic and (self.reverse_after is not None or self.reverse_at is not None):
+            key = "reverse_at" if self.reverse_after is None else "reverse_after"
+            raise SceneError(
+                f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
+            )
 
     def _check_things(self) -> None:
         if not self.circles:
@@ -143,11 +158,9 @@ class Scene:
         if len(self.circles) > MAX_CIRCLES:
             raise SceneError(f"the scene has {len(self.circles)} circles; at most {MAX_CIRCLES}")
         seen: set[str | None] = set()
-        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments):
+        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments, *self.polygons):
             if thing.id in seen:
-                raise SceneError(
-                    f"id {thing.id!r} is used twice; give every circle, wall, segment and pocket an id of its own"
-                )
+                raise SceneError(f"id {thing.id!r} is used twice; give everything an id of its own")
             seen.add(thing.id)
 
     @kept
@@ -158,47 +171,64 @@ class Scene:
         """Taken once: what is known of a scene is looked up by it in every run."""
         return self._hash
 
+    @property
+    def elastic(self) -> bool:
+        """Whether contacts keep the energy: its restitution is 1."""
+        return self.restitution == ELASTIC
+
     @kept
     def ids(self) -> tuple[str, ...]:
-        """Ids of the circles, then of the walls, then of the segments: the scene order."""
-        return tuple(str(thing.id) for thing in (*self.circles, *self.walls, *self.segments))
+        """Ids of the circles, then of the walls, the segments and the polygons: the scene order."""
+        return tuple(str(thing.id) for thing in (*self.circles, *self.walls, *self.segments, *self.polygons))
+
+    @kept
+    def _ends(self) -> tuple[Circle, ...]:
+        """The ends of segments and the corners of polygons, as fixed circles."""
+        from .surfaces import ends_of
+
+        return ends_of(self.segments, self.polygons, any(circle.r.sign() == 0 for circle in self.circles))
 
     @kept
     def surfaces(self) -> Scene:
-        """The same scene as engines see it: segments as faces, after the walls, and ends, after the circles.
+        """The same scene as engines see it: segments and polygons as faces, after the walls, and ends, after circles.
 
-        Itself where it has none.
+        Itself where it has neither.
         """
-        if not self.segments:
+        if not self.segments and not self.polygons:
             return self
-        from .surfaces import SegmentFace, ends_of
+        from .surfaces import faces_of
 
         found = copy(self)
         kept_values = vars(found)
-        for name in ("_hash", "ids", "surfaces", "faces"):
+        for name in ("_hash", "ids", "surfaces", "faces", "_ends"):
             kept_values.pop(name, None)
-        ends = ends_of(self.segments)
-        faces = (SegmentFace.of(segment, back) for segment in self.segments for back in (False, True))
-        kept_values["ends"] = range(len(self.circles), len(self.circles) + len(ends))
+        kept_values["ends"] = range(len(self.circles), len(self.circles) + len(self._ends))
+        kept_values["two_sided"] = range(len(self.walls), len(self.walls) + 2 * len(self.segments))
         put = object.__setattr__
-        put(found, "circles", (*self.circles, *ends))
-        put(found, "walls", (*self.walls, *faces))
+        put(found, "circles", (*self.circles, *self._ends))
+        put(found, "walls", (*self.walls, *faces_of(self.segments, self.polygons)))
         put(found, "segments", ())
+        put(found, "polygons", ())
         put(found, "touching", kept_values["_lowered_touching"])
         return found
 
     @kept
     def ends(self) -> range:
-        """Which of the circles are ends of segments: the last of them, and none but in `surfaces`."""
+        """Which of the circles are ends of segments, or corners: the last of them, and none but in `surfaces`."""
         return range(len(self.circles), len(self.circles))
 
     @kept
     def faces(self) -> range:
-        """Which of the walls are faces of segments: the last of them, and none but in `surfaces`."""
+        """Which of the walls are faces of segments and polygons: the last of them, and none but in `surfaces`."""
         return range(
             next((k for k, wall in enumerate(self.walls) if wall.is_face), len(self.walls)),
             len(self.walls),
         )
+
+    @kept
+    def two_sided(self) -> range:
+        """Which of the faces are of segments: each with the other side of its segment beside it."""
+        return range(0)
 
     def with_changes(self, **changes: Any) -> Scene:
         """A copy with some attributes replaced.
@@ -230,6 +260,8 @@ class Scene:
                 data[key] = getattr(self, key).text()
         if self.capture:
             data["capture"] = True
+        if not self.elastic:
+            data["restitution"] = self.restitution.text()
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):
             if circle.point:
@@ -241,6 +273,13 @@ class Scene:
             for row in data["segment"]:
                 if row["r"] == "0":
                     del row["r"]
+        if self.polygons:
+            data["polygon"] = [
+                {"id": p.id, "points": [[x.text(), y.text()] for x, y in p.points]} for p in self.polygons
+            ]
+            for polygon, row in zip(self.polygons, data["polygon"], strict=True):
+                if polygon.r.sign() != 0:
+                    row["r"] = polygon.r.text()
         if self.pockets:
             data["pocket"] = [_texts(p, ("x", "y", "r")) for p in self.pockets]
         return data
@@ -256,6 +295,7 @@ class Scene:
             "circle": len(self.circles),
             "wall": len(self.walls),
             "segment": len(self.segments),
+            "polygon": len(self.polygons),
             "pocket": len(self.pockets),
         }
         told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
@@ -264,7 +304,10 @@ class Scene:
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""
-        kinds = (("circle", self.circles), ("wall", self.walls), ("segment", self.segments), ("pocket", self.pockets))
+        kinds = (
+            *(("circle", self.circles), ("wall", self.walls), ("segment", self.segments)),
+            *(("polygon", self.polygons), ("pocket", self.pockets)),
+        )
         made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
         return f"{self.name}: {', '.join(made)}"
 
@@ -279,7 +322,7 @@ class Scene:
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment)
+Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment, Polygon)
 
 
 def _named(things: Iterable[Thing], letter: str) -> list[Thing]:

@@ -1,26 +1,35 @@
-"""What a circle meets of a segment: two open faces, each met from its own side, and two round ends."""
+"""What a circle meets of segments and polygons: open faces, each met from its own side, and round ends."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot, isfinite
+from typing import TYPE_CHECKING, NamedTuple
 
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
-from .things import FIXED, Circle, Segment, Wall
+from .things import FIXED, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
 # moved by r towards the circle, at its ends as far as a fixed circle of radius r. So a segment is two faces, walls
 # that are met from one side alone and where the foot of the circle's centre lies strictly between the ends, and two
 # ends, fixed circles, of radius 0 too. A corner belongs to its end: faces are open. An end that segments share is one.
+#
+# A polygon has, for each side, the one face that looks outward, and at each convex corner an end. What is outside of a
+# concave one lies in an angle below a half-turn, and a circle there that is not nearer than R + r to either side is
+# farther than that from the corner: it is met by a point alone, where r is 0, which nothing keeps off both sides.
 
 
 @dataclass(frozen=True, init=False)
 class SegmentFace(Wall):
-    """One side of a segment: a wall that only what lies on its left meets, strictly between its two points."""
+    """One side of a segment or polygon: a wall that only what lies on its left meets, strictly between its points."""
 
     is_face = True
 
@@ -44,26 +53,66 @@ class SegmentFace(Wall):
         return cls(x0 + dx, y0 + dy, x1 + dx, y1 + dy, id=segment.id)
 
 
-def ends_of(segments: Sequence[Segment]) -> tuple[Circle, ...]:
-    """The ends of segments as fixed circles, each named by the first segment that has it, with the greatest r there."""
-    found: dict[tuple[Quantity, Quantity], tuple[Quantity, str | None]] = {}
+def faces_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = ()) -> Iterator[SegmentFace]:
+    """The faces: two of each segment, then one of each side of the polygons."""
+    for segment in segments:
+        for back in (False, True):
+            yield SegmentFace.of(segment, back)
+    for polygon in polygons:
+        for side in sides_of(polygon):
+            yield SegmentFace.of(side, back=False)
+
+
+def sides_of(polygon: Polygon) -> list[Segment]:
+    """The sides of a polygon as segments as thick, each with what is outside to its left."""
+    return [Segment(*a, *b, id=polygon.id, r=polygon.r) for a, b in polygon.sides()]
+
+
+def ends_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = (), points: bool = False) -> tuple[Circle, ...]:
+    """The ends as fixed circles, with the greatest r there, each named by the first thing that has that.
+
+    Args:
+        points: whether there are circles of radius 0, which meet concave corners too.
+
+    >>> [end.x.text() for end in ends_of([], [Polygon([(0, 0), (2, 0), (1, 1), (1, 3)], id="dart")])]
+    ['1', '2', '0']
+    """
+    found: dict[Point, tuple[Quantity, str | None]] = {}
+
+    def take(place: Point, r: Quantity, name: str | None) -> None:
+        known = found.get(place)
+        if known is None or r > known[0]:
+            found[place] = r, name
+
     for segment in segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
-            r, name = found.get(place, (segment.r, segment.id))
-            found[place] = max(r, segment.r), name
+            take(place, segment.r, segment.id)
+    for polygon in polygons:
+        sides = polygon.sides()
+        for (a, b), (_, c) in zip(sides, (*sides[1:], sides[0]), strict=True):
+            turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            if turn.sign() < 0 or (points and polygon.r.sign() == 0):
+                take(b, polygon.r, polygon.id)
     return tuple(Circle(*place, r=r, m=FIXED, id=name, point=r.sign() == 0) for place, (r, name) in found.items())
 
 
-# -- Checks of segments, exactly, after doubles with a bound on their rounding have told what is far.
+# -- Checks of segments and polygons, exactly, after doubles with a bound on their rounding have told what is far.
 
 FAR = 2.0**-40
 """A share of all coordinates and radii that is more than what doubles lose of a distance from a segment."""
 
 
-def check_segments(
-    circles: Sequence[Circle], walls: Sequence[Wall], segments: Sequence[Segment]
+def check_surfaces(
+    circles: Sequence[Circle],
+    walls: Sequence[Wall],
+    segments: Sequence[Segment],
+    polygons: Sequence[Polygon],
+    ends: Sequence[Circle],
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Refuses segments that lie on each other, and circles across a segment; touching is fine.
+    """Refuses what lies on each other or overlaps, and circles across a segment or in a polygon; touching is fine.
+
+    Args:
+        ends: as `ends_of` gives them.
 
     Returns:
         The pairs at gap zero: by index in `Scene.ids`, and by index in the lowered scene.
@@ -71,24 +120,85 @@ def check_segments(
     Raises:
         SceneError: naming both, and the remedy.
 
-    >>> check_segments([Circle(0, 1), Circle(2, 0)], [], [Segment(-1, 0, 1, 0, id="s")])
+    >>> bar = Segment(-1, 0, 1, 0, id="s")
+    >>> check_surfaces([Circle(0, 1), Circle(2, 0)], [], [bar], [], ends_of([bar]))
     ([(0, 2), (1, 2)], [(0, 4), (1, 3)])
     """
     for k, segment in enumerate(segments):
         for other in segments[:k]:
-            _check_beside(other, segment)
-    known = {(end.x, end.y): len(circles) + k for k, end in enumerate(ends_of(segments))}
-    first_face = len(circles) + len(known) + len(walls)
-    outer: list[tuple[int, int]] = []
-    inner: list[tuple[int, int]] = []
-    rough = [_rough(segment) for segment in segments]
+            if _run_on(other, segment):
+                raise SceneError(f"segment {segment.id!r}: lies on segment {other.id!r}; make them one")
+    sides = [sides_of(polygon) for polygon in polygons]
+    _check_polygons(segments, polygons, sides)
+    known = {(end.x, end.y): len(circles) + k for k, end in enumerate(ends)}
+    first, first_face = len(circles) + len(walls), len(circles) + len(ends) + len(walls)
+    # each bar with the index of its thing, the words for that, and the index of its faces: a side has but one
+    bars = [(bar, first + k, "segment", first_face + 2 * k) for k, bar in enumerate(segments)]
+    first_face += 2 * len(segments)
+    for k, bar in ((k, bar) for k, mine in enumerate(sides) for bar in mine):
+        bars.append((bar, first + len(segments) + k, "polygon", first_face))
+        first_face += 1
+    _check_outside(circles, polygons)
+    outer: set[tuple[int, int]] = set()
+    inner: set[tuple[int, int]] = set()
+    rough = [_rough(bar) for bar, *_ in bars]
     for i, circle in enumerate(circles):
-        for k in _near(circle, rough):
-            part = _touched(circle, segments[k])
+        for bar, thing, kind, face in (bars[k] for k in _near(circle, rough)):
+            part = _touched(circle, bar, kind)
             if part is not None and not circle.fixed:
-                outer.append((i, len(circles) + len(walls) + k))
-                inner.append((i, known[part] if isinstance(part, tuple) else first_face + 2 * k + part))
-    return outer, sorted(set(inner))
+                outer.add((i, thing))
+                inner.add((i, known[part] if isinstance(part, tuple) else face + part))
+    return sorted(outer), sorted(inner)
+
+
+def _check_outside(circles: Sequence[Circle], polygons: Sequence[Polygon]) -> None:
+    """Refuses circles whose centre is inside of a polygon; what is across a side is found elsewhere."""
+    boxes = [box_of(polygon.points) for polygon in polygons]
+    for circle in circles if boxes else ():
+        place = box_of([(circle.x, circle.y)])
+        for polygon, box in zip(polygons, boxes, strict=True):
+            if boxes_meet(place, box) and polygon.around(circle.x, circle.y):
+                raise SceneError(f"circle {circle.id!r}: its centre is in polygon {polygon.id!r}; move it out")
+
+
+def _check_polygons(
+    segments: Sequence[Segment], polygons: Sequence[Polygon], sides: Sequence[Sequence[Segment]]
+) -> None:
+    """Refuses polygons that overlap, and segments that lie on a side of one."""
+    boxes = [box_of(polygon.points) for polygon in polygons]
+    for k, polygon in enumerate(polygons):
+        for segment in segments:
+            if any(_run_on(side, segment) for side in sides[k]):
+                raise SceneError(f"segment {segment.id!r}: lies on a side of polygon {polygon.id!r}; leave it out")
+        for j in range(k):
+            if boxes_meet(boxes[j], boxes[k]) and _overlap(polygons[j], polygon, sides[j], sides[k]):
+                names = f"polygon {polygon.id!r}: overlaps polygon {polygons[j].id!r}"
+                raise SceneError(f"{names}; make them one, or move it")
+
+
+def _overlap(a: Polygon, b: Polygon, mine: Sequence[Segment], theirs: Sequence[Segment]) -> bool:
+    """Whether two polygons cross, lie on each other, or one has a corner of the other inside; touching is fine."""
+    if any(crossing(way, other) for way in a.sides() for other in b.sides()):
+        return True
+    for one in mine:
+        for other in theirs:
+            along = (one.x1 - one.x0) * (other.x1 - other.x0) + (one.y1 - one.y0) * (other.y1 - other.y0)
+            if along.sign() > 0 and _run_on(one, other):
+                return True
+    return _has_inside(a, b, mine) or _has_inside(b, a, theirs)
+
+
+def _has_inside(around: Polygon, polygon: Polygon, sides: Sequence[Segment]) -> bool:
+    """Whether a corner of a polygon is inside of another, and not on a side of it."""
+    on = [[_beside(side, *place) for side in sides] for place in polygon.corners()]
+    return any(around.around(*place) for place, told in zip(polygon.corners(), on, strict=True) if not any(told))
+
+
+def _beside(side: Segment, x: Quantity, y: Quantity) -> bool:
+    """Whether a point lies on a side, its ends included."""
+    ux, uy, dx, dy = side.x1 - side.x0, side.y1 - side.y0, x - side.x0, y - side.y0
+    along = dx * ux + dy * uy
+    return (ux * dy - uy * dx).sign() == 0 and along.sign() >= 0 and (ux * ux + uy * uy - along).sign() >= 0
 
 
 def _rough(segment: Segment) -> tuple[float, float, float, float, float] | None:
@@ -120,8 +230,11 @@ def _near(circle: Circle, rough: Sequence[tuple[float, float, float, float, floa
         yield k
 
 
-def _touched(circle: Circle, segment: Segment) -> tuple[Quantity, Quantity] | int | None:
+def _touched(circle: Circle, segment: Segment, kind: str) -> Point | int | None:
     """The end that a circle touches, or the face (0 or 1); None where they are apart.
+
+    Args:
+        kind: what the segment is, or is a side of.
 
     Raises:
         SceneError: where they overlap.
@@ -130,7 +243,7 @@ def _touched(circle: Circle, segment: Segment) -> tuple[Quantity, Quantity] | in
     dx, dy = circle.x - segment.x0, circle.y - segment.y0
     square, foot, height = ux * ux + uy * uy, dx * ux + dy * uy, ux * dy - uy * dx
     reach = circle.r + segment.r
-    part: tuple[Quantity, Quantity] | int
+    part: Point | int
     if foot.sign() > 0 and (square - foot).sign() > 0:
         part, away2 = (0 if height.sign() > 0 else 1), height * height / square
     else:
@@ -138,24 +251,52 @@ def _touched(circle: Circle, segment: Segment) -> tuple[Quantity, Quantity] | in
         away2 = (circle.x - part[0]) * (circle.x - part[0]) + (circle.y - part[1]) * (circle.y - part[1])
     sign = (away2 - reach * reach).sign()
     if away2.sign() == 0:
-        raise SceneError(f"circle {circle.id!r}: its centre lies on segment {segment.id!r}; move it to one side")
+        raise SceneError(f"circle {circle.id!r}: its centre lies on {kind} {segment.id!r}; move it to one side")
     if sign < 0:
         overlap = shown_amount(reach - away2.sqrt())
         raise SceneError(
-            f"circle {circle.id!r}: lies across segment {segment.id!r}, by {overlap} at time 0; move it, or reduce r"
+            f"circle {circle.id!r}: lies across {kind} {segment.id!r}, by {overlap} at time 0; move it, or reduce r"
         )
     return part if sign == 0 else None
 
 
-def _check_beside(a: Segment, b: Segment) -> None:
-    """Refuses two segments on one line that have more than a point in common."""
+def _run_on(a: Segment, b: Segment) -> bool:
+    """Whether two segments on one line have more than a point in common."""
     ux, uy = a.x1 - a.x0, a.y1 - a.y0
     places: list[Quantity] = []
     for x, y in ((b.x0, b.y0), (b.x1, b.y1)):
         dx, dy = x - a.x0, y - a.y0
         if (ux * dy - uy * dx).sign() != 0:
-            return
+            return False
         places.append(dx * ux + dy * uy)
     low, high = max(min(places), ZERO), min(max(places), ux * ux + uy * uy)
-    if (high - low).sign() > 0:
-        raise SceneError(f"segment {b.id!r}: lies on segment {a.id!r}; make them one")
+    return (high - low).sign() > 0
+
+
+# -- Which faces and ends are of which thing.
+
+
+class ThingParts(NamedTuple):
+    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`."""
+
+    faces: tuple[int, ...]
+    ends: tuple[int, ...]
+
+
+@lru_cache(maxsize=64)
+def parts_of(scene: Scene) -> Mapping[int, ThingParts]:
+    """The parts of every thing that has several, by its place in `Scene.ids`.
+
+    >>> from truebreak.scenarios import Scene
+    >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
+    {2: ThingParts(faces=(1, 2), ends=(1, 2))}
+    """
+    whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
+    ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
+    return {
+        before + k: ThingParts(
+            (whole.faces.start + 2 * k, whole.faces.start + 2 * k + 1),
+            (ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]),
+        )
+        for k, segment in enumerate(scene.segments)
+    }

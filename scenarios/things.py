@@ -1,10 +1,12 @@
-"""Circles, walls, segments and pockets: frozen, exact, checked each by itself."""
+"""Circles, walls, segments, polygons and pockets: frozen, exact, checked each by itself."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import inf
-from typing import Any, Literal
+from itertools import pairwise
+from math import inf, nextafter
+from typing import Any, Literal, TypeAlias, cast
 
 from .errors import SceneError, cut
 from .numbers.parsing import is_sympy
@@ -228,6 +230,167 @@ class Segment:
             )
         if self.r.sign() < 0:
             raise SceneError(f"{_label('segment', id)}: r = {self.r.brief()}: half a thickness is 0 or more")
+
+
+Point: TypeAlias = tuple[Quantity, Quantity]
+
+MAX_POINTS = 1_000
+"""Of one polygon: each of its sides is compared with every other."""
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A solid polygon, rounded by `r`: all that is within r of what its sides enclose; nothing is inside of it.
+
+    Attributes:
+        points: its corners in order, either way round; it need not be convex.
+
+    Raises:
+        SceneError: for fewer than three points, sides that meet elsewhere than at a corner, or a negative r.
+
+    >>> Polygon([(0, 0), (3, 0), (0, 4)], id="wedge").corners()
+    ((Quantity('0'), Quantity('0')), (Quantity('0'), Quantity('4')), (Quantity('3'), Quantity('0')))
+    """
+
+    points: tuple[Point, ...]
+    id: str | None
+    r: Quantity
+
+    def __init__(
+        self, points: Iterable[tuple[QuantityLike, QuantityLike]], id: str | None = None, r: QuantityLike = 0
+    ) -> None:
+        _checked_id("polygon", id)
+        put = object.__setattr__
+        put(self, "id", id)
+        put(self, "points", tuple(_point(id, k, point) for k, point in enumerate(points, start=1)))
+        put(self, "r", _exact("polygon", id, "r", r))
+        label = _label("polygon", id)
+        if self.r.sign() < 0:
+            raise SceneError(f"{label}: r = {self.r.brief()}: the radius of its corners is 0 or more")
+        if len(self.points) < 3:
+            told = f"{len(self.points)} point{'s' * (len(self.points) != 1)}"
+            raise SceneError(f"{label}: has {told}; a polygon needs three or more, or write a segment")
+        if len(self.points) > MAX_POINTS:
+            raise SceneError(f"{label}: has {len(self.points)} points; at most {MAX_POINTS}: write it as several")
+        _check_simple(label, self.points)
+
+    def sides(self) -> tuple[tuple[Point, Point], ...]:
+        """Each corner with the next one, in the order of `corners`: what is outside lies to the left."""
+        corners = self.corners()
+        return tuple(pairwise((*corners, corners[0])))
+
+    def corners(self) -> tuple[Point, ...]:
+        """The points, clockwise from the first of them that is a corner; one between two sides on one line is none."""
+        points = self.points
+        n = len(points)
+        found = [points[k] for k in range(n) if _turn(points[k - 1], points[k], points[(k + 1) % n]).sign() != 0]
+        double_area = sum((a[0] * b[1] - a[1] * b[0] for a, b in zip(found, found[1:] + found[:1], strict=True)), ZERO)
+        return tuple(found) if double_area.sign() < 0 else (found[0], *reversed(found[1:]))
+
+    @property
+    def convex(self) -> bool:
+        """Whether no corner turns inward."""
+        sides = self.sides()
+        return all(_turn(a, b, c).sign() < 0 for (a, b), (_, c) in zip(sides, (*sides[1:], sides[0]), strict=True))
+
+    def around(self, x: Quantity, y: Quantity) -> bool:
+        """Whether a point that is on none of the sides is inside: a ray to the right crosses an odd number of them.
+
+        >>> Polygon([(0, 0), (3, 0), (0, 4)]).around(Quantity.of(1), Quantity.of(1))
+        True
+        """
+        crossed = False
+        for (x0, y0), (x1, y1) in self.sides():
+            if ((y0 - y).sign() > 0) != ((y1 - y).sign() > 0):
+                turn = _turn((x0, y0), (x1, y1), (x, y)).sign()
+                crossed ^= turn > 0 if (y1 - y0).sign() > 0 else turn < 0
+        return crossed
+
+
+def _point(name: str | None, number: int, point: Any) -> Point:
+    """A corner of a polygon."""
+    label = f"{_label('polygon', name)}: point {number}"
+    pair = cast("Sequence[Any]", point) if isinstance(point, Sequence) and not isinstance(point, str | bytes) else ()
+    if len(pair) != 2:
+        raise SceneError(f"{label} = {cut(str(cast('object', point)))} is not a pair; write [x, y]")
+    found: list[Quantity] = []
+    for key, value in zip("xy", pair, strict=True):
+        try:
+            found.append(Quantity.of(value))
+        except SceneError as error:
+            raise SceneError(f"{label}: {key} = {error}") from None
+    return found[0], found[1]
+
+
+def _turn(a: Point, b: Point, c: Point) -> Quantity:
+    """Positive where c is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def crossing(a: tuple[Point, Point], b: tuple[Point, Point]) -> bool:
+    """Whether the insides of two straight ways cross in one point.
+
+    >>> one = Quantity.of(1)
+    >>> crossing(((-one, -one), (one, one)), ((-one, one), (one, -one)))
+    True
+    """
+    sides = [_turn(*way, point).sign() for way, other in ((a, b), (b, a)) for point in other]
+    return sides[0] * sides[1] < 0 and sides[2] * sides[3] < 0
+
+
+def _on(point: Point, way: tuple[Point, Point]) -> bool:
+    """Whether a point lies on a straight way, its ends included."""
+    (x0, y0), (x1, y1) = way
+    if _turn(*way, point).sign() != 0:
+        return False
+    ux, uy = x1 - x0, y1 - y0
+    along = (point[0] - x0) * ux + (point[1] - y0) * uy
+    return along.sign() >= 0 and (ux * ux + uy * uy - along).sign() >= 0
+
+
+def _check_simple(label: str, points: tuple[Point, ...]) -> None:
+    """Refuses sides that meet elsewhere than at the corner between two that follow each other."""
+    n = len(points)
+    seen: dict[Point, int] = {}
+    for k, point in enumerate(points, start=1):
+        if point in seen:
+            raise SceneError(f"{label}: point {k} is point {seen[point]} again; leave it out, or write two polygons")
+        seen[point] = k
+    ways = [(points[k], points[(k + 1) % n]) for k in range(n)]
+    boxes = [box_of(way) for way in ways]
+    for k, way in enumerate(ways):
+        for j in range(k + 1, n):
+            other = ways[j]
+            if not boxes_meet(boxes[k], boxes[j]):
+                continue
+            if j == k + 1 or (k == 0 and j == n - 1):
+                before, after = (way, other) if j == k + 1 else (other, way)
+                met = _on(before[0], after) or _on(after[1], before)
+            else:
+                met = crossing(way, other) or any(_on(p, other) for p in way) or any(_on(p, way) for p in other)
+            if met:
+                raise SceneError(f"{label}: its sides {k + 1} and {j + 1} meet; order the points so that no two do")
+
+
+Box: TypeAlias = tuple[float, float, float, float]
+
+
+def box_of(points: Sequence[Point]) -> Box:
+    """Doubles between which all points surely lie: least and greatest x, least and greatest y.
+
+    >>> box_of([(Quantity.of(0), Quantity.of(1)), (Quantity.of(3), Quantity.of(2))])
+    (-5e-324, 3.0000000000000004, 0.9999999999999999, 2.0000000000000004)
+    """
+    try:
+        xs, ys = [float(x) for x, _ in points], [float(y) for _, y in points]
+    except OverflowError:
+        return -inf, inf, -inf, inf
+    return nextafter(min(xs), -inf), nextafter(max(xs), inf), nextafter(min(ys), -inf), nextafter(max(ys), inf)
+
+
+def boxes_meet(a: Box, b: Box) -> bool:
+    """Whether two boxes have a point in common."""
+    return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
 
 
 @dataclass(frozen=True)

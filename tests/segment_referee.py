@@ -1,4 +1,4 @@
-"""A referee of scenes with segments, in plain coordinates and 100 digits: it shares nothing with the engines.
+"""A referee of scenes with segments, polygons and a restitution, in plain coordinates and 100 digits, of its own code.
 
 Every disc flies as x + v t. It meets a segment where its distance from the segment, as a set of points, comes down to
 both radii: that is found in the segment's own frame, along and across. What meets at one instant is resolved by the
@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from mpmath import lu_solve, matrix, mp, mpf, sqrt
+from mpmath import atan2, lu_solve, matrix, mp, mpf, sqrt
 
 from truebreak.scenarios import Scene
 
@@ -85,6 +85,34 @@ def read(scene: Scene) -> tuple[list[Disc], list[Bar], list[tuple[str, mpf, mpf,
     return discs, bars, walls
 
 
+def outline(polygon) -> list[tuple[mpf, mpf]]:
+    """The points of a polygon without those that lie on the way from one neighbour to the other."""
+    points = [(number(x), number(y)) for x, y in polygon.points]
+    kept = []
+    for (ax, ay), (bx, by), (cx, cy) in zip([points[-1], *points], points, [*points[1:], points[0]], strict=False):
+        if abs((bx - ax) * (cy - by) - (by - ay) * (cx - bx)) > SAME:
+            kept.append((bx, by))
+    return kept
+
+
+def sides(polygon) -> list[Bar]:
+    """The sides of a polygon as segments: both sides of each push, but on the one there is nobody."""
+    points, found = outline(polygon), []
+    for (x0, y0), (x1, y1) in zip(points, [*points[1:], points[0]], strict=True):
+        length = sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+        found.append(Bar(polygon.id, x0, y0, (x1 - x0) / length, (y1 - y0) / length, length, number(polygon.r)))
+    return found
+
+
+def inside(x: mpf, y: mpf, points: list[tuple[mpf, mpf]]) -> bool:
+    """Whether the way around goes once around a point: the sum of the angles under which it sees the sides."""
+    around = mpf(0)
+    for (ax, ay), (bx, by) in zip(points, [*points[1:], points[0]], strict=True):
+        px, py, qx, qy = ax - x, ay - y, bx - x, by - y
+        around += atan2(px * qy - py * qx, px * qx + py * qy)
+    return abs(around) > 3
+
+
 def falls(dx: mpf, dy: mpf, vx: mpf, vy: mpf, reach: mpf) -> tuple[mpf, bool] | None:
     """When |d + v t| comes down to a reach, for the first time from now on; and whether it goes below. None: never."""
     a, b, c = vx * vx + vy * vy, dx * vx + dy * vy, dx * dx + dy * dy - reach * reach
@@ -105,6 +133,8 @@ class Referee:
     def __init__(self, scene: Scene) -> None:
         mp.dps = DIGITS
         self.discs, self.bars, self.walls = read(scene)
+        self.bars += [side for polygon in scene.polygons for side in sides(polygon)]
+        self.outlines = [outline(polygon) for polygon in scene.polygons]
         self.ends: list[tuple[str, mpf, mpf, mpf]] = []
         for bar in self.bars:
             for x, y in ((bar.x, bar.y), (bar.x + bar.length * bar.ux, bar.y + bar.length * bar.uy)):
@@ -117,6 +147,7 @@ class Referee:
                     name, ex, ey, r = self.ends[place]
                     self.ends[place] = name, ex, ey, max(r, bar.r)
         self.now = mpf(0)
+        self.e = number(scene.restitution)
 
     # -- what touches, now
 
@@ -161,9 +192,8 @@ class Referee:
             self.push([contacts[k][1] for k in coming], [speeds[k] for k in coming])
         raise AssertionError("no end")
 
-    @staticmethod
-    def push(arms: list[list[tuple[Disc, mpf, mpf]]], speeds: list[mpf]) -> None:
-        """The impulses s >= 0 of least number with G s + 2 u >= 0, and 0 where s > 0."""
+    def push(self, arms: list[list[tuple[Disc, mpf, mpf]]], speeds: list[mpf]) -> None:
+        """The impulses s >= 0 of least number with u + G s >= -e u, and equal where s > 0."""
         size = range(len(arms))
 
         def coupled(i: int, j: int) -> mpf:
@@ -174,14 +204,17 @@ class Referee:
             for chosen in combinations(size, count):
                 try:
                     found = lu_solve(
-                        matrix([[gram[i][j] for j in chosen] for i in chosen]), matrix([-2 * speeds[i] for i in chosen])
+                        matrix([[gram[i][j] for j in chosen] for i in chosen]),
+                        matrix([-self.e * speeds[i] - speeds[i] for i in chosen]),
                     )
                 except ZeroDivisionError:
                     continue
                 strengths = dict(zip(chosen, found, strict=True))
                 if any(s < -SAME or s > 10**20 for s in strengths.values()):
                     continue
-                slack = [2 * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size]
+                slack = [
+                    speeds[i] + self.e * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size
+                ]
                 if all(value > -SAME for value in slack):
                     for j, s in strengths.items():
                         for disc, nx, ny in arms[j]:
@@ -230,6 +263,11 @@ class Referee:
                 near = min(max(along, mpf(0)), bar.length)
                 away = sqrt((disc.x - bar.x - near * bar.ux) ** 2 + (disc.y - bar.y - near * bar.uy) ** 2)
                 if away < disc.r + bar.r - SAME:
+                    return False
+                if away < SAME:  # a point on a side
+                    break
+            else:
+                if any(inside(disc.x, disc.y, points) for points in self.outlines):
                     return False
         return True
 

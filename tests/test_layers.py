@@ -222,13 +222,13 @@ def test_a_room_of_exact_imports_only_itself_and_those_below(module: str) -> Non
 
 COMPARE_FLOORS = (
     "writing validation deadline engines scene_argument",
-    "foreign run adapters",
+    "foreign run adapters side_by_side",
     "files",
     "alignment tangent picture orders",
     "outcomes study",
     "audit causes tolerances candidate",
     "alternatives comparison",
-    "chaos shadowing certificate",
+    "chaos shadowing certificate vectors",
     "grids",
     "reduction logdiff",
     "report",

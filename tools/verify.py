@@ -1,4 +1,4 @@
-"""Checks a certificate of a run of hard circles, walls and pockets: verify.py FILE [--work=N].
+"""Checks a certificate of a run of hard circles, walls and segments: verify.py FILE [--work=N].
 
 docs/certificates.md defines the format, and says why this suffices. There is no search and no
 queue: what is stated is proved again, or refused. The laws stand once, in `Space`, and run in two:
@@ -18,9 +18,10 @@ CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'
 POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
 QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
-THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r"}
-OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "met", "exact",
-            "turn", "rounds", "enter", "zeros", "until", "limit"}
+THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r",
+          "segments": "x0 y0 x1 y1 length r"}
+OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
+            "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
     name = "|".join(f"r{k}" for k in range(roots, 0, -1)) or "none"
@@ -134,9 +135,18 @@ class Nearing:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `
     speed = cached_property(lambda m: m.v[0] * m.v[0] + m.v[1] * m.v[1])
     cross = cached_property(lambda m: m.d[0] * m.v[1] - m.d[1] * m.v[0])
     disc = cached_property(lambda m: m.speed * (m.reach * m.reach) - m.cross * m.cross)  # Lagrange
+class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of the centre is on it
+    square = cached_property(lambda m: m.d[0] * m.d[0] + m.d[1] * m.d[1])
+    height = cached_property(lambda m: m.d[0] * m.place[0] + m.d[1] * m.place[1])
+    foot = cached_property(lambda m: m.d[1] * m.place[0] - m.d[0] * m.place[1])  # from its start,
+    far = cached_property(lambda m: m.square - m.foot)  # and from its end
+    slide = cached_property(lambda m: m.d[1] * m.v[0] - m.d[0] * m.v[1])
+    twice = cached_property(lambda m: m.closing + m.closing)
+    near = cached_property(lambda m: m.slide * m.gap - m.twice * m.foot)  # where the gap is zero,
+    beyond = cached_property(lambda m: -m.twice * m.square - m.near)  # both times -2 closing
 class Space:
-    """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle, wall
-    j - n, or pocket -1 - j, which rests. What is computed of a flight is kept with it."""
+    """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle (ends
+    come last), wall j - n (faces come last), or pocket -1 - j. What is computed of it is kept."""
     def __init__(self, n, things, sides, limits, of):
         self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
         self.things = {k: [*map(of, row)] for k, row in things.items()}
@@ -162,9 +172,10 @@ class Space:
             (u, v, p, q, *_), (r, s) = self.put(j, age), self.at(*(self.things[k][4] for k in c))
             d, reach = (u - x, v - y), s if j < 0 else r + s
             return Nearing(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
-        u, v, p, q, length, r, none = self.at(*self.things[j], self.things[i][4], self.none)
+        u, v, p, q, size, more, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
-        wall, gap = Nearing(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
+        (wall := Facing(d, (vx, vy), none, {i: d})).place = x - u, y - v
+        gap = wall.height - (r + more) * size
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
         return wall
     def rough(self, k, age):  # a flight or a wall in whole numbers; how large, and how far off
@@ -206,6 +217,15 @@ class Space:
     def redirect(self, circles, age, factor):  # their velocities times a factor
         for i, (x, y, vx, vy, *_) in [(i, self.put(i, age)) for i in circles]:
             self.flights[i] = Flight(x, y, vx * self.of(factor), vy * self.of(factor), age, {})
+def ends_of(segments):  # as fixed circles; where ends are at one place, they are one: the largest
+    found = {}
+    for x, y, u, v, _, r in segments:
+        for place in (x, y), (u, v):
+            key = tuple(frozenset(z.items()) for z in place)
+            sign = sign_of(r - found[key][4]) if key in found else 1
+            demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
+            if sign == 1: found[key] = [*place, NONE, NONE, r, NONE]
+    return [*found.values()]
 class Checker:
     """Follows a certificate. Of the flights of now it keeps `parted`, what was at gap zero on them,
     and `lasting`, what stays so; of the way out `out`, its instants that are not undone; of an
@@ -213,12 +233,13 @@ class Checker:
     clock = property(lambda self: next(iter(self.met), None))
     def __init__(self, told, factor):  # takes up a certificate and its scene
         self.told, self.end, scene, maps = told, told["end"], told["scene"], told["isometries"]
-        self.n, bits, self.policy = (n := len(scene["circles"])), told["bits"], scene["tie_policy"]
+        n, bits, self.policy = len(scene["circles"]), told["bits"], scene["tie_policy"]
         own, parts = scene.get("roots", []), [*told["instants"], self.end]
         refuse(len(roots := own + told["roots"]) > ROOTS, f"it has over {ROOTS} roots", Malformed)
         fits(told, shape(len(own), len(roots)))
         things = [thing for kind in THINGS for thing in scene.get(kind, ())]
-        area, ids = n * len(things), {thing["id"] for thing in things}
+        area = n * (len(things) + 3 * len(scene.get("segments", ())))  # two faces and two ends
+        ids = {thing["id"] for thing in things}
         hows = {zero[2] for part in parts for zero in part.get("zeros", ())} - {"back"}
         large = n > CIRCLES or area > PAIRS or bits > min(BITS, SIZE // area)
         timed = all({"met", "exact", "turn"} & part.keys() for part in told["instants"][1:])
@@ -234,25 +255,33 @@ class Checker:
         for text in roots:
             demand(sign_of(x := number(text)), [1], "what has a root is not positive", Malformed)
             Sum.squares, Ball.roots = [*Sum.squares, x], [*Ball.roots, enclosed(x).sqrt()]
-        circles, walls, pockets = ([[number(thing[name]) for name in THINGS[kind].split()]
-                                    for thing in scene.get(kind, ())] for kind in THINGS)
-        lines = [[x, y, y - v, u - x, length] for x, y, u, v, length in walls]
+        circles, walls, pockets, segments = (
+            [[number(row[name]) for name in THINGS[kind].split()] for row in scene.get(kind, ())]
+            for kind in THINGS)
+        circles, sides = circles + ends_of(segments), ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5))
+        faces = [[row[k] for k in side] for row, side in product(segments, sides)]
+        lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
+                 for x, y, u, v, length, *thick in walls + faces]
+        first, n = n, len(circles)  # the first end, if there is one
+        self.n, self.faces = n, range(n + len(walls), n + len(lines))
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
         self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
         self.movable = {i for i, row in enumerate(circles) if row[5]}
         limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": limits["until"] = number(self.end["until"])
-        for *_, p, q, r in lines: demand(sign_of(p * p + q * q - r * r), [0], "a length", Malformed)
+        for *_, p, q, size, _ in lines:
+            demand(sign_of(p * p + q * q - size * size), [0], "a length", Malformed)
         for *_, u, v, _, w in circles: refuse((u or v) and not w, "what is fixed moves", Malformed)
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
         for x in (*sizes, *limits.values()): demand(sign_of(x), [1], "a size or a time", Malformed)
         self.meets = {(i, j) for i, j in product(range(n), self.things) if self.movable & {i, j}
-                      and (not 0 <= j < n or (i < j and (circles[i][4] or circles[j][4])))}
+                      and (not 0 <= j < n or (i < j and (j >= first or not self.points(i, j))))}
         self.of = defaultdict(list)  # the contacts of each
         for c, i in ((d, i) for d in self.meets for i in d): self.of[i].append(c)
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
-                 for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
+                 for i in self.movable for k, (x, y, p, q, *_) in enumerate(lines[:len(walls)], n)}
         for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
+        sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
         self.worlds = [Space(n, self.things, sides, limits, of) for of in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
@@ -266,9 +295,13 @@ class Checker:
         for i, j in images.items():
             (x, y, vx, vy, *k), (u, v, wx, wy, *m) = self.things[i], self.things[j]
             x, y = a * x + b * y + p - u, d * x + e * y + q - v
+            along, by = a * vy - b * vx, d * vy - e * vx  # the image of the way along a face
             vx, vy = a * vx + b * vy, d * vx + e * vy
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
-            if i >= self.n: zeros += [vx * wy - vy * wx, x * wx + y * wy]
+            if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
+                zeros += [ONE] * (i not in self.faces or j not in self.faces)
+                zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
+            elif i >= self.n: zeros += [vx * wy - vy * wx, x * wx + y * wy]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
         for x in zeros: demand(sign_of(x), [0], "an isometry maps otherwise")
@@ -291,7 +324,9 @@ class Checker:
         (i, j), other = c, tuple(other) if other else self.clock
         if how == "back":
             back = question == "gap" or (question == "until" and self.end["reason"] == "return")
-            return back and self.out and other in self.met and {c, other} <= self.out[-1][1]
+            slides = other in self.met and other[1] in self.faces and not self.met[other]
+            back = back and self.out and not slides
+            return back and other in self.met and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept, first = self.mapped(g), question == "closing" and not self.rows
         alike = other in self.met and self.image(images, c) == other
@@ -310,6 +345,34 @@ class Checker:
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0
         raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
+    def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
+    def other(self, c): return c[0], self.faces[(c[1] - self.faces[0]) ^ 1]  # of the same segment
+    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
+    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
+        if self.other(c) in self.parted: return
+        start, end = self.ball.start(c), None
+        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
+        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
+        for world in (self.few, self.ball):
+            charge(30_000)
+            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
+            gap, closing = sign("gap"), sign("closing")
+            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
+            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
+            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
+            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
+        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
+        refuse(not clear and over, f"{c} overlap, or touch from the start")
+        clear = clear or shown("foot", "far")
+        if clear and closing == -1:
+            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
+            refuse(hit, f"{c} meet on the way")
+            if shown("near", "beyond"): return
+        elif clear and (closing == 0 or shown("closing")):  # it slides, if it is on the line
+            if gap or last or out(lambda x: sign(x, age)) or shown("foot", "far", at=age): return
+            inside = 1 == sign("foot", age) == sign("far", age)
+            refuse(inside and (gap == 0 or shown("gap")), f"{c} touch as the flight ends")
+        raise Unsettled(f"whether {c} are on it")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
         (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
         far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
@@ -331,6 +394,7 @@ class Checker:
         return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if c in self.parted: return charge(500)
+        if c[1] in self.faces: return self.passes(c, age, last)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
         for world in (self.few, self.ball):
             gaps, meet = [], True
@@ -339,7 +403,8 @@ class Checker:
                 gaps, meet = [*gaps, gap], meet and falls
                 if (gaps == [-1] and c[1] < 0) or (safe and {*gaps} == {1}): return
         refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
-        for x in ("closing", "disc") if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
+        shown = ("closing", "disc")[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]
+        for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
             if self.zero(x, c, start): return
         raise Unsettled(f"whether {c} meet before it")
     def take(self, entry, where):  # takes up an entry
@@ -359,9 +424,16 @@ class Checker:
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
-            self.met[c] = self.sign("closing", c)
-            refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay at gap zero")
+            face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
+            refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
+            if face:
+                refuse(not self.within(c), f"{c}: its foot is beside the face")
+                refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
+                refuse(not age and self.sign("height", c) < 1, f"{c}: its centre is on the line")
+                refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
+            else: refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay so")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
+        self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn
         self.known = turned if turn else self.lasting | self.met
         if turn: self.settle(self.movable)
@@ -441,7 +513,9 @@ class Checker:
         self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in enumerate(self.told["final"]["circles"]):
             for k, text in enumerate(row): self.said(self.ball.put(i, self.age)[k], text)
-        many = [f"{len(self.told['scene'].get(kind, ()))} {kind}" for kind in THINGS]
+        scene = self.told["scene"]
+        kinds = [kind for kind in THINGS if kind in scene or kind != "segments"]
+        many = [f"{len(scene.get(kind, ()))} {kind}" for kind in kinds]
         events = f"{self.count} event{'s' * (self.count != 1)}, to the end: {reason}"
         return f"{events}; {', '.join(many)}; scene sha256:{self.digest}"
 def judged(told, factor):  # the exit code for a certificate with so many times its bits; and words

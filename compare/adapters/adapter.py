@@ -18,6 +18,7 @@ from ..validation import EngineError
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Segment
     from ..foreign.impulses import Row
     from ..foreign.recording import Recording
 
@@ -154,7 +155,7 @@ class SteppedAdapter(Adapted):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, as there are no pockets, and `tie_policy`: the contacts of a step are solved at once."""
-        return SCENE_KEYS - {"capture", "tie_policy", "segment"}
+        return SCENE_KEYS - {"capture", "tie_policy", "restitution"}
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""
@@ -405,6 +406,11 @@ class WallStretch:
         (x0, y0), (x1, y1) = self.start, self.end
         ux, uy = x1 - x0, y1 - y0
         return 0.0 <= ux * (x - x0) + uy * (y - y0) <= ux * ux + uy * uy
+
+
+def bar_ends(bar: Segment) -> tuple[Point, Point]:
+    """The two points of a segment."""
+    return (float(bar.x0), float(bar.y0)), (float(bar.x1), float(bar.y1))
 
 
 def lines(scene: Scene) -> list[WallLine]:

@@ -34,7 +34,7 @@ class BilliardsEngine(Adapted):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, as its balls never leave play, and `tie_policy`."""
-        return SCENE_KEYS - {"capture", "tie_policy", "segment"}
+        return SCENE_KEYS - {"capture", "tie_policy", "segment", "restitution"}
 
     def play(self, scene: Scene, recording: Recording) -> None:
         """Goes from collision to collision.

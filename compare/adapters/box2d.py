@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import OutOfRoom, SteppedAdapter, WallStretch, package, power_of_two, stretches, top_speed
+from .adapter import OutOfRoom, SteppedAdapter, bar_ends, package, power_of_two, stretches, top_speed
 
 if TYPE_CHECKING:
+    from ...floating.pymunk_space import Point
     from ...scenarios.scene import Scene
     from ..foreign.impulses import Row
 
@@ -27,7 +28,7 @@ class Box2DEngine(SteppedAdapter):
     """Plays scenes in Box2D 2.3, as `pip install box2d` has it: numbers of 24 bits, by time steps.
 
     Circles are bodies that do not rotate, walls are edges of no thickness, long enough for the scene; a run in which a
-    circle gets near the end of one stops. Restitution 1, friction 0, no damping, no sleeping, no continuous collision,
+    circle gets near the end of one stops. Segments are edges, with their thickness. Restitution 1, friction 0, no damping, no sleeping, no continuous collision,
     no warm starting, and no correction of positions.
 
     Attributes:
@@ -79,7 +80,9 @@ class Box2DWorld:
         self._moving = [not circle.fixed for circle in scene.circles]
         self._stretches = stretches(scene)
         for wall, stretch in zip(scene.walls, self._stretches, strict=True):
-            self._edge(str(wall.id), stretch)
+            self._edge(str(wall.id), (stretch.start, stretch.end), 0.0)
+        for bar in scene.segments:
+            self._edge(str(bar.id), bar_ends(bar), float(bar.r))
         self._listener = self._listen()
         self._world.contactListener = self._listener
 
@@ -98,10 +101,9 @@ class Box2DWorld:
         body.userData = str(circle.id)
         return body
 
-    def _edge(self, name: str, stretch: WallStretch) -> None:
-        ends = [(x * self._metres, y * self._metres) for x, y in (stretch.start, stretch.end)]
-        shape = self._b2.b2EdgeShape(vertices=ends)
-        shape.radius = 0.0
+    def _edge(self, name: str, ends: tuple[Point, Point], r: float) -> None:
+        shape = self._b2.b2EdgeShape(vertices=[(x * self._metres, y * self._metres) for x, y in ends])
+        shape.radius = r * self._metres
         body = self._world.CreateStaticBody()
         body.CreateFixture(shape=shape, friction=0.0, restitution=1.0)
         body.userData = name

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...scenarios.errors import SceneError
-from .adapter import LASTING, Episodes, SteppedAdapter, lines, package, sides
+from .adapter import LASTING, Episodes, SteppedAdapter, bar_ends, lines, package, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -129,6 +129,19 @@ class MujocoWorld:
                 zaxis=[side * line.nx, side * line.ny, 0.0],
                 contype=0,
                 conaffinity=2 << bit,
+                **hard,
+            )
+        for bar in scene.segments:
+            if bar.r.sign() == 0:
+                told = f"segment {bar.id!r}: r = 0; engine 'mujoco' has segments of some thickness alone"
+                raise SceneError(f"{told}; give it half a thickness, r")
+            spec.worldbody.add_geom(
+                name=f"bar/{bar.id}",
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                fromto=[number for x, y in bar_ends(bar) for number in (x, y, 0.0)],
+                size=[float(bar.r), 0, 0],
+                contype=0,
+                conaffinity=1,
                 **hard,
             )
         return spec

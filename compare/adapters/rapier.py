@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import SteppedAdapter, lines, package, power_of_two, sides
+from .adapter import SteppedAdapter, bar_ends, lines, package, power_of_two, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Segment
     from ..foreign.impulses import Row
 
 UNCAPPED = 1e30
@@ -25,7 +26,7 @@ class RapierEngine(SteppedAdapter):
     """Plays scenes in Rapier 3D, as `pip install rapier3d` has it: numbers of 24 bits, by time steps.
 
     Circles are balls that move in x and y alone and do not rotate; a wall is a half-space for each side on which there
-    are circles, which it alone stops. Restitution 1, friction 0, no damping, no sleeping, no warm starting, no
+    are circles, which it alone stops; a segment is one of its own, or a capsule. Restitution 1, friction 0, no damping, no sleeping, no warm starting, no
     correction of overlaps, no contact ahead of a touch, no cap of speeds.
 
     Attributes:
@@ -85,6 +86,8 @@ class RapierWorld:
             group = self._group(2 << bit)
             collider = self._world.add_collider(self._hard(shape).collision_groups(self._groups(group, group)))
             self._names[collider] = str(scene.walls[place].id)
+        for bar in scene.segments:
+            self._names[self._world.add_collider(self._bar(bar))] = str(bar.id)
 
     def _set(self, engine: RapierEngine) -> None:
         told = self._world.integration_parameters
@@ -95,6 +98,13 @@ class RapierWorld:
         told.normalized_prediction_distance = 0.0
         told.normalized_max_linear_velocity = UNCAPPED
         told.contact_recycling = told.contact_clustering = False
+
+    def _bar(self, bar: Segment) -> Any:
+        """A segment, which every circle meets: a capsule where it has some thickness."""
+        ends = [(float(x) * self._metres, float(y) * self._metres, 0.0) for x, y in bar_ends(bar)]
+        kind, r = self._rapier.Collider, float(bar.r) * self._metres
+        shape = kind.capsule_from_endpoints(*ends, r) if r else kind.segment(*ends)
+        return self._hard(shape).collision_groups(self._groups(self._group(1), self._group(1)))
 
     def _hard(self, shape: Any) -> Any:
         return shape.friction(0.0).restitution(1.0)

@@ -241,24 +241,27 @@ class _Impact:
         """Applies the impulses of a group in rounds; False if one of them could not have come about."""
         left = list(group)
         while left:
-            count = 1 if at_once else 0
-            while at_once and count < len(left) and left[count] not in left[:count] and self.closing(left[count]) > 0:
-                count += 1
-            together, left = left[: max(count, 1)], left[max(count, 1) :]
-            if not all(self.closing(pair) > 0 for pair in together):
+            links = [self._link(left[0])]
+            for pair in left[1:] if at_once else ():
+                link = self._link(pair, links)
+                if link in links or not link.approach(self._state) < 0:
+                    break
+                links.append(link)
+            left = left[len(links) :]
+            if not all(link.approach(self._state) < 0 for link in links):
                 return False
-            self._state.kick(pushing_contacts([self._link(pair) for pair in together], self._decider.ask))
+            self._state.kick(pushing_contacts(links, self._decider.ask))
         return True
 
     def closing(self, pair: Contact) -> float:
         """Positive while two approach."""
         return -self._link(pair).approach(self._state)
 
-    def _link(self, pair: Contact) -> Touch:
+    def _link(self, pair: Contact, taken: Sequence[Touch] = ()) -> Touch:
         i, j = self._places[pair.first], self._places[pair.second]
         first_segment = len(self._scene.circles) + len(self._scene.walls)
         if j >= first_segment:
-            return part_at(self._scene, i, j - first_segment, *self._state.bodies[i].flight[:2])
+            return part_at(self._scene, i, j - first_segment, *self._state.bodies[i].flight[:2], taken)
         return touch_of(self._scene, i, j)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -187,8 +187,10 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.segments:
-        return Audit(None, "segments are not audited yet")
+    if run.scene.polygons:
+        return Audit(None, "polygons are not audited yet")
+    if not run.scene.elastic:
+        return Audit(None, "a restitution below 1 is not audited yet")
     if engine.step is not None:
         return _audited_steps(run, engine)
     transcript = Transcript(run, engine.bits is not None)
@@ -251,7 +253,8 @@ class _Notes:
 
 def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mapping[str, float]) -> Audit:
     """One pass over a run of events; a second one, where it misses a law, that looks for what describes it."""
-    notes, gone = _Notes(run.scene.ids, allows), transcript.gone
+    ids = laws.scene.ids
+    notes, gone = _Notes(ids, allows), transcript.gone
     impacts = flights = events = 0
     for found in laws.begun(transcript):
         notes.take(found, 0, 0.0)
@@ -277,7 +280,7 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
     fit = None
     if notes.first:
         samples, ways = _described(transcript, laws)
-        fit = fit_of(laws, samples, ways, run.scene.ids)
+        fit = fit_of(laws, samples, ways, ids)
     return Audit(
         not notes.first, "", impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
         declared=dict(notes.declared), phantoms=notes.phantoms,
@@ -311,7 +314,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
     with ball.precision(AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input, step)
-        fit = fit_of(laws, measures.samples, measures.drifts, run.scene.ids)
+        fit = fit_of(laws, measures.samples, measures.drifts, laws.scene.ids)
     law = (
         fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
     )
@@ -325,7 +328,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     if kept is None:
         sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
         reason = f"no finer step was run to show what is of the step ({sizes})"
-    violations = _step_violations(measures, run.scene.ids, law is not None, {d.kind for d in broken}, step)
+    violations = _step_violations(measures, laws.scene.ids, law is not None, {d.kind for d in broken}, step)
     counts = Counter(violation.kind for violation in violations)
     firsts = {violation.kind: violation for violation in reversed(violations)}
     return Audit(
@@ -439,6 +442,10 @@ LATE = 2.0
 contacts at the end of the step before is early by one."""
 
 
+def _themselves(bodies: tuple[int, ...]) -> list[tuple[int, ...]]:
+    return [bodies]
+
+
 @dataclass
 class Measures:
     """What a run of steps misses, impact by impact and flight by flight.
@@ -452,6 +459,7 @@ class Measures:
         flights: how many flights.
         back: how long before the end of a step impulses are applied.
         met: when each pair meets.
+        wholes: see `Laws.wholes`: what is met of a thing is not always the face or end that is overlapped a step later.
     """
 
     samples: list[Sample] = field(default_factory=list[Sample])
@@ -462,6 +470,7 @@ class Measures:
     flights: int = 0
     back: float = 0.0
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
+    wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = _themselves
 
 
 @dataclass(frozen=True)
@@ -499,7 +508,8 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
         for instant in transcript.instants():
             event = instant.events[0] if instant.events else events
             for pair in instant.impulses:
-                found.met.setdefault(pair, []).append(instant.time)
+                for whole in laws.wholes(pair):
+                    found.met.setdefault(whole, []).append(instant.time)
             if any(gone.get(k, math.inf) <= instant.time for k in instant.after):
                 events += len(instant.events)
                 continue
@@ -515,6 +525,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.impacts += len(instant.impulses)
             events += len(instant.events)
         found.passages = [*passages(laws, transcript.flights(), transcript.end, gone)]
+    found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
     found.samples = ways[found.back]
     return found
@@ -542,7 +553,11 @@ def lasting(measures: Measures, step: float) -> list[Passage]:
     return [
         passage
         for passage in measures.passages
-        if not any(abs(time - passage.time) <= late for time in measures.met.get(passage.residual.bodies, ()))
+        if not any(
+            abs(time - passage.time) <= late
+            for whole in measures.wholes(passage.residual.bodies)
+            for time in measures.met.get(whole, ())
+        )
     ]
 
 
@@ -605,6 +620,7 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         [p for p in measures.passages if p.time <= until],
         back=measures.back,
         met=measures.met,
+        wholes=measures.wholes,
     )
     return defects(engine, part)
 

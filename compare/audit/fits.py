@@ -275,17 +275,18 @@ def _restitutions(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> 
     bad = [s for s in samples if abs(s.restitution - 1) > NEAR * s.room and s.aside <= NEAR * s.room + SPREAD]
     if len(bad) < FEWEST:
         return
-    walls = lambda s: s.pair[1] >= laws.count  # noqa: E731
+    walls = lambda s: s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends  # noqa: E731
     sorts: list[tuple[str, Callable[[Sample], bool]]] = [
         ("", lambda s: True),
         (" at walls", walls),
         (" between circles", lambda s: not walls(s)),
     ]
-    for k, name in enumerate(ids):
-        sorts.append((f" of {name}", lambda s, k=k: k in s.pair))
+    named = lambda s: (ids[s.pair[0]], ids[s.pair[1]])  # noqa: E731
+    for name in dict.fromkeys(ids):  # faces and ends have the name of what they are of
+        sorts.append((f" of {name}", lambda s, name=name: name in named(s)))
     sorts += [
-        (f" between {ids[pair[0]]} and {ids[pair[1]]}", lambda s, pair=pair: s.pair == pair)
-        for pair in dict.fromkeys(s.pair for s in bad)
+        (f" between {pair[0]} and {pair[1]}", lambda s, pair=pair: named(s) == pair)
+        for pair in dict.fromkeys(map(named, bad))
     ]
     slow = min(s.speed for s in bad)
     sorts.append((f" above a normal speed of {slow:.3g}", lambda s: s.speed >= slow))
@@ -356,14 +357,20 @@ def _sizes(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterabl
     if every is not None and len(samples) >= FEWEST:
         words = "apart" if every[0] > 0 else "into each other"
         yield Fit(f"contacts {abs(every[0]):.3g} {words}", len(samples), len(samples), *every, "correction")
-    for k, name in enumerate(ids):
-        mine, others = [s for s in samples if k in s.pair], [s for s in bad if k not in s.pair]
+    several = {ids[k] for k in laws.parts_places}
+    for name in dict.fromkeys(ids):
+        mine = [s for s in samples if name in (ids[s.pair[0]], ids[s.pair[1]])]
+        others = [s for s in bad if name not in (ids[s.pair[0]], ids[s.pair[1]])]
         if others:
             continue
         found = _one_value([s.gap for s in mine], 0.0, [s.loose / NEAR for s in mine])
         if found is None:
             continue
-        if k >= laws.count:
+        if name in several:
+            thick = "thicker" if found[0] > 0 else "thinner"
+            what = f"{name} taken to be {abs(found[0]):.3g} {thick} on each side"
+            yield Fit(what, len(mine), len(mine), *found, "radius")
+        elif ids.index(name) >= laws.count:
             side = "nearer" if found[0] > 0 else "farther"
             yield Fit(f"wall {name} taken to be {abs(found[0]):.3g} {side}", len(mine), len(mine), *found, "wall")
         else:

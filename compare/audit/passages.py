@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
-from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, size_of
+from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, WallInBalls, size_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -81,7 +81,7 @@ def passages(
     near = _All(laws) if laws.count <= FEW else _Cells(laws, legs)
     for leg in legs:
         if laws.moving[leg.circle]:
-            for wall in range(len(laws.lines)):
+            for wall in range(len(laws.scene.walls)):
                 found = _across(laws, leg, wall)
                 if found is not None:
                     yield found
@@ -227,25 +227,55 @@ def _enclosed(
 
 
 def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
-    """How far across a wall a circle flies."""
-    line = laws.lines[wall][leg.circle]
+    """How far across a wall, or a face, a circle flies."""
+    line, radius = laws.line(leg.circle, wall), laws.things[leg.circle].radius
     closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
     if closing <= 0.0:
         return None
-    gap = float(line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y)) - laws.things[leg.circle].radius
-    time = min(leg.end, 1e300)
-    span = time - leg.start
+    height = float(line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y))
+    gap, end = height - radius, min(leg.end, 1e300)
     away = math.hypot(leg.x - float(line.x), leg.y - float(line.y))
-    sizes = math.hypot(leg.x, leg.y) + leg.speed * time + line.size * (1 + (away + leg.speed * span) / line.length)
-    if gap - closing * span > CLOSE * sizes:
+
+    def sizes(time: float) -> float:
+        far = line.size * (1 + (away + leg.speed * (time - leg.start)) / line.length)
+        return math.hypot(leg.x, leg.y) + leg.speed * time + far
+
+    if gap - closing * (end - leg.start) > CLOSE * sizes(end):
         return None
+    if wall in laws.scene.faces:
+        blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes(leg.start + max(0.0, gap) / closing) + leg.apart
+        end = min(end, _through(leg, line, height, closing, radius, blur))
     r = laws.things[leg.circle].r
     first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
-    then = first - (line.nx * leg.vx + line.ny * leg.vy) * (arb(time) - leg.start)
+    then = first - (line.nx * leg.vx + line.ny * leg.vy) * (arb(end) - leg.start)
     deeper = (first.min(arb(0)) - then).mid()
-    room = ROOT_UNITS * laws.unit * (sizes + laws.things[leg.circle].radius) + LEAST
-    room += leg.apart + leg.turned * (time - leg.t) if leg.apart else 0.0
+    room = ROOT_UNITS * laws.unit * (sizes(end) + radius) + LEAST
+    room += leg.apart + leg.turned * (end - leg.t) if leg.apart else 0.0
     size = size_of(deeper) if deeper > 0 else 0.0
     if size <= room:
         return None
-    return Passage(leg.end, Residual("depth", (leg.circle, laws.count + wall), size, room), leg.start)
+    time = end if wall in laws.scene.faces else leg.end
+    return Passage(time, Residual("depth", (leg.circle, laws.count + wall), size, room), leg.start)
+
+
+def _through(leg: Leg, line: WallInBalls, height: float, closing: float, radius: float, blur: float) -> float:
+    """Until when a circle that flies at a face is in it: to the end of either, or out on its other side.
+
+    The start of the flight, where it does not come there: one whose centre begins behind the face comes from another
+    side, which says what it meets; one that crosses the line beyond an end, or within it by less than rounding, meets
+    the end first, at a distance that is the same.
+
+    Args:
+        height: of the centre above the face as the flight begins.
+        closing: how fast it falls.
+        blur: what rounding may make of a place.
+    """
+    wait = max(0.0, height - radius) / closing
+    blur += leg.turned * wait
+    slide = leg.vy * float(line.nx) - leg.vx * float(line.ny)
+    foot = (leg.y - float(line.y)) * float(line.nx) - (leg.x - float(line.x)) * float(line.ny)
+    if height <= blur or not blur < foot + slide * wait < line.length - blur:
+        return leg.start
+    ahead = (line.length - foot if slide > 0.0 else foot) / abs(slide) if slide else math.inf
+    thick = radius + line.thick
+    return leg.start + min(ahead, (height - radius + 2.0 * thick) / closing if thick else math.inf)

@@ -8,12 +8,14 @@ units, relatively. docs/audit.md derives the constants.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb, arb_mat
 
 from ...exact.numbers import ball
+from ...exact.replay.state import Sides
+from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -82,7 +84,10 @@ class Thing(NamedTuple):
 
 
 class WallInBalls(NamedTuple):
-    """A wall: a point of it, its unit normal; how far its points are from the origin and from each other."""
+    """A wall: a point of it, its unit normal; how far its points are from the origin and from each other.
+
+    Of a face, `thick` is half the thickness of its segment.
+    """
 
     x: arb
     y: arb
@@ -90,6 +95,7 @@ class WallInBalls(NamedTuple):
     ny: arb
     size: float
     length: float
+    thick: float = 0.0
 
 
 class ImpactLaws(NamedTuple):
@@ -153,6 +159,8 @@ class Laws:
     """
 
     def __init__(self, scene: Scene, unit: float, start: bool = True, step: float | None = None) -> None:
+        self.parts = parts_of(scene)
+        scene = scene.surfaces
         self.scene, self.unit, self.start, self.step = scene, unit, start, step
         self.count = len(scene.circles)
         zero = arb(0)
@@ -167,18 +175,40 @@ class Laws:
         ]
         self.moving = [not c.fixed for c in scene.circles]
         self._fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
-        self.lines: list[list[WallInBalls]] = []
-        for wall in scene.walls:
-            x0, y0, x1, y1 = (ball.constant(value) for value in (wall.x0, wall.y0, wall.x1, wall.y1))
+        self._sides = Sides(scene)
+        self._ends_of = {wall: parts.ends for parts in self.parts.values() for wall in parts.faces}
+        self._owners: dict[int, list[int]] = {}
+        for thing, parts in self.parts.items():
+            for place in (*parts.ends, *(self.count + wall for wall in parts.faces)):
+                self._owners.setdefault(place, []).append(thing)
+        self._lines: dict[int, tuple[WallInBalls, WallInBalls]] = {}
+
+    def line(self, circle: int, wall: int) -> WallInBalls:
+        """A wall, with the normal from a circle towards it; of a face, to the side of its segment."""
+        if wall not in self._lines:
+            exact = self.scene.walls[wall]
+            x0, y0, x1, y1 = (ball.constant(value) for value in (exact.x0, exact.y0, exact.x1, exact.y1))
             nx, ny = y1 - y0, x0 - x1
             span = (nx * nx + ny * ny).sqrt()
             size = max(math.hypot(float(x0), float(y0)), math.hypot(float(x1), float(y1)))
-            towards: list[WallInBalls] = []
-            for circle in scene.circles:
-                side = (nx * (ball.constant(circle.x) - x0) + ny * (ball.constant(circle.y) - y0)).mid()
-                sign = -1 if side > 0 else 1
-                towards.append(WallInBalls(x0, y0, sign * nx / span, sign * ny / span, size, float(span)))
-            self.lines.append(towards)
+            length = float(span)
+            thick = max((self.things[k].radius for k in self._ends_of.get(wall, ())), default=0.0)
+            self._lines[wall] = (
+                WallInBalls(x0, y0, nx / span, ny / span, size, length, thick),
+                WallInBalls(x0, y0, -nx / span, -ny / span, size, length, thick),
+            )
+        return self._lines[wall][self._sides.negative(circle, wall)]
+
+    @property
+    def parts_places(self) -> Iterable[int]:
+        """The faces and ends, by place in `Scene.ids` of the scene as engines see it."""
+        return self._owners
+
+    def wholes(self, bodies: tuple[int, ...]) -> list[tuple[int, ...]]:
+        """Who takes part, with the thing that a face or an end is of, or the things, in place of it."""
+        if not self.parts or len(bodies) < 2:
+            return [bodies]
+        return [(bodies[0], thing) for thing in self._owners.get(bodies[1], [bodies[1]])]
 
     # -- one instant
 
@@ -272,13 +302,14 @@ class Laws:
         a, xa, ya = self._there(i, instant)
         time = instant.time
         if j >= self.count:
-            line = self.lines[j - self.count][i]
+            line = self.line(i, j - self.count)
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
             opening = -(line.nx * a.vx + line.ny * a.vy)
             away = math.hypot(float(xa - line.x), float(ya - line.y))
             place = math.hypot(float(xa), float(ya))
             blur = self._blurred(a, place, time, events, self._left(i, instant))
             turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
+            turn += self._bent_at_end(j - self.count, line, xa, ya, blur, self.things[i].radius)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             return ImpactLaws(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, turn)
@@ -301,6 +332,15 @@ class Laws:
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
+
+    def _bent_at_end(self, wall: int, line: WallInBalls, x: arb, y: arb, blur: float, radius: float) -> float:
+        """By what angle the normal may turn where rounding may make of a face the end beside it; 0 elsewhere."""
+        if wall not in self.scene.faces:
+            return 0.0
+        foot = float(line.nx * (y - line.y) - line.ny * (x - line.x))
+        beside = min(abs(foot), abs(line.length - foot))
+        blur += ROOT_UNITS * self.unit * (line.size + radius)
+        return min(1.0, blur / ((radius + line.thick) or blur)) if beside <= blur else 0.0
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.

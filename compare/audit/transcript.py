@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from flint import arb
 
+from ...exact.numbers import ball
+from ...exact.replay.parts import PartsNear
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
@@ -54,6 +57,11 @@ class ReportedFlight(NamedTuple):
         True
         """
         return self._replace(vx=-self.vx, vy=-self.vy)
+
+    def at(self, t: arb) -> tuple[arb, arb]:
+        """Where it is at a time."""
+        span = t - self.t
+        return self.x + self.vx * span, self.y + self.vy * span
 
 
 Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
@@ -116,7 +124,7 @@ class Transcript:
         encloses: whether numbers other than doubles are to be read as enclosures.
 
     Attributes:
-        scene: of the run.
+        scene: of the run, as engines see it (`Scene.surfaces`): circles, and what is met, are told by their places in it.
         states: whether the engine reports where circles are, for every event; without, places were computed from times.
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.
@@ -131,13 +139,13 @@ class Transcript:
 
     def __init__(self, run: Trajectory, encloses: bool = False) -> None:
         self.run = run
-        self.scene: Scene = run.scene
+        self.scene: Scene = run.scene.surfaces
         motion = run.motion
         self._motion = motion
         self.states = not getattr(motion, "reckoned", ())
         self.wide = not isinstance(motion, DoubleMotion) and encloses and self._own_numbers()
-        self._count = len(self.scene.circles)
-        self._places: Mapping[str, int] = {name: k for k, name in enumerate(self.scene.ids)}
+        self._count = len(run.scene.circles)
+        self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.gone: dict[int, float] = {}
         self.end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
@@ -151,32 +159,67 @@ class Transcript:
         return not all(isinstance(value, float) for value in row)
 
     def first(self) -> list[ReportedFlight]:
-        """The flight with which each circle begins."""
+        """The flight with which each circle begins; the ends of segments, which never move, come last."""
+        return [*self._first(), *(self._end(k) for k in self.scene.ends)]
+
+    def _first(self) -> list[ReportedFlight]:
         if isinstance(self._motion, DoubleMotion):
             return [flight_of(row[0][:5], 0) for row in self._motion.knots]
         if self.run.events and float(self.run.events[0].time) == 0.0:  # a state at 0 is the one that it leaves
-            rows = [(c.x, c.y, c.vx, c.vy) for c in self.scene.circles]
+            rows = [(c.x, c.y, c.vx, c.vy) for c in self.run.scene.circles]
             return [self._flight((0.0, *row), 0) for row in rows]
         return [self._flight((0.0, *row), 0) for row in self._motion.state(0.0)]
 
     def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
-        if isinstance(self._motion, DoubleMotion):
-            return self._from_flights(self._motion)
-        return self._from_rows()
+        whole = isinstance(self._motion, DoubleMotion)
+        told = self._from_flights(self._motion) if whole else self._from_rows()
+        return told if self.scene is self.run.scene else map(self._by_parts, told)
+
+    def _by_parts(self, instant: ReportedInstant) -> ReportedInstant:
+        """The same with the faces and ends that circles meet at their own places, for the things that have them."""
+        first, more = self._count + len(self.run.scene.walls), len(self.scene.ends)
+        count = len(self.scene.circles)
+        links: list[tuple[int, int]] = []
+        for i, j in instant.impulses:
+            if j >= first:
+                flight, told = instant.before[i], instant.after.get(i)
+                x, y = (told.x, told.y) if told is not None else flight.at(instant.t)
+                with ball.precision(READ_BITS):
+                    link = self._parts.part(i, j, x, y, flight.vx, flight.vy).link
+                if link.flat:
+                    links.append((i, count + link[1]))
+                else:
+                    links.append((i, link[1]))
+                    instant.before[link[1]] = self._end(link[1])
+            else:
+                links.append((i, j + more if j >= self._count else j))
+        return replace(instant, impulses=tuple(links))
+
+    @cached_property
+    def _parts(self) -> PartsNear[arb]:
+        with ball.precision(READ_BITS):
+            return PartsNear(self.run.scene, ball.BALLS)
+
+    def _end(self, k: int) -> ReportedFlight:
+        """An end of a segment, which never moves."""
+        end, zero = self.scene.circles[k], arb(0)
+        x, y = (value.ball(READ_BITS) for value in (end.x, end.y))
+        return ReportedFlight(zero, x, y, zero, zero, 0.0, math.hypot(float(end.x), float(end.y)), 0.0, 0)
 
     def flights(self) -> Sequence[Sequence[Sequence[float]]]:
         """For each circle (t, x, y, vx, vy) of its flights as doubles, by ascending time.
 
         Of enclosures they are the middles, followed by how far place and velocity may be from them.
         """
+        fixed = [[_middle(self._end(k))] for k in self.scene.ends]
         if isinstance(self._motion, DoubleMotion):
-            return self._motion.knots
-        rows = [[_middle(flight)] for flight in self.first()]
+            return [*self._motion.knots, *fixed] if fixed else self._motion.knots
+        rows = [[_middle(flight)] for flight in self._first()]
         for instant in self._from_rows():
             for k, flight in instant.after.items():
                 rows[k].append(_middle(flight))
-        return rows
+        return [*rows, *fixed]
 
     # -- from the flights that a motion keeps
 
@@ -268,7 +311,7 @@ class Transcript:
     def _from_rows(self) -> Iterator[ReportedInstant]:
         """By the state after every event: of circles that are in it, or whose velocity is no longer the same."""
         run, after = self.run, getattr(self._motion, "after", None)
-        flying = self.first()
+        flying = self._first()
         turn = None if run.reversal is None else float(run.reversal.time)
         at_once = [event.index for event in run.events if float(event.time) == turn]
         for index, event in enumerate(run.events):

@@ -108,11 +108,13 @@ class Contribution:
         cause: the kind.
         size: signed, in the unit of the number: a length for hit or miss, a time for an order.
         alone: the number that decides with this kind of error alone; None where that was not run, or does not exist.
+        late: whether the hit that it brings about alone comes after the meeting that the reference has there.
     """
 
     cause: CauseName
     size: float
     alone: arb | None = None
+    late: bool = False
 
 
 @dataclass(frozen=True)
@@ -298,6 +300,7 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
         total = _Sum(run, groups, displacement)
         entered = run.value() if input_rounded else margin
         alone: dict[CauseName, arb] = {}
+        late = {CauseName["INPUT"]} if input_rounded and run.forestalled else set[CauseName]()
         if entered is None:
             if apart:
                 raise NoContinuation(apart)
@@ -321,12 +324,14 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
                     found = whole if total.found.get(CauseName["INPUT"], arb(0)).contains(0) else None
                 else:
                     found = run.value(kinds=kinds, exact=True)
+                    if run.forestalled:
+                        late.add(cause)
                 if found is not None:
                     alone[cause] = found
         return Account(
             _near(displacement),
-            tuple(Contribution(c, _near(value), alone.get(c)) for c, value in total.found.items()),
-            Contribution(rest, _near(together), alone.get(rest)),
+            tuple(Contribution(c, _near(value), alone.get(c), c in late) for c, value in total.found.items()),
+            Contribution(rest, _near(together), alone.get(rest), rest in late),
             run.runs,
             total.groups,
             apart,

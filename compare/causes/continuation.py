@@ -151,6 +151,7 @@ class Continuation:
     Attributes:
         stretches: what leads to the decision, in order.
         runs: how many continuations were made, each from its state to the decision.
+        forestalled: whether in the last of them the hit in question comes after the meeting that the reference has.
 
     Raises:
         NoContinuation: where there is none.
@@ -171,12 +172,12 @@ class Continuation:
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
-        self.scene: Scene = reference.scene
+        self.scene: Scene = reference.scene.surfaces  # whose places the log has
         self._turned, self._unit, self._until = turned, unit, until
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
-        self.runs = 0
+        self.runs, self.forestalled = 0, False
         links = self._needed()
         self.bits = BITS + BITS_AN_EVENT * len(links)
         if len(links) * step_units(self.bits) > MOST_UNITS:
@@ -467,7 +468,7 @@ class Continuation:
         added: Mapping[tuple[str, ...], arb | None],
     ) -> arb | None:
         """The number that decides; see `value`. `added`: groups of defects, each with its scale; None: as they are."""
-        self.runs += 1
+        self.runs, self.forestalled = self.runs + 1, False
         flying, seen, turned = dict(first), dict[tuple[int, int], Row](), Rows()
         last = len(self.stretches) if upto is None else upto
         for place in range(begin, len(self.stretches)):
@@ -496,7 +497,9 @@ class Continuation:
                 if link.turns:
                     turned.update({k: flying[k] for k in link.pushed})
         reader = _Carried(self.reference, state, first, seen, turned, self._turned)
-        return reader.value_once(self.decision, self.bits)
+        found = reader.value_once(self.decision, self.bits)
+        self.forestalled = found is not None and ball.sign_of(found) == -1 and reader.comes_late(self.decision)
+        return found
 
 
 class _Carried(RunReader):
@@ -529,6 +532,18 @@ class _Carried(RunReader):
         """The number that decides, at so many bits and no more."""
         found = self._value(decision, bits)
         return found if found is not None and found.is_finite() else None
+
+    def comes_late(self, decision: DecidingNumber) -> bool:
+        """Whether a hit comes after the meeting that the reference has instead, whose flights were carried too."""
+        rival = decision.rival
+        carried = rival is not None and all(
+            anchor is None or self._turned(rival) or (self.places[name], anchor) in self._seen
+            for name, anchor in rival.anchors.items()
+        )
+        if rival is None or not carried:
+            return False
+        mine, theirs = self.hit_time(decision.first), self.hit_time(rival)
+        return mine is not None and theirs is not None and ball.sign_of(theirs - mine) == -1
 
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing) -> bool:
         """No zero is proved of carried flights."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
@@ -15,12 +15,14 @@ from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...exact.numbers import ball
 from ...exact.replay.contact import Flight
+from ...exact.replay.parts import NearestPart, PartsNear
 from ...exact.replay.state import ReplayState, SeenWall
 from ...floating.knots import DoubleMotion
 from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import Quantity, Real, real
+from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Wall
+from ...scenarios.surfaces import ThingParts, parts_of
+from ...scenarios.things import Circle, Segment, Wall
 from ..alignment.instants import DOUBLE_BITS, Kind, instants
 from ..alignment.walk import history
 
@@ -90,7 +92,11 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         for c in scene.circles
     ]
     walls = [Wall(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
-    return scene.with_changes(circles=circles, walls=walls)
+    segments = [
+        Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
+        for s in scene.segments
+    ]
+    return scene.with_changes(circles=circles, walls=walls, **({"segments": segments} if segments else {}))
 
 
 def _double(value: Quantity) -> float:
@@ -191,11 +197,14 @@ class DecidingNumber:
             `order`: the time of the second meeting less that of the first.
         first: the pairing whose hit is in question, or the meeting that comes first in the reference.
         second: for an order, the other meeting.
+        rival: for a hit that the reference does not have, the meeting that it has instead: where that comes first,
+            the hit changes nothing.
     """
 
     kind: Literal["hit", "order"]
     first: Pairing
     second: Pairing | None = None
+    rival: Pairing | None = None
 
     @property
     def pairings(self) -> list[Pairing]:
@@ -231,7 +240,7 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
     hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
     told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [DecidingNumber("hit", pairing) for _, pairing in told]
+    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else None) for _, pairing in told]
     if expected is not None and got is not None:
         found.append(DecidingNumber("order", expected, got))
     return found
@@ -346,8 +355,12 @@ class RunReader:
         until: float = 0.0,
     ) -> None:
         self.run = run
-        self.scene = run.scene
-        self.places = {str(name): k for k, name in enumerate(run.scene.ids)}
+        self.scene = run.scene.surfaces
+        more = len(run.scene.surfaces.ends)
+        count = len(run.scene.circles)
+        self.places = {str(name): k if k < count else k + more for k, name in enumerate(run.scene.ids)}
+        self._parts = {str(run.scene.ids[place]): (place, parts) for place, parts in parts_of(run.scene).items()}
+        self._walls = {str(wall.id) for wall in run.scene.walls}
         self._rounds_to = rounds_to
         self.turned_after, self._until = turned_after, until
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
@@ -407,6 +420,17 @@ class RunReader:
 
     # -- one pairing
 
+    def read_ahead(self, found: Sequence[DecidingNumber], bits: int = FIRST_BITS) -> None:
+        """Reads the flights of some decisions in the order of the log, which is then replayed once for all."""
+        pairings = [pairing for d in found for pairing in (d.first, d.second) if pairing is not None]
+        flights = [
+            (-1 if anchor is None else anchor, k, name)
+            for k, p in enumerate(pairings)
+            for name, anchor in p.anchors.items()
+        ]
+        for _, k, name in sorted(flights):
+            self.numbers(pairings[k], name, bits)
+
     def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
         """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
         key = name, pairing.anchors.get(name), self._turned(pairing), bits
@@ -418,8 +442,15 @@ class RunReader:
             self._numbers[key] = t, x, y, vx, vy
         return self._numbers[key]
 
-    def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
-        """t, d, v and R of two circles at the later of their flights' times."""
+    def _relative(self, pairing: Pairing, bits: int, end: int | None = None) -> Relative | None:
+        """t, d, v and R of two circles at the later of their flights' times; or of a circle and an end."""
+        if end is not None:
+            flight = self.numbers(pairing, pairing.body, bits)
+            if flight is None:
+                return None
+            (t, x, y, vx, vy), bodies = flight, self.things(bits).bodies
+            there = bodies[end].flight
+            return t, there.x - x, there.y - y, -vx, -vy, bodies[self.places[pairing.body]].r + bodies[end].r
         one, other = self.numbers(pairing, pairing.body, bits), self.numbers(pairing, pairing.partner, bits)
         if one is None or other is None:
             return None
@@ -438,14 +469,15 @@ class RunReader:
             return False
         return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
 
-    def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
-        """t, the gap to a wall, the approach to it, and the length of its normal."""
+    def _wall(self, pairing: Pairing, bits: int, face: int | None = None) -> tuple[arb, arb, arb, arb] | None:
+        """t, the gap to a wall, or to a face, the approach to it, and the length of its normal."""
         flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
         t, x, y, vx, vy = flight
         circle, things = self.places[pairing.body], self.things(bits)
-        x0, y0, nx, ny, _, length = things.line(circle, self.places[pairing.partner] - len(self.scene.circles))
+        wall = self.places[pairing.partner] - len(self.scene.circles) if face is None else face
+        x0, y0, nx, ny, _, length = things.line(circle, wall)
         gap = law.wall_gap(x, y, x0, y0, nx, ny, things.bodies[circle].r * length)
         return t, gap, law.wall_approach(vx, vy, nx, ny), length
 
@@ -458,27 +490,100 @@ class RunReader:
 
     def is_wall(self, pairing: Pairing) -> bool:
         """Whether the partner is a wall."""
-        return any(w.id == pairing.partner for w in self.scene.walls)
+        return pairing.partner in self._walls
 
     def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """When the two touch in free flight; None if they do not, or if it is not known."""
+        parts = self._parts_of(pairing)
+        if parts is not None:
+            return min(self._part_times(pairing, parts, bits, leaving=False), key=_middle, default=None)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
             if told is None or ball.sign_of(told[2]) != -1:
                 return None
             return told[0] + law.wall_hit_time(told[1], told[2])
         relative = self._relative(pairing, bits)
-        if relative is None:
+        return None if relative is None else _meeting_time(relative)
+
+    def _parts_of(self, pairing: Pairing) -> ThingParts | None:
+        """The faces and ends of the partner, if it has any."""
+        known = self._parts.get(pairing.partner)
+        return None if known is None else known[1]
+
+    def _part_times(self, pairing: Pairing, parts: ThingParts, bits: int, *, leaving: bool) -> list[arb]:
+        """When a circle touches each of the faces and ends that it comes to, or leaves them if neither pushes."""
+        flight, found = self.numbers(pairing, pairing.body, bits), list[arb]()
+        if flight is None:
+            return found
+        (t, x, y, vx, vy), things = flight, self.things(bits)
+        circle = self.places[pairing.body]
+        for face in parts.faces:
+            told = self._wall(pairing, bits, face)
+            assert told is not None
+            _, gap, approach, length = told
+            behind = _middle(gap + things.bodies[circle].r * length) < 0.0
+            if ball.sign_of(approach) != (1 if leaving else -1) or (behind and not leaving):
+                continue
+            wait, line = law.wall_hit_time(gap, approach), things.line(circle, face)
+            foot = law.face_along(advance(x, vx, wait), advance(y, vy, wait), line.x0, line.y0, line.nx, line.ny)
+            if 0.0 < _middle(foot) < _middle(line.nn):
+                found.append(t + wait)
+        for end in parts.ends:
+            relative = self._relative(pairing, bits, end)
+            assert relative is not None
+            time = _meeting_time(relative)
+            if time is not None and leaving:
+                _, dx, dy, ux, uy, reach = relative
+                root = ball.root(pair_discriminant(dx, dy, ux, uy, reach))
+                time += (root + root) / (ux * ux + uy * uy)
+            found += [] if time is None else [time]
+        return found
+
+    def _nearest(self, pairing: Pairing, bits: int, time: arb | None = None) -> NearestPart[arb] | None:
+        """The face or end of its partner that a circle is nearest to, as its flight begins or at a time."""
+        flight = self.numbers(pairing, pairing.body, bits)
+        if flight is None:
             return None
-        t, dx, dy, vx, vy, reach = relative
-        approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
-        if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
-            return None
-        return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+        t, x, y, vx, vy = flight
+        if time is not None:
+            x, y = law.advance(x, vx, time - t), law.advance(y, vy, time - t)
+        near = PartsNear(self.run.scene, ball.BALLS, self.things(bits))
+        return near.part(self.places[pairing.body], self._parts[pairing.partner][0], x, y, vx, vy)
+
+    def _beside(self, pairing: Pairing, parts: ThingParts, bits: int) -> arb | None:
+        """How far aside a circle's straight flight passes a thing; negative: how far it has to be moved to do so.
+
+        What the thing covers of a line across the flight goes from end to end; a point of the flight is within the
+        circle's radius of that or beside it.
+        """
+        sides: list[tuple[arb, arb]] = []
+        for end in parts.ends:
+            relative = self._relative(pairing, bits, end)
+            if relative is None:
+                return None
+            _, dx, dy, vx, vy, reach = relative
+            offset = (dx * vy - dy * vx) / ball.root(vx * vx + vy * vy)
+            sides.append((offset - reach, offset + reach))
+        low, high = sides[0]
+        for one, other in sides[1:]:
+            low, high = low.min(one), high.max(other)
+        aside = low.max(-high)
+        if ball.sign_of(aside) is None:
+            unclear = [
+                end
+                for end, (one, other) in zip(parts.ends, sides, strict=True)
+                if ball.sign_of(one) is None or ball.sign_of(other) is None
+            ]
+            if all(self._proves(pair_discriminant, pairing, end) for end in unclear):
+                return arb(0)
+        return aside
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
-        enter = self.hit_time(pairing)
+        enter, parts = self.hit_time(pairing), self._parts_of(pairing)
+        if enter is not None and parts is not None:
+            leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
+            return float(enter), float(leave)
         if enter is None or self.is_wall(pairing):
             return None if enter is None else (float(enter), math.inf)
         relative = self._relative(pairing, FIRST_BITS)
@@ -489,7 +594,12 @@ class RunReader:
 
     def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
         """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
-        if self.is_wall(pairing):
+        if self._parts_of(pairing) is not None:
+            near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
+            if near is None or flight is None:
+                return False
+            gap, approach = near.gap, near.nx * flight[3] + near.ny * flight[4]
+        elif self.is_wall(pairing):
             wall = self._wall(pairing, bits)
             if wall is None:
                 return False
@@ -505,8 +615,17 @@ class RunReader:
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.
 
-        For a wall, which every approaching circle hits, the speed at which the circle leaves it.
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it. For a thing of faces
+        and ends, how far aside of it the flight passes (`_beside`).
         """
+        parts = self._parts_of(pairing)
+        if parts is not None:
+            near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
+            if near is None or flight is None:
+                return None
+            if ball.sign_of(near.nx * flight[3] + near.ny * flight[4]) in (0, 1):
+                return near.gap
+            return self._beside(pairing, parts, bits)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
             return None if told is None else told[2] / told[3]
@@ -522,6 +641,9 @@ class RunReader:
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""
+        if self._parts_of(pairing) is not None:
+            near = self._nearest(pairing, bits, time)
+            return None if near is None else near.gap
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
             return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
@@ -532,8 +654,15 @@ class RunReader:
         x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
-    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing) -> bool:
+    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
+        if end is not None:
+            own = _exact(self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing)))
+            circle, there = self.scene.circles[self.places[pairing.body]], self.scene.circles[end]
+            if own is None or self._rounds_to is not None:
+                return False
+            apart = _apart(own, _resting(there))
+            return _is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
         exact = [flight for flight in map(_exact, flights) if flight is not None]
@@ -546,6 +675,23 @@ class RunReader:
         ]
         apart = _apart(*exact)
         return _is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
+
+
+Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
+"""t, d, v and R of two round things."""
+
+
+def _meeting_time(relative: Relative) -> arb | None:
+    """When two round things touch in free flight."""
+    t, dx, dy, vx, vy, reach = relative
+    approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
+    if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
+        return None
+    return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+
+
+def _middle(value: arb) -> float:
+    return float(value.mid())
 
 
 # -- zeros that are proved
@@ -561,7 +707,8 @@ tells from zero in milliseconds. A longer one proves nothing, and is never calle
 def exact_zero(reference: Trajectory, event: int) -> str | None:
     """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
 
-    Looked for are grazes, circles that touch without approaching, and circles that fly parallel to a wall.
+    Looked for are grazes, circles that touch without approaching, circles that fly parallel to a wall or a face, and
+    those that meet a segment where its face becomes its end.
     """
     flights = _flights_before(reference, event)
     radii = {str(c.id): c.r for c in reference.scene.circles}
@@ -572,10 +719,37 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
             return f"{one} and {other} touch and do not approach"
         if float(pair_approach(dx, dy, vx, vy)) < 0 and _is_zero(pair_discriminant, dx, dy, vx, vy, reach):
             return f"{one} and {other} graze"
-    for (name, (*_, vx, vy)), wall in product(flights.items(), reference.scene.walls):
+    whole = reference.scene.surfaces
+    for (name, (*_, vx, vy)), wall in product(flights.items(), whole.walls):
         if (vx.sign() or vy.sign()) and _is_zero(wall_approach, vx, vy, *wall.normal):
             return f"{name} flies parallel to {wall.id}"
+    for (name, flight), k in product(flights.items(), whole.ends):
+        end = whole.circles[k]
+        apart = _apart(flight, _resting(end))
+        if float(pair_approach(*apart)) < 0 and _is_zero(pair_discriminant, *apart, radii[name] + end.r):
+            return f"{name} grazes an end of {end.id}"
+    for (name, flight), k in product(flights.items(), whole.faces):
+        if _meets_an_end_of(flight, whole.walls[k], radii[name]):
+            return f"{name} meets {whole.walls[k].id} where a face becomes an end"
     return None
+
+
+def _meets_an_end_of(flight: Exact, face: Wall, r: Quantity) -> bool:
+    """Whether a circle comes to the line of a face right above one of its points."""
+    _, x, y, vx, vy = flight
+    nx, ny = face.normal
+    approach = wall_approach(vx, vy, nx, ny)
+    if not float(approach) < 0:
+        return False
+    span = (nx * nx + ny * ny).sqrt()
+    slide = law.face_along(vx, vy, ZERO, ZERO, nx, ny)
+
+    def foot(x0: Quantity, y0: Quantity) -> Quantity:
+        return law.face_foot(
+            law.face_along(x, y, x0, y0, nx, ny), slide, law.wall_gap(x, y, x0, y0, nx, ny, r * span), approach
+        )
+
+    return any(_is_zero(foot, x0, y0) for x0, y0 in ((face.x0, face.y0), (face.x1, face.y1)))
 
 
 def _flights_before(reference: Trajectory, event: int) -> dict[str, Exact]:
@@ -602,6 +776,11 @@ def short_quantity(value: Real) -> Quantity | None:
     """A number as a `Quantity`, if it is exact and short."""
     text = real(value).text()
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
+
+
+def _resting(circle: Circle) -> Exact:
+    """The flight of what never moves."""
+    return ZERO, circle.x, circle.y, ZERO, ZERO
 
 
 def _apart(one: Exact, other: Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:

@@ -174,6 +174,7 @@ class Margin:
         gap: the time between the two meetings, each taken as if nothing hindered it; None for hit or miss.
         distance: for hit or miss, the least distance of the surfaces in free flight, negative for the depth of a hit;
             for an order, how far apart the pair that comes second is when the first one meets.
+        speed: for a wall that the circle comes to in one run alone, the speed at which it leaves it; negative: comes.
         ulps: `gap` in units of a double's spacing at that time.
         error: the largest distance between the engine's place and the exact one of the circles in question, at the
             earlier of the two events.
@@ -183,6 +184,7 @@ class Margin:
 
     gap: Bounds | None = None
     distance: Bounds | None = None
+    speed: Bounds | None = None
     ulps: float | None = None
     error: float | None = None
     growth: float | None = None
@@ -228,7 +230,12 @@ def diagnosed(
         families.setdefault(row.cause.entry.family or row.cause.name, []).append(row)
     sizes = {name: sum(row.share or 0.0 for row in rows) for name, rows in families.items()}
     pushing = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if sizes[name] > 0]
-    alone = [name for name in pushing if CauseName[name] in enough or any(r.suffices for r in families[name][:1])]
+    alone = [
+        name
+        for name in pushing
+        if CauseName[name] in enough
+        or (any(row.suffices for row in families[name][:1]) and not _not_alone(made, name, families[name]))
+    ]
     if alone:
         return _named(made, (_chief(alone[0], families[alone[0]]),))
     value = margin

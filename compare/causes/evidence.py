@@ -31,8 +31,9 @@ if TYPE_CHECKING:
     from .decision import OwnFlight
     from .laboratory import Laboratory
 
-LATER = 2.0**-30
-"""Share of a time by which the exact law may be later than the engine at an instant that it is run for."""
+LATER, LATER_UNITS = 2.0**-30, 2.0**4
+"""Share of a time by which the exact law may be later than the engine at an instant that it is run for; and the same in
+units in the last place of the engine's numbers, where that is more."""
 
 REORDERED = 2.0**16
 """Units in the last place by which rounding may move a decision in whatever order of operations: the discriminant as
@@ -68,6 +69,10 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     latest, got, expected = lab.last_time, parted.got_time, parted.expected_time
     if got is not None and (expected is None or got < expected):
         latest = max(got, parted.time)  # what it has too much is there by then
+    missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
+    events = lab.engine.step is None
+    if events and any(found.kind == "depth" and {*found.bodies} == missed for found in laws.violations):
+        return [Experiment(CauseName["LAW"], laws.finding, None, True)]
     if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []
     return [Experiment(CauseName["LAW"], laws.finding, None, True)]
@@ -247,6 +252,7 @@ class OwnState:
         scene: the circles that take part, the fixed ones and the walls, as the engine has them at time `last`.
         last: a time after which none of those that take part meets anything before the instant.
         end: the end of the instant.
+        late: by how much the exact law may be later.
         partners: whom each meets from then on, in the engine's run.
         left: how the engine leaves each: vx, vy.
         times: of the engine's contacts from then on.
@@ -255,6 +261,7 @@ class OwnState:
     scene: Scene
     last: float
     end: float
+    late: float
     partners: Mapping[str, Sequence[str]]
     left: Mapping[str, tuple[float, float]]
     times: frozenset[float]
@@ -275,6 +282,7 @@ class OwnState:
             flights[name], known[name] = flight, max((c for _, c in before), default=-1)
         last = max((float(real(flight.t)) for flight in flights.values()), default=0.0)
         end = max(lab.last_time, last)
+        late = max(LATER, LATER_UNITS * 2.0**-lab.bits) * max(end, lab.scale)
         end += LATER * max(end, lab.scale)
         circles: list[Circle] = []
         for circle in scene.circles:
@@ -298,7 +306,7 @@ class OwnState:
         run = lab.candidate.trajectory
         left = {name: run.after(met[-1].event)[name] for name, met in past.items() if met}
         return OwnState(
-            here, last, end, {name: [p for m in met for p in m.partners] for name, met in past.items()},
+            here, last, end, late, {name: [p for m in met for p in m.partners] for name, met in past.items()},
             {name: (float(state.vx), float(state.vy)) for name, state in left.items()},
             frozenset(told.times[m.event] for met in past.values() for m in met),
         )  # fmt: skip
@@ -311,14 +319,22 @@ class OwnState:
         """
         try:
             scene = self.scene.with_changes(tie_policy=policy)
-            exact = lab.run_some(scene, self.end - self.last, MOST_INSTANTS)
+            exact = lab.run_some(scene, self.end + self.late - self.last, MOST_INSTANTS)
         except SceneError:
             return None
         there = history(exact)
-        if any([p for m in there.meetings[name] for p in m.partners] != [*met] for name, met in self.partners.items()):
-            return False
+        done = -1  # the event with which it has all of the engine's contacts
+        for name, partners in self.partners.items():
+            met = [(p, m.event) for m in there.meetings[name] for p in m.partners]
+            if [p for p, _ in met[: len(partners)]] != [*partners]:
+                return False
+            done = max(done, max((event for _, event in met[: len(partners)]), default=-1))
+        for name, partners in self.partners.items():
+            more = [m.event for m in there.meetings[name] for _ in m.partners][len(partners) :]
+            if any(event <= done or self.last + there.times[event] <= self.end - self.late for event in more):
+                return False
         speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
-        final = exact.final
+        final = exact.after(done) if done >= 0 else exact.at(0)
         return all(
             math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= ALIKE * speed
             for name, (vx, vy) in self.left.items()
@@ -392,12 +408,15 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         parts.append(account.own)
     for part in parts:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
+        flips = flips and not part.late
         earlier, free = None, ""
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
                 flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
+        if part.late and lab.decision is not None and lab.decision.rival is not None:
+            alone = f"{alone}: {lab.decision.rival.body} meets {lab.decision.rival.partner} first"
         if free:
             alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"

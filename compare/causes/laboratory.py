@@ -79,6 +79,7 @@ class Laboratory:
         Two that part in both, as after their last meeting, decide nothing, whatever the candidate reports of them.
         """
         found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
+        self.truth.read_ahead(found)
         asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
         known = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
         for decision, value in known:
@@ -232,12 +233,14 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
     from ..tangent.growth import error_growth
 
     divergence = lab.divergence
-    gap = distance = None
+    gap = distance = speed = None
     ulps: float | None = None
     if found.name is CauseName["PHANTOM"]:
         pass
     elif lab.decision is not None and lab.margin is not None:
-        if lab.decision.kind == "hit":
+        if lab.decision.kind == "hit" and lab.truth.is_wall(lab.decision.first):
+            speed = ball.double_bounds(lab.margin)
+        elif lab.decision.kind == "hit":
             distance = ball.double_bounds(lab.margin)
         else:
             gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
@@ -247,7 +250,7 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
         gap = distance = (0.0, 0.0)
     error = lab.tried(lambda: _error(lab), None)
     growth = lab.tried(lambda: error_growth(lab.reference, divergence.expected_event), None)
-    return Margin(gap, distance, ulps, error, growth, cut=lab.study.watch.over)
+    return Margin(gap, distance, speed, ulps, error, growth, cut=lab.study.watch.over)
 
 
 def _second_gap(lab: Laboratory) -> Bounds | None:

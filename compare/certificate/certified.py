@@ -19,10 +19,10 @@ from ..writing import check_writable, write_whole
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Pocket, Wall
+    from ...scenarios.things import Circle, Pocket, Segment, Wall
     from ...scenarios.trajectory import Trajectory
 
-KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
+KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1", "pockets": "x y r", "segments": "x0 y0 x1 y1 r"}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")
 
 
@@ -176,8 +176,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())
-    things: dict[str, Sequence[Circle | Wall | Pocket]] = {
-        "circles": scene.circles, "walls": scene.walls, "pockets": scene.pockets,
+    things: dict[str, Sequence[Circle | Wall | Pocket | Segment]] = {
+        "circles": scene.circles, "walls": scene.walls, "pockets": scene.pockets, "segments": scene.segments,
     }  # fmt: skip
     for kind, meant in things.items():
         told = block.get(kind, ())
@@ -195,6 +195,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                 mass = getattr(thing, "m")  # noqa: B009 (only circles have one)
                 if not _same(row["w"], ZERO if isinstance(mass, str) else Quantity.of(1) / mass, roots):
                     return f"{name}: w is {row['w']}, and not one over the mass {mass}"
+    if not scene.elastic:
+        return f"it has no restitution, which is {scene.restitution}"
     policy = {"sequential": "sequential:order=scene"}
     ours, theirs = str(scene.tie_policy), str(block["tie_policy"])
     if policy.get(ours, ours) != policy.get(theirs, theirs):

@@ -19,14 +19,19 @@ class Isometries:
     Args:
         things: circles, walls and pockets by index, in exact numbers, as the checker reads them.
         n: how many of them are circles.
+        faces: which of them are faces of segments, the last of the walls.
     """
 
-    def __init__(self, things: dict[int, list[Exact]], n: int) -> None:
+    def __init__(self, things: dict[int, list[Exact]], n: int, faces: range) -> None:
         self.circles, self.n = [things[i] for i in range(n)], n
         self.walls = [row[:4] for k, row in things.items() if k >= n]
         self.pockets = [[things[k][0], things[k][1], things[k][4]] for k in sorted(things, reverse=True) if k < 0]
         self._circle_of = {_key(row): i for i, row in enumerate(self.circles)}
-        self._wall_of = {_key(_line(*row)): k for k, row in enumerate(self.walls)}
+        self._thick = [things[k][5] for k in faces]
+        self._first = faces.start - n
+        self._wall_of = {_key(_line(*row)): k for k, row in enumerate(self.walls[: self._first])}
+        rows = zip(self.walls[self._first :], self._thick, strict=True)
+        self._face_of = {_key([*_face(*row), r]): k for k, (row, r) in enumerate(rows, self._first)}
         self._pocket_of = {_key(row): k for k, row in enumerate(self.pockets)}
 
     def between(self, c: Contact, other: Contact) -> Iterator[dict[str, Any]]:
@@ -83,7 +88,12 @@ class Isometries:
             image = self._circle_of.get(_key([*moved(x, y), *turned(vx, vy), *kind]))
             pairs += [] if image is None else [[m, image]]
         for m, (x, y, nx, ny) in enumerate(self.walls):
-            image = self._wall_of.get(_key(_line(*moved(x, y), *turned(nx, ny))))
+            if m < self._first:
+                image = self._wall_of.get(_key(_line(*moved(x, y), *turned(nx, ny))))
+            else:
+                (x, y), (u, v) = moved(x, y), moved(x + ny, y - nx)
+                key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first]]
+                image = self._face_of.get(_key(key))
             pairs += [] if image is None else [[self.n + m, self.n + image]]
         for m, (x, y, r) in enumerate(self.pockets):
             image = self._pocket_of.get(_key([*moved(x, y), r]))
@@ -114,6 +124,11 @@ def _line(x: Exact, y: Exact, nx: Exact, ny: Exact) -> list[Exact]:
     """A line's normal form: n.p = c with the first component of n that is not zero made 1."""
     offset = nx * x + ny * y
     return [ZERO, ONE, offset / ny] if not nx else [ONE, ny / nx, offset / nx]
+
+
+def _face(x: Exact, y: Exact, nx: Exact, ny: Exact) -> list[Exact]:
+    """Twice the middle of a face, which begins at (x, y), and its normal: whichever way round an isometry puts it."""
+    return [x + x + ny, y + y - nx, nx, ny]
 
 
 def _key(numbers: Sequence[Exact]) -> tuple[str, ...]:

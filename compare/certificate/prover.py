@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Nearing, Space, Unsettled, enclosed
+from ...tools.verify import Ball, Checker, Facing, Nearing, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
@@ -119,7 +119,7 @@ class Prover(Checker):
         self.history: list[dict[int, Any]] = []
         self.cleared: set[Contact] = set()
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
-        self.likely = Isometries(self.things_exact, self.n)
+        self.likely = Isometries(self.things_exact, self.n, self.faces)
         told = self.form
         self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
         balls = Remembering(self.n, self.things, told.sides, told.limits, enclosed)
@@ -146,7 +146,7 @@ class Prover(Checker):
         self.check()
         final: dict[str, Any] = self.told["final"]
         final["time"] = self.decimal(self.ball.times[self.age])
-        for i in range(self.n):
+        for i in range(len(final["circles"])):
             final["circles"][i] = [self.decimal(value) for value in self.ball.put(i, self.age)[:4]]
         times = cast(list[Lazy], self.form.times)
         for age, entry in enumerate(self.told["instants"]):
@@ -210,7 +210,7 @@ class Prover(Checker):
         entry["met"] = []
         if self.age == 0:
             for c in self.meets:
-                if self.ball.ask("gap", c, 0).sign() in (None, 0) and self.zero("gap", c, 0):
+                if self.ball.ask("gap", c, 0).sign() in (None, 0) and self.zero("gap", c, 0) and self._beside(c):
                     entry["met"].append(list(c))
             self.age -= 1
             return
@@ -231,13 +231,16 @@ class Prover(Checker):
         self.ball.times.append(time)
         self.form.times.append(self.form.hit(clock))
         self._list(entry, clock)
-        bodies = {i for c in contacts for i in c if i < self.n}
+        bodies = {i for c in contacts for i in c if i < len(self.told["scene"]["circles"])}
         tried = {clock}
         rims = [c for c in self.meets if c[1] < 0] if min(self.things) < 0 else []
         for c in wanted + rims:
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
+        if self.told["scene"].get("capture"):  # what a pocket takes may slide along a face as its flight ends
+            for c in (c for i, _ in entry["enter"] for c in self.of[i] if c[1] in self.faces):
+                self._try(entry, c)
         todo = sorted(bodies)
         while todo:
             for c in self.of[todo.pop()]:
@@ -258,10 +261,16 @@ class Prover(Checker):
         """Whether the gap of two falls through zero on their flights; few bits mostly tell."""
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
-            signs = m.closing.sign(), m.disc.sign()
+            signs = [m.closing.sign(), m.disc.sign()]
+            if c[1] in self.faces and isinstance(m, Facing):
+                signs += [m.near.sign(), m.beyond.sign()]
             if None not in signs:
-                return signs == (-1, 1)
+                return signs == [-1, 1, 1, 1][: len(signs)]
         return False
+
+    def _beside(self, c: Contact) -> bool:
+        """Of a face: whether the foot of the centre is between its ends."""
+        return c[1] not in self.faces or self.within(c)
 
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))
@@ -276,13 +285,16 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
-        if self._apart(c):
+        if c[1] in self.faces:
+            if self.other(c) in self.parted:
+                return False
+        elif self._apart(c):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
                 return False
-        if not self.zero("gap", c, self.age):
+        if not (self.zero("gap", c, self.age) and self._beside(c)):
             return False
         self._list(entry, c)
         return True

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Pocket, Wall
+from ...scenarios.things import Circle, Pocket, Segment, Wall
 from ...tools.verify import Sum, Unsettled
 
 ROOTS = 24
@@ -166,7 +166,7 @@ def _terms(value: Exact) -> list[tuple[Fraction, list[str]]]:
 
 
 def _length(wall: Any) -> Exact:
-    """Of the vector between the two points that a wall is told by."""
+    """Of the vector between the two points that a wall or a segment is told by."""
     x, y = exact_number(wall.x1) - exact_number(wall.x0), exact_number(wall.y1) - exact_number(wall.y0)
     return (x * x + y * y).sqrt()
 
@@ -184,7 +184,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     """
     Exact.roots, Exact.most, Exact.work, Exact.budget = [], SCENE_ROOTS, 0, WORK
 
-    def row(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, str]:
+    def row(thing: Circle | Wall | Pocket | Segment, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}
 
     circles = []
@@ -204,6 +204,10 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture
+    if scene.segments:
+        told["segments"] = [
+            {**row(bar, ("x0", "y0", "x1", "y1", "r")), "length": text_of(_length(bar))} for bar in scene.segments
+        ]
     if Exact.roots:
         told["roots"] = [text_of(root) for root in Exact.roots]
     return told

@@ -67,10 +67,12 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
+    if trajectory.scene.polygons:
+        raise CertificateError("the scene has polygons, which certificates do not know yet; write segments")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
-    if trajectory.scene.segments:
-        raise CertificateError("the scene has segments, which certificates do not know yet; write them as walls")
+    if not trajectory.scene.elastic:
+        raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
     if len(trajectory.scene.circles) > CIRCLES:
         raise CertificateError(
             f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"
@@ -227,8 +229,11 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
 
     The first is time 0, whether anything falls on it or not.
     """
-    scene = trajectory.scene
-    place = {name: k for k, name in enumerate(scene.ids)}
+    scene = trajectory.scene.surfaces
+    parts: dict[str, list[int]] = {}  # of a segment: its ends, and its faces
+    for k, name in enumerate(scene.ids):
+        parts.setdefault(name, []).append(k)
+    place = {name: found[0] for name, found in parts.items()}
     pockets = {str(pocket.id): k for k, pocket in enumerate(scene.pockets)}
     ends: dict[int, int] = {0: 0}
     contacts: dict[int, set[Contact]] = {}
@@ -241,7 +246,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         steps = time.log.steps
         ends[number] = max(time.upto, ends.get(number, 0))
         if isinstance(happened, Event):
-            contacts[number] = {(place[a], place[b]) for a, b in happened.contacts}
+            contacts[number] = {(place[a], part) for a, b in happened.contacts for part in parts[b]}
         elif isinstance(happened, Pocketing):
             entries.setdefault(number, []).append([place[happened.circle], -1 - pockets[happened.pocket]])
     found: list[dict[str, Any]] = []

@@ -13,7 +13,7 @@ from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
-from ..tangent.growth import CertifiedGrowth, Displacements, certified_growth, unit_displacements
+from ..tangent.growth import CertifiedGrowth, Displacements, certified_growth, in_doubles, unit_displacements
 from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_engine
 from .horizon import Forecaster, Horizon
@@ -104,14 +104,13 @@ def chaos(
     names: list[str | Engine] = [engines] if isinstance(engines, str) else list(engines)
     chosen = [(e if isinstance(e, str) else e.name, check_engine(engine_named(e) if isinstance(e, str) else e))
               for e in names]  # fmt: skip
+    if scene.polygons and chosen:
+        raise SceneError(f"{scene.name!r}: has polygons, where no horizon is predicted yet; write --engines none")
     reference = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
     struck = mapped(reference, len(reference.events))
-    found = spectrum(scene, struck, exponents)
-    if scene.segments and chosen:
-        raise SceneError(
-            f"{scene.name!r}: has segments, where no horizon is predicted yet; write --engines none, or take walls"
-        )
-    forecaster, rate = Forecaster(reference, struck), found.per_time().value if found.chaotic else 0.0
+    rough = [[in_doubles(impact) for impact in event] for event in struck]
+    found = spectrum(scene, rough, exponents)
+    forecaster, rate = Forecaster(reference, rough), found.per_time().value if found.chaotic else 0.0
     horizons: list[Horizon] = []
     exact: list[str] = []
     for label, engine in chosen:
@@ -125,8 +124,8 @@ def chaos(
         scene,
         reference,
         len(struck),
-        tuple(_growth(scene, struck, found, whole)),
-        certified_growth(reference, len(struck)) if whole and reference.certified else None,
+        tuple(_growth(scene, rough, found, whole)),
+        certified_growth(reference, len(struck), struck) if whole and reference.certified else None,
         found,
         tuple(horizons),
         tuple(exact),

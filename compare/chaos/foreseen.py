@@ -35,8 +35,11 @@ class Foreseen:
     reason: str = ""
 
 
-def foreseen(comparison: Comparison) -> Foreseen | None:
+def foreseen(comparison: Comparison, work: int = MOST_WORK) -> Foreseen | None:
     """The horizons of a comparison's engines; None where the reference is not an exact run with events.
+
+    Args:
+        work: events times circles along which displacements are carried at most.
 
     >>> from truebreak.compare import compare
     >>> from truebreak.scenarios import catalogue
@@ -45,11 +48,11 @@ def foreseen(comparison: Comparison) -> Foreseen | None:
     (100, True)
     """
     reference = comparison.reference
+    if comparison.scene.polygons:
+        return Foreseen(0, 0.0, (None,) * len(comparison.candidates), "not predicted yet in scenes with polygons")
     if motion_of(reference) is None or not reference.events:
         return None
-    if comparison.scene.segments:
-        return Foreseen(0, 0.0, (None,) * len(comparison.candidates), "not predicted yet in scenes with segments")
-    most = min(len(reference.events), MOST_WORK // len(comparison.scene.circles))
+    most = min(len(reference.events), work // len(comparison.scene.circles))
     reason = "" if most == len(reference.events) else f"no more than {most:,} events are looked at"
     try:
         struck = impacts(reference, most)

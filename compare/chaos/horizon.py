@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...exact.exact_engine import ExactEngine
-from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Stop, StopReason
 from ..study import Study, run_or_unable
-from ..tangent.hazard import ErrorCurve, ErrorModel, error_curve, model_of
+from ..tangent.hazard import ErrorCurve, ErrorModel, Surroundings, error_curve, model_of
 from .levels import LEVELS
 
 if TYPE_CHECKING:
@@ -164,16 +163,15 @@ class Forecaster:
     """
 
     def __init__(self, trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> None:
-        if trajectory.scene.segments:
-            raise SceneError(f"{trajectory.scene.name!r}: has segments, where no horizon is predicted yet; take walls")
         self.trajectory = trajectory
         self.struck = struck
         self._curves: dict[ErrorModel, ErrorCurve] = {}
+        self._known: Surroundings = {}
 
     def curve(self, model: ErrorModel) -> ErrorCurve:
         """The error curve of a model."""
         if model not in self._curves:
-            self._curves[model] = error_curve(self.trajectory, self.struck, model)
+            self._curves[model] = error_curve(self.trajectory, self.struck, model, self._known)
         return self._curves[model]
 
     def place(self, event: int | None) -> EventTime:

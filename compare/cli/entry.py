@@ -43,6 +43,7 @@ Examples:
   truebreak minimise gas --engine double     the smallest scene that shows it
   truebreak advise gas:n=5 --events 12       the cheapest right setting
   truebreak stress near-ties                 how near a tie may be
+  truebreak vectors --out .                  first meetings, to score your own
   truebreak play                             draw and throw, in a browser
   truebreak show rack:rows=3 --plot rack.svg
 
@@ -72,6 +73,7 @@ PLACES = {
     "suite": "suite",
     "survey": "suite",
     "sweep": "sweep",
+    "vectors": "vectors",
     "verify": "run",
 }
 """The module of each command in `commands`, where it is called as here. A new command adds its file and one line."""

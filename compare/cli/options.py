@@ -357,6 +357,11 @@ LINES = {
         "truebreak compare galperin:n=2 --engines single,double,pymunk:dt=1/1000",
         "truebreak compare gas --reverse-after 50 --engines double",
     ),
+    "vectors": (
+        "truebreak vectors",
+        "truebreak vectors --count 100 --engines double,pymunk.segment_query -v",
+        "truebreak vectors --count 100000 --seed 7 --out .",
+    ),
     "export": (
         "truebreak export gas:n=3 > gas.json",
         "truebreak export gas --floats --out gas-floats.json",
@@ -383,7 +388,7 @@ CODES = {
 }
 """What the exit codes say, of commands that tell it below their examples."""
 
-WITHOUT_SCENE = ("scenes", "verify")
+WITHOUT_SCENE = ("scenes", "verify", "vectors")
 """Commands that take no scene."""
 
 

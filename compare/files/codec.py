@@ -22,6 +22,7 @@ from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
 from ...exact.replay.state import Flip, Go, Kick, Step, Take
+from ...exact.simulation.packed import PackedRows
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.lazy import Late
@@ -308,7 +309,7 @@ class Writer:
             return {"enum": self._listed(value), "name": value.name}
         if isinstance(value, float) and not getattr(value, "__dict__", None):
             return self._float(value)
-        if type(value) is list:
+        if type(value) is list or isinstance(value, PackedRows):
             return [self(item) for item in value]
         if type(value) is tuple or isinstance(value, Late):
             return {"tuple": [self(item) for item in value]}

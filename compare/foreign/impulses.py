@@ -6,8 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from ...exact.replay.parts import PartsNear
+from ...floating.double import DOUBLES
 from ...scenarios.errors import SceneError
 from ...scenarios.lazy import Later, kept
+from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,11 +48,22 @@ class Normal(NamedTuple):
 
 
 class Impacts:
-    """The circles and walls of a scene in doubles, and the laws of elastic impact upon them."""
+    """The circles, walls and things of faces and ends of a scene in doubles, and the laws of impact upon them.
+
+    Args:
+        scene: the scene.
+
+    Attributes:
+        count: of circles.
+        things: what has faces and ends, by place in `scene.ids`; a contact with one is with what is nearest of it.
+    """
 
     def __init__(self, scene: Scene) -> None:
-        if scene.segments:
-            raise SceneError(f"{scene.name!r}: has segments, of which no log is judged yet; take walls")
+        if scene.polygons:
+            raise SceneError(f"{scene.name!r}: has polygons, of which no log is judged yet; take walls")
+        self._change = 1.0 + float(scene.restitution)
+        self.things = tuple(parts_of(scene))
+        self._near = PartsNear(scene, DOUBLES) if self.things else None
         self.count = len(scene.circles)
         self._inverse_masses = [float(c.inverse_mass) for c in scene.circles]
         self._radii = [float(c.r) for c in scene.circles]
@@ -68,6 +82,9 @@ class Impacts:
     def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
         """The line of centres, at given places."""
         (i, j), (x, y) = link, rows[link[0]][:2]
+        if self._near is not None and j in self._near.things:
+            part = self._near.part(i, j, *rows[i])
+            return Normal(part.nx, part.ny, part.gap)
         if j >= self.count:
             x0, y0, nx, ny = self._walls[j - self.count]
             side = self._sides[i][j - self.count]
@@ -87,7 +104,7 @@ class Impacts:
         return vx * normal.x + vy * normal.y
 
     def bounce(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Row] | None:
-        """The rows after elastic impacts at one instant, in rounds, each of which all that approach share.
+        """The rows after impacts at one instant, in rounds, each of which all that approach share.
 
         None if none of the contacts approaches, or if the rounds have no end.
         """
@@ -98,7 +115,7 @@ class Impacts:
             if not closing:
                 return after if done else None
             matrix = self.matrix([(link, normals[link]) for link in closing])
-            strengths = least(matrix @ matrix.T, np.array([-2.0 * opening[link] for link in closing]))
+            strengths = least(matrix @ matrix.T, np.array([-self._change * opening[link] for link in closing]))
             if not strengths.any():
                 return None
             after = self._pushed(after, matrix, strengths)
@@ -121,12 +138,23 @@ class Impacts:
         """
         change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
         moved = [k for k in range(self.count) if change[k].any()]
-        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, rows)).gap <= room]
+        there = [(*row[:2], *was[2:]) for row, was in zip(rows, before, strict=True)]  # as they came, where they are
+        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, there)).gap <= room]
+        near = self._nearest(near) if self.things else near
         found = self._explaining(near, change)
         if way is None or found[1] <= SOLVED:
             return found
         met = [(link, self._met(link, before, way) or normal) for link, normal in near]
         return min(self._explaining(met, change), found, key=lambda told: told[1])
+
+    def _nearest(self, near: Sequence[tuple[Indices, Normal]]) -> list[tuple[Indices, Normal]]:
+        """Of walls and things that push a circle in the same direction, the one that it touches best."""
+        kept: list[tuple[Indices, Normal]] = []
+        for link, normal in sorted(near, key=lambda told: abs(told[1].gap)):
+            beside = (n for other, n in kept if other[0] == link[0] and other[1] >= self.count)
+            if link[1] < self.count or all(n.x * normal.x + n.y * normal.y < 1.0 - SOLVED for n in beside):
+                kept.append((link, normal))
+        return sorted(kept, key=lambda told: told[0])
 
     def _met(self, link: Indices, rows: Sequence[Row], way: float) -> Normal | None:
         """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
@@ -159,7 +187,16 @@ class Impacts:
     def _pairs(self, moved: Sequence[int]) -> list[Indices]:
         """Every pair of which one is among the circles given."""
         found = {(min(i, j), max(i, j)) for i in moved for j in range(self.count) if i != j}
-        return [*sorted(found), *((i, self.count + w) for i in moved for w in range(len(self._walls)))]
+        fixed = [*range(self.count, self.count + len(self._walls)), *self.things]
+        return [*sorted(found), *((i, place) for i in moved for place in fixed)]
+
+    def named(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Indices]:
+        """The same contacts, those with an end that several things share by the thing that names it, each once."""
+        near = self._near
+        if near is None:
+            return list(links)
+        names = ((i, near.name_of(i, j, *rows[i]) if j in near.things else j) for i, j in links)
+        return [*dict.fromkeys(names)]
 
     def matrix(self, contacts: Sequence[tuple[Indices, Normal]]) -> NDArray[np.float64]:
         """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
@@ -195,7 +232,8 @@ class Impacts:
 
     def quiet(self, rows: Sequence[Row]) -> bool:
         """Whether no two circles, and no circle and wall, come nearer to each other: then none ever will."""
-        links = [(i, j) for i in range(self.count) for j in range(i + 1, self.count + len(self._walls))]
+        fixed = [*range(self.count, self.count + len(self._walls)), *self.things]
+        links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *fixed)]
         return all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links)
 
 

@@ -10,7 +10,6 @@ anew, and the engine is pickled too: see `FORKS`.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import faulthandler
 import io
 import os
@@ -36,6 +35,7 @@ from ...scenarios.numbers import precision
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress
 from ..deadline import AGAIN_SECONDS, Clock, OutOfTime, clock_at_work, time_limit
+from ..side_by_side import FORKS, end_with_parent
 from ..validation import EngineError
 
 ISOLATE = "TRUEBREAK_ISOLATE"
@@ -43,9 +43,6 @@ ISOLATE = "TRUEBREAK_ISOLATE"
 
 MEMORY = "TRUEBREAK_MAX_MEMORY"
 """The environment variable that says how many megabytes (of 2**20 bytes) such a process may take; it implies that."""
-
-FORKS = hasattr(os, "fork") and sys.platform != "darwin"
-"""Whether processes are copies of this one; frameworks of macOS do not survive that."""
 
 LIMITS_MEMORY = sys.platform == "linux"
 """Whether the system can limit the memory of a process; macOS accepts a limit, and does not mind it."""
@@ -64,9 +61,6 @@ LOOK_SECONDS = 0.1
 
 PROGRESS_SECONDS = 0.1
 """How often an engine's progress is sent on, at most."""
-
-DEATH_SIGNAL = 1
-"""PR_SET_PDEATHSIG of Linux: the signal that a process gets as its parent ends."""
 
 PRINTED = 60
 """Characters of what an engine printed that are shown."""
@@ -557,17 +551,7 @@ def _alone() -> None:
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(nowhere, stream)
-    if sys.platform == "linux":  # an engine that hangs in C leaves no thread a chance to look
-        ctypes.CDLL(None).prctl(DEATH_SIGNAL, int(signal.SIGKILL))
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
-
-
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
-        clock.sleep(LOOK_SECONDS)
-    if hasattr(os, "killpg"):
-        os.killpg(0, signal.SIGKILL)
-    os._exit(1)
+    end_with_parent(os.getppid(), group=True)
 
 
 def _limit_memory(megabytes: int | None) -> Callable[[], None]:

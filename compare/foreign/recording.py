@@ -325,6 +325,7 @@ class Recording:
         if self._part_at_the_turn(now, links, rows):
             self._reverse(now)
             rows = self._course.rows(now)
+        links = self._impacts.named(links, rows)
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
@@ -480,7 +481,7 @@ class Recording:
                 f"{self.where}: at time {now!r} the velocity of {self.scene.ids[changed]!r} has changed, and no "
                 "contact near it explains how; report the contacts by hit(time, a, b)"
             )
-        return links
+        return self._impacts.named(links, before)
 
     def _turn_before(self, now: float) -> None:
         """The scene's reversal at a set time, if it is due before a report; and the clock goes on."""

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
+from ..side_by_side import cores
 
 if TYPE_CHECKING:
     from .row import Row
@@ -23,6 +24,10 @@ ADDRESS = re.compile(r"dask://(?P<host>[^/\s:]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1
 
 PATIENCE = 10
 """Seconds in which a scheduler answers, or there is none."""
+
+
+RARELY = 20_000
+"""Objects made, less those gone, after which a worker looks for garbage, as the command line does."""
 
 
 class Job(Protocol):
@@ -38,17 +43,14 @@ class Job(Protocol):
         ...
 
 
-def cores() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def prepare() -> None:
     """Makes a fresh worker count in one thread, and end with the process that started it."""
     for name in THREADS:
         os.environ[name] = "1"
+    import gc
     import signal
 
+    gc.set_threshold(RARELY)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:

@@ -333,7 +333,9 @@ def compared(study: Study, candidate: Candidate, index: int, scene: str) -> Row:
 
 
 def energy_drift(trajectory: Trajectory) -> float | None:
-    """The energy gained by the end of a run, as a share of that at its start; None where there is none at all.
+    """The energy gained by the end of a run, as a share of that at its start.
+
+    None where there is none at all, or the scene's restitution takes some.
 
     >>> from truebreak.floating import DoubleEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -342,7 +344,7 @@ def energy_drift(trajectory: Trajectory) -> float | None:
     """
     circles = [circle for circle in trajectory.scene.circles if not circle.fixed]
     before = sum((float(c.vx) ** 2 + float(c.vy) ** 2) / float(c.inverse_mass) for c in circles)
-    if not before:
+    if not before or not trajectory.scene.elastic:
         return None
     final = trajectory.final
     after = sum(

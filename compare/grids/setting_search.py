@@ -7,17 +7,19 @@ import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.settings import positive_time
-from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..chaos.horizon import Forecaster, follow
 from ..chaos.levels import LEVELS
+from ..deadline import uninterrupted
 from ..engines import engine as engine_named
+from ..side_by_side import SideBySide
 from ..study import Study
 from ..tangent.hazard import ErrorModel, model_of
 from ..tangent.impacts import NoTangentMap, impacts
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
     from ..tangent.hazard import ErrorCurve
     from .row import diagnosed
 from .goals import Goal, Judged
@@ -73,6 +76,8 @@ class Instance:
         model = declared[0]
         if model not in self.curves:
             try:
+                if reference.scene.polygons:
+                    raise NoTangentMap("nothing is predicted yet in scenes with polygons")
                 self.curves[model] = Forecaster(reference, impacts(reference, len(reference.events))).curve(model)
             except NoTangentMap:
                 self.curves[model] = None
@@ -196,6 +201,11 @@ ENOUGH = 400_000
 MARGIN = 8
 """By how many halvings a step has to be too large, beside what one run in twenty needs, to be predicted to be wrong."""
 
+WORTH = 20_000
+"""Units of work, of about a microsecond, from which on a run is worth a process of its own."""
+
+MICROSECOND = 1e-6
+
 INSTEAD = ("double", "quad")
 
 BEYOND = 3
@@ -226,6 +236,7 @@ def advise(
     seed: int = 1,
     budget: int | None = None,
     why: bool = True,
+    jobs: int | None = 1,
     progress: OnSearch | None = None,
 ) -> Advice:
     """Searches an engine's settings, from the cheapest up, for the first that is right.
@@ -244,6 +255,8 @@ def advise(
             run is counted before it is begun, by its setting and by the length of the certified run. None:
             `DEFAULT_BUDGET`, and no run of what is predicted to be wrong once `ENOUGH` is spent.
         why: whether to find out what stands in the way where no setting is right, by further runs beside the budget.
+        jobs: how many settings, or scenes, are tried at once, each in a copy of this process; None: one for each
+            processor. What comes out is the same.
         progress: called before each run.
 
     Raises:
@@ -256,7 +269,9 @@ def advise(
     """
     goal = HistoryGoal() if goal is None else goal
     share = _checked(size, perturbed, budget)
-    return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress).advice()
+    search = _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress)
+    with SideBySide(jobs) as search.tasks:
+        return search.advice()
 
 
 def _checked(size: QuantityLike, perturbed: int, budget: int | None) -> Quantity:
@@ -297,6 +312,8 @@ class _Search:
         self.size, self.seeds, self.why, self.progress = size, seeds, why, progress
         self.budget, self.predicts = DEFAULT_BUDGET if budget is None else budget, budget is None
         self.spent, self.left_out = 0, list[int]()
+        self.begun = set[tuple[str, int | None]]()
+        self.tasks, self.paid = SideBySide(1), list[int]()
         self.exact = ExactEngine()
         chosen = engine_named(engine)
         key = unsupported(chosen, scene)
@@ -307,16 +324,16 @@ class _Search:
         if end is not None:
             checked_number("until", end)
         began = clock.process_time()
-        self.home = self._instance(None, scene)
+        self.home = self._instance(None, scene, self._exact_run(scene))
         self.exact_seconds = clock.process_time() - began
         goal.check(self.home.study.reference)
         self._beside: list[Instance] | None = None
 
-    def _instance(self, seed: int | None, scene: Scene) -> Instance:
+    def _exact_run(self, scene: Scene, progress: object = None) -> Trajectory:
         until, events = (None, self.goal.events) if self.goal.events is not None else (self.until, None)
-        run = self.exact.run(scene, until=until, events=events)
-        if run.stop.reason is StopReason.INTERRUPTED:
-            raise KeyboardInterrupt
+        return uninterrupted(self.exact.run(scene, until=until, events=events))
+
+    def _instance(self, seed: int | None, scene: Scene, run: Trajectory) -> Instance:
         return Instance(seed, Study(scene, self.exact, run, pay=self._pay))
 
     @property
@@ -324,8 +341,13 @@ class _Search:
         """The scene, and those beside it whose certified run is decided."""
         if self._beside is None:
             self._beside = []
-            for seed in self.seeds:
-                near = self._instance(seed, nudged(self.scene, self.size, seed))
+            scenes = {seed: nudged(self.scene, self.size, seed) for seed in self.seeds}
+            if self.exact_seconds >= WORTH * MICROSECOND:
+                for seed, scene in scenes.items():
+                    self.tasks.add(seed, partial(self._exact_run, scene))
+            for seed, scene in scenes.items():
+                run = self.tasks.result(seed) if seed in self.tasks else self._exact_run(scene)
+                near = self._instance(seed, scene, run)
                 if near.study.reference.stop.reason in UNKNOWING:
                     self.left_out.append(seed)
                 else:
@@ -343,9 +365,10 @@ class _Search:
         tried: list[Tried] = []
         first: int | None = None
         hopeless = self._hopeless(rungs)
-        for setting in rungs:
+        for place, setting in enumerate(rungs):
             if hopeless and self.spent + setting.work > ENOUGH and self._far_off(tried):
                 return self._none(tried, SearchEnd.HOPELESS, setting)
+            self._look_ahead(rungs[place:], ENOUGH if hopeless else self.budget, first)
             try:
                 told = self._try(setting, first)
             except _Spent:
@@ -355,6 +378,32 @@ class _Search:
                 return self._found(tried, rungs[len(tried) :])
             first = told.wrong[0]
         return self._none(tried, self._end_of(rungs), None)
+
+    def _look_ahead(self, rungs: tuple[Setting, ...], most: int, first: int | None) -> None:
+        """Begins to try the next settings, where they are worth a process and can be paid for.
+
+        On the scene itself, and on the one on which the last was wrong. Those before one are paid for by then, or it
+        is not asked for.
+        """
+        near = [] if first is None else [one for one in self.instances[1:] if one.seed == first]
+        spent = self.spent
+        for setting in rungs[: self.tasks.jobs] if self.tasks.together else ():
+            for one in (self.home, *near):
+                spent += setting.work
+                if setting.work >= WORTH and spent <= most:
+                    self._begin(setting, one, spent)
+
+    def _begin_all(self, setting: Setting, scenes: Sequence[Instance]) -> None:
+        """Begins to try a setting on scenes beside this one, where that is worth it and can be paid for."""
+        if self.tasks.together and setting.work >= WORTH and self.spent + len(scenes) * setting.work <= self.budget:
+            for place, near in enumerate(scenes):
+                self._begin(setting, near, self.spent + (place + 1) * setting.work)
+
+    def _begin(self, setting: Setting, near: Instance, spent: int) -> None:
+        name = setting.text, near.seed
+        if name not in self.begun:
+            self.begun.add(name)
+            self.tasks.add(name, partial(self._judged, setting, near, spent))
 
     def _hopeless(self, rungs: tuple[Setting, ...]) -> bool:
         """Whether every setting is predicted to be wrong: even the finest step is far coarser than nineteen runs in
@@ -391,9 +440,11 @@ class _Search:
         if None not in judged:
             judged[None] = self._judge(setting, self.home)
         if judged[None].right or whole is not None:
-            for near in sorted(self.instances[1:], key=lambda one: one.seed != first):
-                if near.seed in judged:
-                    continue
+            others = sorted(self.instances[1:], key=lambda one: one.seed != first)
+            others = [near for near in others if near.seed not in judged]
+            for place, near in enumerate(others):
+                if place == (first is not None):  # one that was wrong before is tried alone
+                    self._begin_all(setting, others[place:])
                 judged[near.seed] = self._judge(setting, near)
                 if whole is None and not judged[near.seed].right:
                     break
@@ -401,12 +452,38 @@ class _Search:
 
     def _judge(self, setting: Setting, near: Instance) -> Judged:
         work = cost(setting.engine, RunSize.of(near.study.reference))[1]
-        if self.spent + work > self.budget:
-            raise _Spent
+        self._check_budget(work)
         if self.progress is not None:
             self.progress(Searching(self.spent, self.budget, setting.text, near.label))
         self.spent += work
-        return self.goal.judge(near.study, setting.text, setting.engine)
+        name = (setting.text, near.seed)
+        paid, judged = self.tasks.result(name) if name in self.tasks else self._judged(setting, near, self.spent)
+        for each in paid:
+            self._check_budget(each)
+            self.spent += each
+        if judged is None:
+            raise _Spent
+        return judged
+
+    def _judged(
+        self, setting: Setting, near: Instance, spent: int, progress: object = None
+    ) -> tuple[list[int], Judged | None]:
+        """What comes of a setting on a scene, and what was to be paid for it; None where that was too much.
+
+        Args:
+            spent: what is spent before, at the least.
+        """
+        before, self.spent, self.paid = self.spent, spent, []
+        try:
+            return self.paid, self.goal.judge(near.study, setting.text, setting.engine)
+        except _Spent:
+            return self.paid, None
+        finally:
+            self.spent = before
+
+    def _check_budget(self, work: int) -> None:
+        if self.spent + work > self.budget:
+            raise _Spent
 
     def _pay(self, engine: Engine, steps: int) -> None:
         """Counts a run at a finer step, which shows whether an instant of several contacts is the same.
@@ -416,8 +493,8 @@ class _Search:
         """
         size = replace(RunSize.of(self.home.study.reference), time=steps * (engine.step or 0.0))
         work = cost(engine, size)[1]
-        if self.spent + work > self.budget:
-            raise _Spent
+        self.paid.append(work)
+        self._check_budget(work)
         self.spent += work
 
     def _found(self, tried: list[Tried], costlier: tuple[Setting, ...]) -> Advice:
@@ -436,6 +513,7 @@ class _Search:
         return replace(self._told(tuple(tried), SearchEnd.FOUND), beyond=tuple(beyond), cost=took)
 
     def _none(self, tried: list[Tried], end: SearchEnd, after: Setting | None) -> Advice:
+        self.tasks.end()
         seed = tried[-1].wrong[0] if tried else None
         near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
         free = replace(near.study, pay=None)

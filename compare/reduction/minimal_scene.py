@@ -19,6 +19,7 @@ from .smallest import (
     SceneParts,
     SceneSize,
     Smallest,
+    corners,
     ddmin,
     digits,
     settings,
@@ -73,7 +74,7 @@ def minimise(
 ) -> Smallest:
     """The smallest scene found on which an engine still diverges from the exact one, or still breaks a law.
 
-    Circles are left out first, then walls, pockets, events at the end, a reversal, a limit in time, and the digits of
+    Circles are left out first, then walls, segments, pockets, corners of segments, events at the end, a reversal, a limit in time, and the digits of
     numbers; then all over again, until nothing more can be left out by itself. Each try is a certified comparison: what
     is not proved to diverge is not taken.
 
@@ -175,6 +176,7 @@ class _Search:
             before = self.best
             for kind in THINGS:
                 self._reduce(things(self.best, kind), by_one)
+            self._reduce(corners(self.best), by_one)
             self._shorten()
             self._reduce(settings(self.best), by_one)
             for denominator in DENOMINATORS:

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Pocket, Wall
+from ...scenarios.things import Circle, Pocket, Segment, Wall
 
 if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
 
 Item = TypeVar("Item")
+Thing = TypeVar("Thing", Circle, Wall, Segment, Pocket)
 
 
 def ddmin(items: Sequence[Item], still: Callable[[Sequence[Item]], bool], parts: int = 2) -> list[Item]:
@@ -72,13 +73,14 @@ def cut(items: Sequence[Item], parts: int) -> list[list[Item]]:
 # ----------------------------------------
 # What a scene is made of, so that it can be left out: things, settings, and the digits of numbers.
 
-THINGS = ("circles", "walls", "pockets")
+THINGS = ("circles", "walls", "segments", "pockets")
 
 SETTINGS = ("reverse_after", "reverse_at", "capture", "until")
 
 KEYS = {
     "circles": ("x", "y", "r", "vx", "vy", "m"),
     "walls": ("x0", "y0", "x1", "y1"),
+    "segments": ("x0", "y0", "x1", "y1", "r"),
     "pockets": ("x", "y", "r"),
 }
 """The numbers of a thing; `id` and `point` are not numbers."""
@@ -108,7 +110,7 @@ class SceneParts:
 
 
 def things(scene: Scene, kind: str) -> SceneParts:
-    """The circles, the walls or the pockets by their ids.
+    """The circles, the walls, the segments or the pockets by their ids.
 
     >>> parts = things(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), "circles")
     >>> parts.items, parts.keeping(["b"]).ids
@@ -120,6 +122,34 @@ def things(scene: Scene, kind: str) -> SceneParts:
         return scene.with_changes(**{kind: [thing for thing in all_of if thing.id in ids]})
 
     return SceneParts(kind, tuple(str(thing.id) for thing in all_of), keeping)
+
+
+def corners(scene: Scene) -> SceneParts:
+    """The corners at which two segments end, and no third: without one, the two are one, straight on.
+
+    >>> bars = [Segment(0, 0, 1, 1, id="up"), Segment(1, 1, 2, 0, id="down")]
+    >>> parts = corners(Scene([Circle(0, 9)], segments=bars))
+    >>> parts.items, [(s.id, s.x1.text(), s.y1.text()) for s in parts.keeping([]).segments]
+    (('up/down',), [('up', '2', '0')])
+    """
+    at: dict[tuple[Quantity, Quantity], list[Segment]] = {}
+    for segment in scene.segments:
+        for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
+            at.setdefault(place, []).append(segment)
+    joints = {f"{pair[0].id}/{pair[1].id}": place for place, pair in at.items() if len(pair) == 2}
+
+    def keeping(kept: Sequence[str]) -> Scene:
+        left = list(scene.segments)
+        for name, place in joints.items():
+            if name in kept:
+                continue
+            one, other = (k for k, s in enumerate(left) if place in ((s.x0, s.y0), (s.x1, s.y1)))
+            first, second = left[one], left.pop(other)
+            ends = [end for s in (first, second) for end in ((s.x0, s.y0), (s.x1, s.y1)) if end != place]
+            left[one] = Segment(*ends[0], *ends[1], id=first.id, r=first.r)
+        return scene.with_changes(segments=left)
+
+    return SceneParts("corners", tuple(joints), keeping)
 
 
 def settings(scene: Scene) -> SceneParts:
@@ -153,7 +183,7 @@ def digits(scene: Scene, denominator: int) -> SceneParts:
     names = {place: f"{getattr(scene, place[0])[place[1]].id}.{place[2]}" for place in shorter}
 
     def keeping(kept: Sequence[str]) -> Scene:
-        changed: dict[str, list[Circle | Wall | Pocket]] = {}
+        changed: dict[str, list[Circle | Wall | Segment | Pocket]] = {}
         for (kind, k, key), value in shorter.items():
             if names[kind, k, key] not in kept:
                 row = changed.setdefault(kind, list(getattr(scene, kind)))
@@ -173,7 +203,7 @@ def numbers(scene: Scene) -> Iterator[tuple[str, int, str, Quantity]]:
                     yield kind, k, key, value
 
 
-def with_number(thing: Circle | Wall | Pocket, kind: str, key: str, value: Quantity) -> Circle | Wall | Pocket:
+def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
     """The thing with another number in one place; it is checked as any other.
 
     Raises:
@@ -234,8 +264,8 @@ class Reduction:
     """One scene that still shows a divergence, or a law not kept, and what was left out for it.
 
     Attributes:
-        kind: what was left out: circles, walls, pockets, settings, events or digits.
-        removed: ids of things, names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
+        kind: what was left out: circles, walls, segments, pockets, corners, settings, events or digits.
+        removed: ids of things, of corners those of the two segments that became one, names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
         comparison: of what is left: the engine held against the certified run.
         runs: comparisons made by then.
     """
@@ -263,18 +293,20 @@ class Reduction:
 
 @dataclass(frozen=True)
 class SceneSize:
-    """How large a scene is: its things, the limit on its instants, the characters of its numbers."""
+    """How large a scene is: its things, the limit on its instants, the characters of its numbers, its segments."""
 
     circles: int
     walls: int
     pockets: int
     events: int | None
     characters: int
+    segments: int = 0
 
     @staticmethod
     def of(scene: Scene) -> SceneSize:
         """The size of a scene."""
-        return SceneSize(len(scene.circles), len(scene.walls), len(scene.pockets), scene.events, length(scene))
+        counts = len(scene.circles), len(scene.walls), len(scene.pockets)
+        return SceneSize(*counts, scene.events, length(scene), len(scene.segments))
 
 
 @dataclass(frozen=True)
@@ -304,7 +336,7 @@ class Smallest:
 
     @property
     def minimal(self) -> bool:
-        """Whether it is 1-minimal: without any one circle, wall, pocket, setting, its last event, or the digits that
+        """Whether it is 1-minimal: without any one circle, wall, segment, corner, pocket, setting, its last event, or the digits that
         any one number has beyond the next shorter rounding, the divergence (or the breach of the law) is gone, or the
         scene is none."""
         return self.end is End.MINIMAL

@@ -28,6 +28,7 @@ from .sentences import (
     tied,
     until_phrase,
     verdict_sentence,
+    wall_words,
 )
 
 if TYPE_CHECKING:
@@ -253,6 +254,8 @@ def _margin_words(candidate: Candidate) -> str:
         if margin.gap == (0.0, 0.0):
             return f"The two fall on exactly one instant; {error}."
         return f"The two are {about(margin.gap)} apart in time; {error}."
+    if margin.speed is not None:
+        return f"The exact run {wall_words(margin.speed)}; {error}."
     if margin.distance is None:
         return ""
     if margin.distance == (0.0, 0.0):
@@ -382,6 +385,52 @@ def all_run(comparison: Comparison, candidate: Candidate) -> list[Alternative]:
         found.append(Alternative(reference.engine, "", len(reference.events), True, True, comparison.processor))
     once = {alternative.engine: alternative for alternative in found}.values()
     return sorted(once, key=lambda a: (not a.right, (a.cost(candidate) or math.inf) if a.right else -a.agreed))
+
+
+@dataclass(frozen=True)
+class Substitute:
+    """What was run, and may stand in an engine's place.
+
+    Attributes:
+        engine: the engine with its settings, as the command line takes it.
+        events_agreed: events of the reference that it has before its first divergence, or its end.
+        right: whether it agrees to the end of all that was compared, and is not known to break a law.
+        run_no_further: whether `events_agreed` is where the run was ended, not where it diverged.
+        cost: what it costs as a multiple of the engine in whose place it stands; None where that is not known.
+        cost_in: of what that is a multiple: `time steps`, or `processor time`, measured once; None without a cost.
+    """
+
+    engine: str
+    events_agreed: int
+    right: bool
+    run_no_further: bool
+    cost: float | None
+    cost_in: str | None
+
+
+def substitutes(comparison: Comparison, candidate: Candidate) -> tuple[Substitute, ...]:
+    """What was run and may stand in an engine's place, as `all_run` orders it; none where the engine agrees.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> found = compare(catalogue.build("near-tie:k=20"), ["double"])
+    >>> [(one.engine, one.events_agreed, one.right) for one in substitutes(found, found.candidates[0])]
+    [('quad', 4, True), ('exact', 4, True)]
+    """
+    if candidate.verdict == "agree" and not candidate.lawless:
+        return ()
+    costs = [(one, one.cost(candidate)) for one in all_run(comparison, candidate)]
+    return tuple(
+        Substitute(
+            one.engine,
+            one.agreed,
+            one.right,
+            one.ended and not one.right,
+            cost,
+            None if cost is None else "processor time" if one.steps is None else "time steps",
+        )
+        for one, cost in costs
+    )
 
 
 def right_to(comparison: Comparison, alternative: Alternative) -> str:

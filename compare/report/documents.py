@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from ..outcomes.permitted import PatternRelation, PermittedPatterns
     from ..shadowing.shadows import Proof, Shadow
     from ..tangent.growth import CertifiedGrowth
+    from .answers import Substitute
     from .changes import Change
 
 REPORTED_SAMPLES = 50
@@ -62,14 +63,16 @@ FORMS = {
     "compare.causes.diagnosis:Diagnosis": "names=causes displacement closed continuations=runs evidence=finding "
     "sufficient experiments",
     "compare.causes.diagnosis:Experiment": "cause suffices displacement share result",
-    "compare.causes.diagnosis:Margin": "time=gap ulps distance position_error=error ratio growth_bits_per_event=growth",
+    "compare.causes.diagnosis:Margin": "time=gap ulps distance speed position_error=error ratio "
+    "growth_bits_per_event=growth",
     "compare.alignment.instants:Divergence": "event time body expected got kind expected_time got_time",
     "compare.alignment.align:Separation": "times max=largest final largest=maximum circle",
     "compare.candidate:Candidate": "engine parameters=trajectory.parameters verdict laws "
     "events_agreed=alignment.agreed first_divergence=alignment.divergence cause margin causes=diagnosis "
-    "reordered=alignment.reordered split=alignment.split position_error outcomes pattern "
+    "reordered=alignment.reordered split=alignment.split alternatives position_error outcomes pattern "
     "changed_outcomes=changed outcomes_until=until outcomes_expected return_error=return_miss stop=trajectory.stop "
     "seconds? rests_on",
+    "compare.report.answers:Substitute": "engine events_agreed right run_no_further cost cost_in",
     "compare.outcomes.permitted:PermittedPatterns": "by_policy all_orders=orders complete orders_followed=followed "
     "realisable nearby_tried=tried",
     "compare.report.changes:Change": "from=before to=after verdict_changed=verdict laws_changed=laws "
@@ -337,6 +340,14 @@ def _patterns_realisable(permitted: PermittedPatterns, _: Any) -> tuple[Any, ...
 def _candidate_cause(candidate: Candidate, _: Any) -> str | None:
     """Why it diverges, in words; null where that is not determined or was not looked for."""
     return str(candidate.diagnosis) if candidate.diagnosis else None
+
+
+@computed("Candidate.alternatives")
+def _candidate_alternatives(candidate: Candidate, comparison: Comparison) -> tuple[Substitute, ...]:
+    """What was run and may stand in its place, those that are right first; none where it agrees."""
+    from .answers import substitutes
+
+    return substitutes(comparison, candidate)
 
 
 @computed("Candidate.position_error")

@@ -13,11 +13,12 @@ from ..files.amounts import no_formula
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Pocket, Wall
+    from ...scenarios.things import Circle, Pocket, Segment, Wall
 
 FLOATS_SCHEMA = "truebreak/floats-1"
 
 CIRCLE, WALL, POCKET = ("x", "y", "r", "vx", "vy", "m"), ("x0", "y0", "x1", "y1"), ("x", "y", "r")
+SEGMENT = (*WALL, "r")
 
 
 def floats_json(scene: Scene) -> dict[str, Any]:
@@ -32,7 +33,6 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
     1.850371707708594e-17
     """
-    _check_exported(scene)
     data: dict[str, Any] = {
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
@@ -40,6 +40,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
         "walls": [_thing(w, WALL) for w in scene.walls],
         "pockets": [_thing(p, POCKET) for p in scene.pockets],
     }
+    if scene.segments:
+        data["segments"] = [_thing(s, SEGMENT) for s in scene.segments]
     for key in ("until", "reverse_at"):
         if getattr(scene, key) is not None:
             data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
@@ -50,23 +52,23 @@ def floats_json(scene: Scene) -> dict[str, Any]:
 
 
 def _check_exported(scene: Scene) -> None:
-    if scene.segments:
-        raise SceneError(f"{scene.name!r}: has segments, which are not exported in doubles yet; leave out --floats")
+    if scene.polygons:
+        raise SceneError(f"{scene.name!r}: has polygons, which are not exported in doubles yet; leave out --floats")
 
 
 def floats_csv(scene: Scene) -> str:
-    """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
+    """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `segment,ID,x0,y0,x1,y1,r`,
+    `pocket,ID,x,y,r`.
 
     The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
 
     Raises:
         SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
     """
-    _check_exported(scene)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
-                               ("pocket", scene.pockets, POCKET)):  # fmt: skip
+                               ("segment", scene.segments, SEGMENT), ("pocket", scene.pockets, POCKET)):  # fmt: skip
         for thing in things:
             if no_formula(thing.id) != thing.id:
                 told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
@@ -76,13 +78,13 @@ def floats_csv(scene: Scene) -> str:
     return out.getvalue()
 
 
-def _thing(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
+def _thing(thing: Circle | Wall | Segment | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
     pairs = {key: _pair(thing, key) for key in keys}
     row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
     return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
 
 
-def _pair(thing: Circle | Wall | Pocket, key: str) -> tuple[float, float]:
+def _pair(thing: Circle | Wall | Segment | Pocket, key: str) -> tuple[float, float]:
     value = getattr(thing, key)
     return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
 

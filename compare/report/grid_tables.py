@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..grids.stress_map import Ladder
     from ..grids.suite_file import Since, SuiteReport
     from ..grids.survival import Summary, Uncertainty
+    from ..vectors.scores import Score
 
 WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", "undecided": "undecided",
          "refused": "cannot", "failed": "failed"}  # fmt: skip
@@ -252,3 +253,27 @@ def print_stress(rows: Store, told: Sequence[Ladder]) -> None:
     if len(rows):
         say(out, f"Any of the scenes: {place_of(rows[-1]).show} > scene.toml")
         say(out, "and then: truebreak compare scene.toml --engines ENGINE")
+
+
+# -- scores of first meetings
+
+
+def print_scores(found: Mapping[str, Sequence[Score]], *, verbose: bool) -> None:
+    """A row for each engine or query; with `verbose` one for each thing and kind too."""
+    out = console()
+    headings = ("vectors", "meet", "refused", "false hits", "missed", "worst error", "us a query")
+    first = ("engine", "thing", "kind") if verbose else ("engine",)
+    table = grid(*first, *headings, right=headings)
+    for name, rows in found.items():
+        for n, row in enumerate(rows if verbose else rows[-1:]):
+            worst = "" if row.worst is None else f"{row.worst:.2g}"
+            place = (row.thing or "all", row.kind) if verbose else ()
+            counts = (f"{n:,}" for n in (row.vectors, row.meet, row.refused, row.false_hits, row.missed))
+            table.add_row("" if n else name, *place, *counts, worst, f"{row.microseconds:.3g}")
+    out.print(table)
+    say(out, "Errors are shares of the certified time. A query's time is processor time, this program's part included.")
+
+
+def scores_json(found: Mapping[str, Sequence[Score]]) -> dict[str, Any]:
+    """The same as plain data: a list of scores for each engine or query, the last for all vectors."""
+    return {"scores": {name: [vars(row) for row in rows] for name, rows in found.items()}}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any, SupportsFloat
+from typing import TYPE_CHECKING, Any, SupportsFloat, cast
 
 from ...exact.numbers.system import Undecided
 from ...scenarios.errors import printable
@@ -120,6 +120,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
         ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
         ("wall", ("id", "x0", "y0", "x1", "y1")),
         ("segment", ("id", "x0", "y0", "x1", "y1", "r")),
+        ("polygon", ("id", "points", "r")),
         ("pocket", ("id", "x", "y", "r")),
     ):
         rows = data.get(kind)
@@ -127,8 +128,14 @@ def print_scene(scene: Scene, as_json: bool) -> None:
             continue
         table = grid(*keys, title=counted(len(rows), kind))
         for row in rows:
-            table.add_row(*(cut(str(row.get(key, "0"))) for key in keys))
+            table.add_row(*(cut(_cell(row.get(key, "0"))) for key in keys))
         out.print(table)
+
+
+def _cell(value: object) -> str:
+    """A number or a name as it stands; points as (x, y) (x, y) ..."""
+    points = cast("list[list[str]]", value) if isinstance(value, list) else None
+    return str(value) if points is None else " ".join(f"({', '.join(point)})" for point in points)
 
 
 def cut(text: str) -> str:

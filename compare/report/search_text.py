@@ -447,6 +447,12 @@ def size_phrase(size: SceneSize) -> str:
     >>> size_phrase(SceneSize(2, 4, 0, None, 39))
     '2 circles, 4 walls, 39 characters'
     """
-    things = [(size.circles, "circle"), (size.walls, "wall"), (size.pockets, "pocket"), (size.events, "event")]
+    things = [
+        (size.circles, "circle"),
+        (size.walls, "wall"),
+        (size.segments, "segment"),
+        (size.pockets, "pocket"),
+        (size.events, "event"),
+    ]
     told = [counted(number, noun) for number, noun in things if number]
     return ", ".join([*told, counted(size.characters, "character")])

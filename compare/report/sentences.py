@@ -282,6 +282,8 @@ def margin_phrase(candidate: Candidate) -> str | None:
         else:
             kind = "the penetration depth is" if away < 0 else "the gap is"
             parts.append(f"in the exact motion {kind} {about(margin.distance)}")
+    elif margin.speed is not None:
+        parts.append(f"the exact motion {wall_words(margin.speed)}")
     if margin.error is not None:
         told = margin.gap is None and margin.ratio is not None and math.isfinite(margin.ratio)
         ratio = f", {margin.ratio:.3g} times as much" if told else ""
@@ -290,6 +292,13 @@ def margin_phrase(candidate: Candidate) -> str | None:
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
     return "; ".join(parts) or None
+
+
+def wall_words(speed: tuple[float, float]) -> str:
+    """How a circle flies that comes to a wall in one run alone."""
+    if speed == (0.0, 0.0):
+        return "flies along the wall"
+    return f"{'comes to' if middle(speed) < 0 else 'flies from'} the wall at speed {about(speed)}"
 
 
 def span_phrase(comparison: Comparison) -> str:

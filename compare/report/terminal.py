@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
+from ..chaos.foreseen import foreseen
 from .answers import answers, scene_word, subject, tone, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Event, Trajectory
     from ..candidate import Candidate
     from ..comparison import Comparison
+
+FORESEEN_WORK = 40_000
+"""Events times circles along which the terminal predicts when its engine diverges: some tenths of a second."""
 
 BITS = (256, 1_024, 4_096)
 """Bits to which two instants are known before they are called one: near-ties of the catalogue need up to 1,400."""
@@ -202,10 +206,11 @@ def first_line(comparison: Comparison) -> str:
 
 def _print_answers(comparison: Comparison, verbose: bool, scene: str | None) -> None:
     """Where, why, so what, what now; of an engine that agrees, what now alone, as the verdict says the rest."""
-    out, found = console(), answers(comparison)
-    agrees = subject(comparison).verdict == "agree"
+    lead = subject(comparison)
+    agrees = lead.verdict == "agree"
+    out, found = console(), answers(comparison, lead, None if agrees else foreseen(comparison, FORESEEN_WORK))
     for name, told in (("where", found.where), ("why", found.why), ("so what", found.so_what)):
-        if not agrees or (name == "why" and subject(comparison).lawless):
+        if not agrees or (name == "why" and lead.lawless):
             say(out, told, label=f"{name:<10}")
     then = "" if verbose else " -v shows more."
     if scene is not None:

@@ -116,8 +116,8 @@ class OrbitSegment:
     end: float
 
 
-def segments(record: OrbitRecord) -> list[OrbitSegment]:
-    """One for each instant: nodes stand half-way between instants, the first at time 0, the last at the last instant.
+def segments(record: OrbitRecord, events: int = 1) -> list[OrbitSegment]:
+    """One for so many events: nodes stand half-way between instants, the first at time 0, the last at the last instant.
 
     Nothing is lost where two instants are so close that a contact falls on the other side of a node: a state is then
     flown back to it.
@@ -126,7 +126,7 @@ def segments(record: OrbitRecord) -> list[OrbitSegment]:
     first, begin, count = 0, 0.0, len(record.links)
     while first < count:
         stop = first + 1
-        while stop < count and record.events[stop] == record.events[first]:
+        while stop < count and record.events[stop] < record.events[first] + events:
             stop += 1
         last = record.times[stop - 1]
         end = last if stop == count else last + (record.times[stop] - last) / 2
@@ -167,19 +167,20 @@ class FixedOrder:
                 raise Missed(segment.first + place)
             struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
-        end, told = arb(segment.end), []
+        end = arb(segment.end)
+        told: Node = []
         for i in self.free:
             flight = state.bodies[i].flight
-            told += [flight.x + flight.vx * (end - flight.t), flight.y + flight.vy * (end - flight.t)]
-            told += [flight.vx, flight.vy]
+            left = end - flight.t
+            told += (flight.x + flight.vx * left, flight.y + flight.vy * left, flight.vx, flight.vy)
         return told, struck
 
     def _state(self, segment: OrbitSegment, node: Node) -> ReplayState[arb]:
         if self._bits != ball.bits_in_use():
             self._made, self._bits = ReplayState(self.scene, ball.BALLS), ball.bits_in_use()
         state, begin = self._made, arb(segment.begin)
-        for body in state.bodies.values():
-            body.flight = body.flight._replace(last=0)
+        for i in state.bodies.keys() - self.free:
+            state.bodies[i].flight = state.bodies[i].flight._replace(last=0)
         for row, i in enumerate(self.free):
             x, y, vx, vy = node[4 * row : 4 * row + 4]
             state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin)
@@ -226,9 +227,12 @@ GUARD_BITS = 64
 FIRST_BITS = 192
 """Bits of the first rounds, which start from doubles."""
 
-LINEAR = 2.0**-20
+LINEAR = 2.0**-45
 """Corrections, as a share of the scale, below which tangent maps are not taken anew: the error of the old ones is of
-that size itself."""
+that size itself, and doubles are good for little more."""
+
+MENDED = 2
+"""How often what an elimination leaves of the residuals is corrected: the second time nothing but rounding is left."""
 
 LEAST_GAIN = 0.5
 """A round that leaves more than this share of the misfits gains nothing."""
@@ -266,20 +270,20 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
         scale: for each coordinate the size by which it is measured.
     """
     weights = np.array(scale)
+    shares = [arb(value) for value in scale]
     now: list[Node] = [[arb(value) for value in node] for node in nodes]
-    maps: list[NDArray[np.float64]] = []
+    shortest: ShortestCorrections | None = None
     misfits: list[float] = []
     corrections: list[float] = []
     bits, goal, stale = FIRST_BITS, 0.0, 0
     for _ in range(MOST_ROUNDS):
         with ball.precision(bits):
-            fresh = not corrections or corrections[-1] > log2(LINEAR)
+            fresh = shortest is None or corrections[-1] > log2(LINEAR)
             try:
-                residuals, new = _misfits(order, now, weights, fresh)
+                residuals, maps = _misfits(order, now, weights, shares, fresh)
             except Missed as error:
                 return Refined(now, tuple(misfits), tuple(corrections), False, bits, error.contact)
             if fresh:
-                maps = new
                 goal = -(_growth(maps) + GUARD_BITS)
             misfits.append(_largest(residuals))
             if misfits[-1] < goal:
@@ -288,8 +292,12 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
             stale = 0 if misfits[-1] < best + log2(LEAST_GAIN) else stale + 1
             if stale >= PATIENCE:
                 break
+            exponent = int(max(misfits[-1], -1e9))
+            factor = arb(2) ** -exponent
             try:
-                steps, exponent = shortest(maps, residuals)
+                if shortest is None or fresh:
+                    shortest = ShortestCorrections(maps)
+                steps = shortest([np.array([float(value * factor) for value in row]) for row in residuals])
             except np.linalg.LinAlgError:  # by a graze: growth there is without bound
                 break
             corrections.append(exponent + log2(max(float(np.abs(step).max()) for step in steps) or 2.0**-1000))
@@ -297,29 +305,31 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
                 break
             factor = arb(2) ** exponent
             now = [
-                [(value + arb(float(step) * float(weight)) * factor).mid() for value, step, weight in zip(
-                    node, mine, weights, strict=True)]
+                [
+                    (value + arb(step) * factor).mid()
+                    for value, step in zip(node, (mine * weights).tolist(), strict=True)
+                ]
                 for node, mine in zip(now, steps, strict=True)
-            ]  # fmt: skip
+            ]
         bits = max(bits, int(GUARD_BITS + FIRST_BITS - goal))
     return Refined(now, tuple(misfits), tuple(corrections), False, bits)
 
 
 def _misfits(
-    order: FixedOrder, nodes: Sequence[Node], weights: NDArray[np.float64], fresh: bool
-) -> tuple[list[list[arb]], list[NDArray[np.float64]]]:
+    order: FixedOrder, nodes: Sequence[Node], weights: NDArray[np.float64], shares: Node, fresh: bool
+) -> tuple[list[Node], list[NDArray[np.float64]]]:
     """Image less next node, of every segment, and the tangent maps if they are wanted; both by the scale."""
-    residuals: list[list[arb]] = []
+    residuals: list[Node] = []
     maps: list[NDArray[np.float64]] = []
     for k, node in enumerate(nodes[:-1]):
         image, struck = order.image(k, node)
-        residuals.append([(a - b) / arb(float(w)) for a, b, w in zip(image, nodes[k + 1], weights, strict=True)])
+        residuals.append([(a - b) / w for a, b, w in zip(image, nodes[k + 1], shares, strict=True)])
         if fresh:
             maps.append(order.tangent(k, struck) * weights[None, :] / weights[:, None])
     return residuals, maps
 
 
-def _largest(residuals: Sequence[Sequence[arb]]) -> float:
+def _largest(residuals: Sequence[Node]) -> float:
     """log2 of the largest, whatever its size: upper ends are exact numbers, of which one is the largest."""
     top = max(value.abs_upper() for row in residuals for value in row)
     return -inf if top.is_zero() else float(top.log() / arb(2).log())
@@ -336,38 +346,52 @@ def _growth(maps: Sequence[NDArray[np.float64]]) -> float:
     return max(0.0, scale + log2(float(np.linalg.norm(product, 2))))
 
 
-def shortest(
-    maps: Sequence[NDArray[np.float64]], residuals: Sequence[Sequence[arb]]
-) -> tuple[list[NDArray[np.float64]], int]:
-    """The shortest corrections s with maps[k] s[k] - s[k + 1] = -residuals[k], and the exponent that they share.
+class ShortestCorrections:
+    """The shortest corrections s with maps[k] s[k] - s[k + 1] = -residuals[k], for ever other residuals.
 
     With A the matrix of these equations, s = -A^T (A A^T)^-1 r; A A^T has blocks on three diagonals only, and is
-    solved by its block elimination.
+    solved by its block elimination. What that leaves of the residuals, since it squares the condition of A, is
+    corrected in its turn.
+
+    Raises:
+        LinAlgError: for maps by which a block has no inverse.
 
     >>> import numpy as np
-    >>> steps, exponent = shortest([np.eye(1) * 2], [[arb(1)]])
-    >>> [float(step[0]) * 2.0**exponent for step in steps]  # 2 s0 - s1 = -1
+    >>> [float(step[0]) for step in ShortestCorrections([np.eye(1) * 2])([np.ones(1)])]  # 2 s0 - s1 = -1
     [-0.4, 0.2]
     """
-    exponent = int(max(_largest(residuals), -1e9))
-    factor = arb(2) ** -exponent
-    right = [-np.array([float(value * factor) for value in row]) for row in residuals]
-    unit = np.eye(len(right[0]))
-    below: list[NDArray[Any]] = []
-    sides: list[NDArray[Any]] = []
-    for k, step in enumerate(maps):
-        block, side = step @ step.T + unit, right[k]
-        if k:
-            block = block - step @ below[-1]
-            side = side + step @ sides[-1]
-        if k + 1 < len(maps):
-            solved = np.linalg.solve(block, np.column_stack([maps[k + 1].T, side]))
-            below.append(solved[:, :-1])
-            sides.append(solved[:, -1])
-        else:
-            sides.append(np.linalg.solve(block, side))
-    for k in range(len(maps) - 2, -1, -1):
-        sides[k] = sides[k] + below[k] @ sides[k + 1]
-    steps = [maps[0].T @ sides[0]]
-    steps += [maps[k].T @ sides[k] - sides[k - 1] for k in range(1, len(maps))]
-    return [*steps, -sides[-1]], exponent
+
+    def __init__(self, maps: Sequence[NDArray[np.float64]]) -> None:
+        self._maps = maps
+        self._inverses: list[NDArray[Any]] = []
+        unit = np.eye(len(maps[0]))
+        for k, step in enumerate(maps):
+            block = step @ step.T + unit
+            if k:
+                block = block - step @ self._inverses[-1] @ step.T
+            self._inverses.append(np.linalg.inv(block))
+
+    def __call__(self, residuals: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        """The corrections, one more than there are residuals."""
+        found = [np.zeros(len(residuals[0])) for _ in range(len(residuals) + 1)]
+        left = [-row for row in residuals]
+        for _ in range(1 + MENDED):
+            for step, more in zip(found, self._least(left), strict=True):
+                step += more
+            left = [
+                -row - (step @ mine - other)
+                for row, step, mine, other in zip(residuals, self._maps, found, found[1:], strict=False)
+            ]
+        return found
+
+    def _least(self, right: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        """The shortest s with A s = right, as exact as one elimination makes it."""
+        maps, sides = self._maps, list(right)
+        for k in range(1, len(maps)):
+            sides[k] = sides[k] + maps[k] @ (self._inverses[k - 1] @ sides[k - 1])
+        sides[-1] = self._inverses[-1] @ sides[-1]
+        for k in range(len(maps) - 2, -1, -1):
+            sides[k] = self._inverses[k] @ (sides[k] + maps[k + 1].T @ sides[k + 1])
+        steps = [maps[0].T @ sides[0]]
+        steps += [maps[k].T @ sides[k] - sides[k - 1] for k in range(1, len(maps))]
+        return [*steps, -sides[-1]]

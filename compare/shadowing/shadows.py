@@ -59,6 +59,11 @@ class Proof:
     reordered: int
 
 
+TOGETHER = 8
+"""Events from one node to the next: errors grow little in so few, and nodes cost. Where the search does not come to its
+end with these, nodes stand at every event."""
+
+
 @dataclass(frozen=True)
 class Shadow:
     """What came of looking for a shadow of an engine's run.
@@ -104,8 +109,12 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
+    if scene.polygons:
+        raise SceneError(f"{scene.name!r}: has polygons, of which no shadow is looked for yet; take walls")
     if scene.segments:
         raise SceneError(f"{scene.name!r}: has segments, of which no shadow is looked for yet; take walls")
+    if not scene.elastic:
+        raise SceneError(f"{scene.name!r}: has a restitution below 1, of which no shadow is looked for yet")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)
     name = engine if isinstance(engine, str) else engine.name
     truth = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
@@ -161,18 +170,24 @@ class _Search:
     def __init__(self, scene: Scene, name: str, record: OrbitRecord, events: int, left: Divergence | None) -> None:
         self.scene, self.name, self.record, self.events, self.left = scene, name, record, events, left
         self.free = moving(scene)
-        self.chain = segments(record)
+        self.chain = segments(record, TOGETHER)
 
     def shadow(self, progress: OnProgress | None) -> Shadow:
         """The search, and the proof."""
-        with ball.precision(FIRST_BITS):
-            order = FixedOrder(self.scene, self.chain)
-        length, speed = units(self.scene, self.record)
-        found = refined(order, self._nodes(), [length, length, speed, speed] * len(self.free))
+        found = self._refined()
+        if not found.closed:
+            self.chain = segments(self.record)
+            found = self._refined()
         told = self._proved(found.nodes[0], progress) if found.closed else not_closed(self.scene, self.record, found)
         proof, blocked = (told, None) if isinstance(told, Proof) else (None, told)
         lost = drift(self.scene, self.record)
         return Shadow(self.scene, self.name, self.events, self.left, proof, blocked, lost, found)
+
+    def _refined(self) -> Refined:
+        with ball.precision(FIRST_BITS):
+            order = FixedOrder(self.scene, self.chain)
+        length, speed = units(self.scene, self.record)
+        return refined(order, self._nodes(), [length, length, speed, speed] * len(self.free))
 
     def _nodes(self) -> list[list[float]]:
         """The states of the engine's run at the begin of each segment, and at the end of the last."""

@@ -24,6 +24,7 @@ from ...exact.laws.formulas import (
 from ...exact.numbers import ball
 from ...exact.replay.state import ReplayState
 from ...scenarios.lazy import Later
+from ...scenarios.surfaces import ThingParts, parts_of
 from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
 
@@ -59,27 +60,59 @@ class Others(NamedTuple):
     normals: NDArray[np.float64]
 
 
+class Passing(NamedTuple):
+    """A circle that hits a thing with ends.
+
+    Attributes:
+        depth: how far aside its flight would have to be for it to pass the thing.
+        wait: how long after the impact it would be beside the end that it would pass.
+    """
+
+    depth: float
+    wait: float
+
+
+Surroundings = dict[tuple[int, int], Others]
+"""By event and circle."""
+
+
 class Course:
-    """The states of all circles along a run's impacts, in doubles.
+    """The states of all circles along a run's impacts, in doubles, in the places of `Scene.surfaces`.
 
     Attributes:
         places, speeds: shape (circles, 2), at `time`.
         time: where they stand.
+
+    Args:
+        scene: what ran.
+        known: what circles would have met instead, by event and circle, as other courses along the same impacts found
+            it; what this one finds is added.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, known: Surroundings | None = None) -> None:
+        parts = parts_of(scene)
+        scene = scene.surfaces
         circles = scene.circles
         self.places: NDArray[np.float64] = np.array([[float(c.x), float(c.y)] for c in circles])
         self.speeds: NDArray[np.float64] = np.array([[float(c.vx), float(c.vy)] for c in circles])
         self.time = 0.0
+        self._event = -1
+        self._known: Surroundings = {} if known is None else known
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
+        self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
+        self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
+        self._of: dict[tuple[bool, int], list[ThingParts]] = {}
+        for thing in parts.values():
+            for key in (*((True, wall) for wall in thing.faces), *((False, end) for end in thing.ends)):
+                self._of.setdefault(key, []).append(thing)
         for k, wall in enumerate(scene.walls):
             normal = np.array([float(part) for part in wall.normal])
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
 
     def fly(self, time: float) -> None:
-        """Goes on to a time, in straight flight."""
+        """Goes on to the time of the next event, in straight flight."""
+        self._event += 1
         self.places += (time - self.time) * self.speeds
         self.time = time
 
@@ -102,13 +135,16 @@ class Course:
 
         One number for each that it would meet next, were it not for the impact: an error changes the times of both
         meetings, each by the error's part along the approach over the speed of approach; taken as if both parts were as
-        long as the margin, and of opposite effect. And one, for two circles, for how far they are from missing each
-        other.
+        long as the margin, and of opposite effect. And one, for two circles, or a thing with ends, for how far they are
+        from missing each other.
         """
         _, b, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
         closing = abs(pair_approach(dx, dy, vx, vy)) / reach
         others = self.instead(event, i)
         orders = others.waits * (closing * others.rates / (closing + others.rates))
+        thing = self.passing(impact)
+        if thing is not None:
+            return np.append(orders, thing.depth)
         if b is None:
             return orders
         return np.append(orders, max(reach - abs(dx * vy - dy * vx) / np.hypot(vx, vy), 0.0))
@@ -118,15 +154,19 @@ class Course:
 
         Where several contacts of one circle at one instant have a tangent map, their order decides nothing.
         """
+        if (found := self._known.get((self._event, i))) is not None:
+            return found
         met = [impact for impact in event if i in (impact.a, impact.b)]
         partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
-        circles, walls = self._circles(i, partners), self._walls_of(i, len(met) - len(partners))
-        return Others(
-            np.concatenate([circles.places, walls.places]),
-            np.concatenate([circles.waits, walls.waits]),
-            np.concatenate([circles.rates, walls.rates]),
-            np.concatenate([circles.normals, walls.normals]),
-        )
+        things = [thing for impact in met for thing in self._things_of(impact)]
+        at = {impact.wall for impact in met if impact.wall is not None}
+        at |= {wall for thing in things for wall in thing.faces}  # which part of a thing it is changes no history
+        unknown = sum(impact.b is None and impact.wall is None for impact in met)
+        circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
+        walls = self._walls_of(i, sorted(at), unknown)
+        found = Others(*(np.concatenate(pair) for pair in zip(circles, walls, strict=True)))
+        self._known[self._event, i] = found
+        return found
 
     def _circles(self, i: int, partners: Sequence[int]) -> Others:
         """The circles in its way, but for its partners."""
@@ -140,14 +180,38 @@ class Course:
         normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
         return Others(np.flatnonzero(meets), waits, root / reach, normals)
 
-    def _walls_of(self, i: int, at_walls: int) -> Others:
-        """The walls in its way, but for those that it is at."""
+    def _things_of(self, impact: Impact) -> list[ThingParts]:
+        """What has the face or the end that an impact is at; nothing for others."""
+        if impact.wall is not None:
+            return self._of.get((True, impact.wall), [])
+        return [] if impact.b is None else self._of.get((False, impact.b), [])
+
+    def passing(self, impact: Impact) -> Passing | None:
+        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall."""
+        ends = sorted({end for thing in self._things_of(impact) for end in thing.ends})
+        if not ends:
+            return None
+        (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
+        speed = hypot(vx, vy)
+        offset, reach = (dx * vy - dy * vx) / speed, self._radii[ends] + self._radii[impact.a]
+        low, high = int(np.argmin(offset - reach)), int(np.argmax(offset + reach))
+        below, above = float(reach[low] - offset[low]), float(offset[high] + reach[high])
+        depth, end = (below, low) if below < above else (above, high)
+        return Passing(max(depth, 0.0), float(dx[end] * vx + dy[end] * vy) / speed**2)
+
+    def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
+        """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""
         (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
         gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
-        side = np.where(gap < 0, -1.0, 1.0)
+        side = np.where((gap < 0) & ~self._is_face, -1.0, 1.0)
+        behind = self._is_face & (gap < 0)
         gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
-        meets = approach < 0
-        meets[np.abs(gap).argsort()[:at_walls]] = False
+        meets = (approach < 0) & ~behind
+        wait = wall_hit_time(np.maximum(gap, 0.0), np.where(meets, approach, -1.0))
+        foot = (x + wait * ux - x0) * ny - (y + wait * uy - y0) * nx
+        meets &= ~self._is_face | ((foot > 0.0) & (foot < self._length))
+        meets[np.abs(gap).argsort()[:unknown]] = False
+        meets[list(at)] = False
         waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
         normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
         return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
@@ -155,12 +219,12 @@ class Course:
 
 def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
     """All of an impact but its time."""
-    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:])
+    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:10])
     return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
 
 
 def margins(
-    scene: Scene, struck: Sequence[Sequence[Impact]], free: Sequence[int]
+    scene: Scene, struck: Sequence[Sequence[Impact]], free: Sequence[int], known: Surroundings | None = None
 ) -> list[list[tuple[int, NDArray[np.float64]]]]:
     """Event by event, the margins of each of the circles `free` that takes part.
 
@@ -172,7 +236,7 @@ def margins(
     >>> circle, [round(float(value), 3) for value in told]  # 0.05 back and 0.05 up, and it meets the other wall first
     (0, [0.05])
     """
-    course, told = Course(scene), []
+    course, told = Course(scene, known), []
     for event in struck:
         course.fly(float(event[0].time))
         met = [(impact, i) for impact in event for i in (impact.a, impact.b) if i is not None and i in free]
@@ -202,7 +266,7 @@ def shares(
 
     - for each circle that can move, and each thing that it would meet next were it not for the impact: which of the two
       meetings is the earlier. The margin is the time between them;
-    - for two circles: whether they pass each other by. The margin is how far they are from that;
+    - for two circles, or a thing with ends: whether they pass each other by. The margin is how far they are from that;
     - whether they come together at all. The margin is the speed at which they do.
 
     So an error along the motion of two balls on a line lets none of them miss the other, however large it is.
@@ -241,20 +305,28 @@ def shares(
         theirs = np.where((others.places == WALL)[:, None, None], 0.0, errors[others.places, :2])
         gaps = np.einsum("oc,ock->ok", others.normals, theirs - errors[i, :2])
         shifts = gaps / others.rates[:, None] - shift + off(len(gaps)) - off(len(gaps))
-        told += [_share(one, wait) for one, wait in zip(shifts, others.waits.tolist(), strict=True)]
+        told += _shares(shifts, others.waits)
+    thing = course.passing(impact)
+    if thing is not None:
+        own = course.speeds[a]
+        across = np.array([-own[1], own[0]]) / np.hypot(*own)
+        aside = across @ (errors[a][:2] + thing.wait * errors[a][2:])
+        margins_of = np.array([thing.depth, abs(float(rate))])
+        return told + _shares(np.stack([aside, normal @ apart[2:]]), margins_of)
     if b is None:
-        return [*told, _share(normal @ apart[2:], abs(float(rate)))]
+        return told + _shares((normal @ apart[2:])[None], np.abs([rate]))
     speed = float(np.hypot(vx, vy))
     along = velocity / speed
     across = np.array([-along[1], along[0]])
     nearest = apart[:2] - (dx * vx + dy * vy) / speed**2 * apart[2:]
     room = reach - abs(dx * vy - dy * vx) / speed
-    return [*told, _share(across @ nearest, room), _share(along @ apart[2:], speed)]
+    return told + _shares(np.stack([across @ nearest, along @ apart[2:]]), np.array([room, speed]))
 
 
-def _share(changes: Errors, margin: float) -> float:
-    """The root mean square of changes over a margin; infinite where there is none."""
-    return float(np.sqrt(np.mean(changes * changes))) / margin if margin > 0 else np.inf
+def _shares(changes: Errors, margins: NDArray[np.float64]) -> list[float]:
+    """Row by row the root mean square of changes over its margin; infinite where there is none."""
+    sizes = np.sqrt((changes * changes).sum(axis=1) / changes.shape[1])
+    return np.divide(sizes, margins, out=np.full(len(margins), np.inf), where=margins > 0).tolist()
 
 
 # ----------------------------------------
@@ -366,30 +438,41 @@ class ErrorCurve:
         return high
 
 
-def error_curve(trajectory: Trajectory, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> ErrorCurve:
-    """The curve of one model along the first events of a certified run, those of `struck`."""
+def error_curve(
+    trajectory: Trajectory,
+    struck: Sequence[Sequence[Impact]],
+    model: ErrorModel,
+    known: Surroundings | None = None,
+) -> ErrorCurve:
+    """The curve of one model along the first events of a certified run, those of `struck`.
+
+    Args:
+        known: as `Course` has it; one for all models of a run saves the second of them most of the work.
+    """
     scene = trajectory.scene
     if model is not ErrorModel.ENCLOSED:
-        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model)))
+        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model, known)))
     decisions: list[tuple[int, float]] = []
     widths = _widths(trajectory, struck)
-    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene)), strict=True)):
+    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene), known), strict=True)):
         for i, found in margin_of:
             decisions += [(event, told[i] - log2(margin) if margin else inf) for margin in found.tolist()]
     return ErrorCurve(model, len(struck), decisions)
 
 
-def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> Iterator[tuple[int, float]]:
+def _carried(
+    scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel, known: Surroundings | None
+) -> Iterator[tuple[int, float]]:
     """Each decision's event, and log2 of what the errors carried there are of its margin, for a unit of 1."""
     draw = np.random.default_rng(SEED)
     free = moving(scene)
     row = {i: k for k, i in enumerate(free)}
-    course = Course(scene)
+    course = Course(scene, known)
     start = np.zeros((len(free), 4, SAMPLES))
     if model is ErrorModel.ROUNDING:
         state = np.hstack([course.places, course.speeds])[free]
         start = state[:, :, None] * draw.uniform(-1, 1, start.shape)
-    carried, errors = Displacements(scene, start), np.zeros((len(scene.circles), 4, SAMPLES))
+    carried, errors = Displacements(scene, start), np.zeros((len(course.places), 4, SAMPLES))
     for event, impacts in enumerate(struck):
         time = float(impacts[0].time)
         course.fly(time)
@@ -417,26 +500,26 @@ def _strike(
 ) -> None:
     """One impact: what was carried goes through it, and what the engine gets wrong at it is added."""
     carried.through([impact])
-    time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:]))
+    time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:10]))
     shrink = 2.0**-carried.scale
     late = draw.uniform(0, 1, SAMPLES) if model is ErrorModel.STEPPED else np.zeros(SAMPLES)
     for (i, change), weight in zip(course.push(impact), (-wa, wb), strict=False):
         if i not in row:
             continue
-        k = row[i]
+        own = carried.of(i)
         if model is ErrorModel.STEPPED:
-            carried.columns[k, :2] -= shrink * change[:, None] * late
+            own[:2] -= shrink * change[:, None] * late
             if impact.b is not None:
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
                 there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
                 turned = (weight * np.array(there) - change)[:, None] / lag * late
-                carried.columns[k, 2:] += shrink * turned
+                own[2:] += shrink * turned
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
         room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
         room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
-        carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
+        own += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 
 def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[dict[int, float]]:

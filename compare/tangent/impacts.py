@@ -131,6 +131,7 @@ class Impact(NamedTuple):
         vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
+        wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
     """
 
     time: Real
@@ -143,6 +144,7 @@ class Impact(NamedTuple):
     reach: Real
     wa: Real
     wb: Real
+    wall: int | None = None
 
 
 def moving(scene: Scene) -> list[int]:
@@ -154,8 +156,10 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching.
+        NoTangentMap: if contacts lose energy, if circles go out of play, or touch at time 0 and go on touching.
     """
+    if not scene.elastic:
+        raise NoTangentMap("the scene has a restitution below 1, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces
@@ -352,7 +356,9 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         ux, uy = speeds[i]
         if is_flat(link):
             line = state.line(link.circle, link.wall)
-            yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
+            yield Impact(
+                state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
+            )
             if not together:
                 speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue
@@ -394,6 +400,8 @@ def _starts_at(face: Wall, end: Circle) -> bool:
 
 def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     scene = trajectory.scene
+    if scene.polygons:
+        raise NoTangentMap("of polygons only runs of the exact engine tell faces from corners")
     if scene.segments:
         raise NoTangentMap("of segments only runs of the exact engine tell faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}

@@ -233,6 +233,12 @@ class ErrorWalk:
             raise SceneError(
                 f"{run.scene.name!r}: has segments, where what rounding may do is not bounded yet; take walls"
             )
+        if run.scene.polygons:
+            raise SceneError(f"{run.scene.name!r}: has polygons, where what rounding may do is not bounded yet")
+        if not run.scene.elastic:
+            raise SceneError(
+                f"{run.scene.name!r}: has a restitution below 1, where what rounding may do is not bounded yet"
+            )
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids

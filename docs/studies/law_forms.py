@@ -20,6 +20,7 @@ along, slide = symbols("along, slide")
 share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, wait, mx, my, weight, turn, push, shift = symbols("e, tau, wait, mx, my, weight, turn, push, shift")
+before, after, share = symbols("before, after, share")
 c, slope, bxx, bxy, byy, spin = symbols("c, slope, bxx, bxy, byy, spin")
 
 
@@ -261,6 +262,17 @@ FORMS = (
 
         The law of every contact, wherever its form does not have it written out: from u < 0 it makes -e u.""",
         ("speed_change(Q(-3))", "Fraction(-6, 1)"),
+    ),
+    StableForm(
+        "damped",
+        (before, after, share),
+        (),
+        (before + share * (after - before),),
+        """A velocity after an impact of restitution e, which an elastic one would take from `before` to `after`.
+
+        `share` is (1 + e) / 2: as every law is linear in 1 + e, it is the part of an elastic impulse that there is.
+        Equals `derivation.pair_restitution_velocities` and `derivation.wall_restitution_velocities`.""",
+        ("damped(Q(-2), Q(2), Q(3, 4))", "Fraction(1, 1)"),
     ),
     StableForm(
         "advance",

@@ -60,9 +60,11 @@ from truebreak.exact.laws.derivation import (
     fixed_circle_velocities,
     is_zero,
     pair_instant_speed,
+    pair_restitution_velocities,
     pair_times,
     pair_touch,
     pair_velocities,
+    restitution,
     t,
     w_x0,
     w_x1,
@@ -70,6 +72,7 @@ from truebreak.exact.laws.derivation import (
     w_y1,
     wall_aim_point,
     wall_instant_speed,
+    wall_restitution_velocities,
     wall_times,
     wall_velocities,
     x0,
@@ -273,6 +276,18 @@ def _wall_mirrored(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ..
     )
 
 
+def _damped(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    before, share = (a_vx, a_vy, b_vx, b_vy), (1 + restitution) / 2
+    ours = (formulas["damped"](u, v, share) for u, v in zip(before, pair_velocities()[1], strict=True))
+    return tuple(mine - law for mine, law in zip(ours, pair_restitution_velocities(), strict=True))
+
+
+def _wall_damped(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    before, share = (a_vx, a_vy), (1 + restitution) / 2
+    ours = (formulas["damped"](u, v, share) for u, v in zip(before, wall_velocities(), strict=True))
+    return tuple(mine - law for mine, law in zip(ours, wall_restitution_velocities(), strict=True))
+
+
 PROOFS = (
     Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
     Proof("time until two circles touch", pair_times, _pair_times),
@@ -288,6 +303,8 @@ PROOFS = (
     Proof("a circle approaches a wall", wall_instant_speed, _wall_speed),
     Proof("velocity off a wall of infinite mass", wall_velocities, _wall_velocities),
     Proof("velocity off a wall, by a matrix", wall_velocities, _wall_mirrored),
+    Proof("two circles collide with a restitution", pair_restitution_velocities, _damped),
+    Proof("a circle bounces off a wall with a restitution", wall_restitution_velocities, _wall_damped),
 )
 
 

@@ -11,6 +11,7 @@ target.
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import statistics
 import subprocess
@@ -32,6 +33,7 @@ from truebreak.compare.engines import engine, suggestion
 from truebreak.compare.files.cache import FOLDER
 from truebreak.compare.grids import stress_map
 from truebreak.compare.grids.computer import computer, timed
+from truebreak.compare.grids.executors import RARELY
 from truebreak.compare.grids.family_sweep import SweepJob
 from truebreak.compare.grids.grid import carry_out
 from truebreak.compare.grids.setting_search import advise
@@ -358,6 +360,7 @@ def main(arguments: list[str] | None = None, repeats: int = REPEATS) -> int:
             check_writable(path)
     except SceneError as error:
         parser.error(str(error))
+    gc.set_threshold(RARELY)  # as the command line does, and its workers
     found, now = list[Cost](), commit()  # the code that is loaded, whatever is committed meanwhile
     with tempfile.TemporaryDirectory() as folder:
         saved, environ[FOLDER] = environ.get(FOLDER), folder

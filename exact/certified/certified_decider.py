@@ -20,6 +20,7 @@ from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, Record
+from ..simulation.packed import PackedKnots, PackedRecords
 from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
 from .cascade import Cascade, Grounds, InBalls, TieRule
 from .filtered import QUICK_BITS, FilteredPredictor
@@ -504,10 +505,10 @@ class Stride:
         if not in_balls:
             for step in both:
                 self._do(step)
-        note(link)
+        circles, alone = both[0].bodies, both[1].links
+        note(alone[0])  # of which there is one object however often it comes
         if precision is not None and state.lowest < SAFE_BITS:
             precision.secure()
-        circles, alone = both[0].bodies, both[1].links
         landed = state.lone.landed if in_balls else None
         if landed is not None:
             self._take(landed, landed[0][1][4])
@@ -562,10 +563,12 @@ class CertifiedDecider:
         grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
     """
 
+    proves = True
+
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
         self.scene = scene
         self.state = RefinableState(scene, FIRST_BITS)
-        self.history: History[Known] = History(steps=self.state.steps)
+        self.history: History[Known] = History(PackedRecords(), steps=self.state.steps, row=PackedKnots)
         self.bodies = self.state.bodies
         self.queue = ArrivalQueue(self.bodies)
         self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.state.steps), touching_at_start(scene))

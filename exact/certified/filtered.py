@@ -400,6 +400,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
+        self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -523,6 +524,16 @@ class FilteredPredictor(Predictor[arb]):
 
     def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
+        if walls and walls[-1] >= self.wall_count:
+            key = a.kind, walls
+            faces = self._near_faces.get(key)
+            if faces is None:
+                table, first = self._face_table(a), self.wall_count
+                faces = self._near_faces[key] = [table[k - first] for k in walls if k >= first]
+            self._meet(a, faces, standing)
+            if len(faces) == len(walls):
+                return
+            walls = walls[: len(walls) - len(faces)]
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
         else:
@@ -534,9 +545,17 @@ class FilteredPredictor(Predictor[arb]):
 
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
+        self._meet(a, self._face_table(a), standing)
+
+    def _face_table(self, a: Body[arb]) -> list[FloatLine]:
+        """All faces as seen from a circle."""
         lines = self._face_lines.get(a.kind)
         if lines is None:
             lines = self._face_lines[a.kind] = [self._float_line(a, k) for k in self.faces]
+        return lines
+
+    def _meet(self, a: Body[arb], lines: Sequence[FloatLine], standing: Collection[Link]) -> None:
+        """Queues the next hits of a circle with some faces."""
         found, unclear = self.filter.faces(a, lines)
         self.queue.push_walls(a, found, standing)
         if unclear:

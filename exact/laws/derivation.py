@@ -188,6 +188,7 @@ b_x, b_y, b_vx, b_vy, b_r, b_m = symbols("b_x, b_y, b_vx, b_vy, b_r, b_m")
 aprime_x, aprime_y, bprime_x, bprime_y = symbols("a'_x, a'_y, b'_x, b'_y")
 ahat_vx, ahat_vy, bhat_vx, bhat_vy = symbols("ahat_vx, ahat_vy, bhat_vx, bhat_vy")
 x0, y0, x1, y1, x2, y2 = symbols("x_0, y_0, x_1, y_1, x_2, y_2")
+restitution = symbols("e")
 w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy = symbols("w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy")
 
 
@@ -300,6 +301,39 @@ def wall_collision() -> Statement:
     )
 
 
+def pair_restitution() -> Statement:
+    """Step 3 with Newton's restitution e in place of energy: what approaches with speed u parts with e u.
+
+    >>> len(pair_restitution().equations)
+    4
+    """
+    elastic = pair_collision()
+    nx, ny = b_x - a_x, b_y - a_y
+    speeds = ((b_vx - a_vx) * nx + (b_vy - a_vy) * ny, (bhat_vx - ahat_vx) * nx + (bhat_vy - ahat_vy) * ny)
+    return Statement(
+        "two circles collide with restitution e: momentum and the velocity at right angles to the impact stay",
+        (Eq(-restitution * speeds[0], speeds[1]), *elastic.equations[1:]),
+        elastic.unknowns,
+    )
+
+
+def wall_restitution() -> Statement:
+    """Step 4 with Newton's restitution e, off a wall that stands.
+
+    >>> len(wall_restitution().equations)
+    2
+    """
+    ux, uy = w_x1 - w_x0, w_y1 - w_y0
+    return Statement(
+        "a circle bounces off a wall with restitution e: the velocity along the wall stays",
+        (
+            Eq(-restitution * (a_vy * ux - a_vx * uy), ahat_vy * ux - ahat_vx * uy),
+            Eq(a_vx * ux + a_vy * uy, ahat_vx * ux + ahat_vy * uy),
+        ),
+        (ahat_vx, ahat_vy),
+    )
+
+
 def wall_aim() -> Statement:
     """Step 5: the point (x_2, y_2) of a wall where the circle's center would meet it.
 
@@ -404,6 +438,28 @@ def wall_velocities() -> tuple[Expr, Expr]:
 
 
 @cache
+def pair_restitution_velocities() -> tuple[Expr, ...]:
+    """(ahat_vx, ahat_vy, bhat_vx, bhat_vy) after two circles collide with restitution e.
+
+    >>> head_on = {a_x: 0, a_y: 0, a_vx: 1, a_vy: 0, a_m: 1, b_x: 2, b_y: 0, b_vx: 0, b_vy: 0, b_m: 1}
+    >>> [velocity.subs(head_on) for velocity in pair_restitution_velocities()][::2]
+    [1/2 - e/2, e/2 + 1/2]
+    """
+    return _linear(pair_restitution())
+
+
+@cache
+def wall_restitution_velocities() -> tuple[Expr, ...]:
+    """(ahat_vx, ahat_vy) off a wall, with restitution e.
+
+    >>> floor = {w_x0: 0, w_y0: 0, w_x1: 1, w_y1: 0, a_vx: 1, a_vy: -1}
+    >>> [velocity.subs(floor) for velocity in wall_restitution_velocities()]
+    [1, e]
+    """
+    return _linear(wall_restitution())
+
+
+@cache
 def pair_instant_speed() -> Expr:
     """How fast the centers of a and b come nearer in the instant after time 0; negative if they part.
 
@@ -437,6 +493,13 @@ def wall_instant_speed() -> Expr:
     """
     x, y = wall_aim_point()
     return pair_instant_speed().subs({b_x: x, b_y: y, b_vx: 0, b_vy: 0})
+
+
+def _linear(statement: Statement) -> tuple[Expr, ...]:
+    """The one solution of a system that is linear in its unknowns."""
+    solutions: Any = linsolve(list(statement.equations), statement.unknowns)
+    (solution,) = solutions
+    return tuple(cancel(value) for value in solution)
 
 
 def _first_of_each(statement: Statement, count: int) -> tuple[Expr, ...]:

@@ -270,6 +270,19 @@ def speed_change(approach: N) -> N:
     return approach + approach
 
 
+def damped(before: N, after: N, share: N) -> N:
+    """A velocity after an impact of restitution e, which an elastic one would take from `before` to `after`.
+
+    `share` is (1 + e) / 2: as every law is linear in 1 + e, it is the part of an elastic impulse that there is.
+    Equals `derivation.pair_restitution_velocities` and `derivation.wall_restitution_velocities`.
+
+    >>> from fractions import Fraction as Q
+    >>> damped(Q(-2), Q(2), Q(3, 4))
+    Fraction(1, 1)
+    """
+    return before + (after - before) * share
+
+
 def advance(x: N, v: N, dt: N) -> N:
     """A coordinate after a flight of duration dt.
 

@@ -303,12 +303,13 @@ class Collided:
     impulses: tuple[Indices, ...]
 
 
-def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
+def collide(touching: Touching, policy: TiePolicy, draw: Random, e: Any = Integer(1)) -> Collided:
     """Applies impulses until no touching pair approaches, cluster by cluster.
 
     Args:
         touching: who touches.
         policy: all approaching contacts together, or one at a time, looking at all contacts again after each.
+        e: the restitution.
         draw: for `sequential` with a seed, where the choices come from; nothing is drawn without a choice.
 
     Raises:
@@ -325,7 +326,7 @@ def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
             if policy.name == "sequential":
                 drawn = policy.seed is not None and len(approaching) > 1
                 approaching = [draw.choice(approaching) if drawn else approaching[0]]
-            touching, pushed = together(touching, approaching)
+            touching, pushed = together(touching, approaching, e)
             impulses += pushed
             if len(impulses) > stop_at:
                 raise UnendingCollision(f"over {MAX_IMPULSES} impulses at one instant")
@@ -334,16 +335,16 @@ def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
     return Collided(touching, tuple(first), tuple(sorted(contacts)), tuple(impulses))
 
 
-def together(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
+def together(touching: Touching, pairs: Sequence[Indices], e: Any) -> tuple[Touching, list[Indices]]:
     """One round: the impulses of some approaching pairs at once, and which pairs got one."""
     pushed: list[Indices] = []
     for group in groups(touching, pairs):
         if len(group) > 1:
-            touching, active = _complementary(touching, group)
+            touching, active = _complementary(touching, group, e)
             pushed += active
             continue
         (pair,) = group
-        touching = touching.after(_single(touching, pair))
+        touching = touching.after(_single(touching, pair, e))
         pushed.append(pair)
     return touching, sorted(pushed)
 
@@ -387,8 +388,8 @@ def coupled(touching: Touching, pairs: Sequence[Indices]) -> bool:
     return False
 
 
-def _single(touching: Touching, pair: Indices) -> dict[int, tuple[Any, Any]]:
-    """Velocities after one collision, from the derived law."""
+def _single(touching: Touching, pair: Indices, e: Any) -> dict[int, tuple[Any, Any]]:
+    """Velocities after one collision, from the derived law: all of the change for e = 1, none of it for e = -1."""
     (i, j), (a, b) = pair, touching.things(pair)
     if isinstance(b, Disc) and a.m is None:
         (i, j), (a, b) = (j, i), (b, a)
@@ -396,12 +397,15 @@ def _single(touching: Touching, pair: Indices) -> dict[int, tuple[Any, Any]]:
         found = velocities_after(a, b)
     except ValueError as error:
         raise SymbolicUndecided(str(error)) from error
-    if len(found) == 2:
-        return {i: (found[0], found[1])}
-    return {i: (found[0], found[1]), j: (found[2], found[3])}
+    after = {i: found[:2], j: found[2:]} if len(found) > 2 else {i: found}
+    discs = touching.discs
+    return {
+        k: (normal(((1 - e) * discs[k].vx + (1 + e) * vx) / 2), normal(((1 - e) * discs[k].vy + (1 + e) * vy) / 2))
+        for k, (vx, vy) in after.items()
+    }
 
 
-def _complementary(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
+def _complementary(touching: Touching, pairs: Sequence[Indices], e: Any) -> tuple[Touching, list[Indices]]:
     """The round's impulses on pairs that share circles."""
     discs = touching.discs
     pushes = [touching.directions(pair) for pair in pairs]
@@ -414,7 +418,7 @@ def _complementary(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touchi
         for one in pushes
     ]
     rates = [normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), Integer(0))) for push in pushes]
-    impulses = _solve(response, rates)
+    impulses = _solve(response, rates, e)
     changed: dict[int, tuple[Any, Any]] = {}
     for i, mass in masses.items():
         vx, vy = discs[i].vx, discs[i].vy
@@ -426,8 +430,8 @@ def _complementary(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touchi
     return touching.after(changed), active
 
 
-def _solve(response: list[list[Any]], rates: list[Any]) -> list[Any]:
-    """Impulses j >= 0 with rate + response j >= -rate, equal where j > 0; largest sets of j > 0 first.
+def _solve(response: list[list[Any]], rates: list[Any], e: Any) -> list[Any]:
+    """Impulses j >= 0 with rate + response j >= -e rate, equal where j > 0; largest sets of j > 0 first.
 
     Raises:
         SymbolicUndecided: if no set fits, which the theory excludes.
@@ -439,13 +443,13 @@ def _solve(response: list[list[Any]], rates: list[Any]) -> list[Any]:
             matrix = Matrix(size, size, lambda r, c, active=active: response[active[r]][active[c]])
             if sign(normal(matrix.det(method="berkowitz"))) == 0:
                 continue
-            cofactors = matrix.adjugate(method="berkowitz") * Matrix([-2 * rates[k] for k in active])
+            cofactors = matrix.adjugate(method="berkowitz") * Matrix([-(1 + e) * rates[k] for k in active])
             determinant = matrix.det(method="berkowitz")
             impulses = [zero] * count
             for k, value in zip(active, cofactors, strict=True):
                 impulses[k] = normal(value / determinant)
             excess = [
-                normal(2 * rates[k] + sum(response[k][m] * impulses[m] for m in active))
+                normal((1 + e) * rates[k] + sum(response[k][m] * impulses[m] for m in active))
                 for k in range(count)
                 if k not in active
             ]

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Integer
 
-from ...scenarios.engine import SCENE_KEYS, Declared, endable, horizon
+from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
-from ...scenarios.surfaces import ends_of
+from ...scenarios.surfaces import ends_of, sides_of
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import (
     Contact,
@@ -133,7 +133,7 @@ class SymbolicEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`: no circle is ever taken out of play."""
-        return SCENE_KEYS - {"capture"}
+        return ALL_KEYS - {"capture"}
 
     @property
     def name(self) -> str:
@@ -180,10 +180,13 @@ class _Run:
     whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
 
     def __post_init__(self) -> None:
-        scene, ends = self.scene, ends_of(self.scene.segments)
+        scene = self.scene
+        points = any(circle.r.sign() == 0 for circle in scene.circles)
+        ends = ends_of(scene.segments, scene.polygons, points)
+        segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
-        bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in scene.segments)
+        bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in segments)
         self.lines = (*(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in scene.walls), *bars)
         n = len(self.discs)
         pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
@@ -193,9 +196,10 @@ class _Run:
             if any(k < n and self.discs[k].m is not None for k in pair)
             and not all(k < self.real and self.discs[k].r == 0 for k in pair)
         )
-        things = (*scene.circles, *ends, *scene.walls, *scene.segments)
+        things = (*scene.circles, *ends, *scene.walls, *segments)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
+        self.e = normal(scene.restitution.sympy())
         self._leg()
 
     def trajectory(self) -> Trajectory:
@@ -237,7 +241,7 @@ class _Run:
     def _run(self) -> Stop:
         while True:
             touching = self._touching()
-            outcome = collide(touching, self.scene.tie_policy, self.draw)
+            outcome = collide(touching, self.scene.tie_policy, self.draw, self.e)
             if outcome.first:
                 self._record(outcome)
                 if len(self.events) == self.limit:

@@ -9,6 +9,7 @@ from flint import arb
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..laws.formulas import (
+    damped,
     pair_head_on,
     pair_meeting,
     pair_mix,
@@ -98,9 +99,11 @@ class BallState(ReplayState[arb]):
         self._root = None
 
     def _bounce_first(self, link: Round, dx: arb, dy: arb, root: arb) -> None:
-        """The elastic bounce of two circles that meet at the instant, with d and d.v as their meeting tells them."""
+        """The bounce of two circles that meet at the instant, with d and d.v as their meeting tells them."""
         a, b = link.ends(self)
         strength = pair_strength(root, self.reach(a, b), a.w, b.w)
+        if self.share is not None:
+            strength = strength * self.share
         jx, jy = strength * dx, strength * dy
         self.push(a, -jx, -jy)
         self.push(b, jx, jy)
@@ -121,7 +124,7 @@ class BallState(ReplayState[arb]):
         for mine, new in zip(self.pockets, other.pockets, strict=True):
             mine.become(new)
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
-        self.zero, self.one, self.flip_time = other.zero, other.one, other.flip_time
+        self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
         self.instant, self.late, self.met = other.instant, other.late, other.met
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
@@ -165,6 +168,8 @@ class BallState(ReplayState[arb]):
         dx, dy = self.span(link)
         a, b = link.ends(self)
         shares = pair_mix(dx, dy, self.reach(a, b), a.w, b.w)
+        if self.share is not None:
+            shares = tuple(part * self.share for part in shares)
         f, g = a.flight, b.flight
         origin = (f.x.mid(), f.y.mid(), f.vx.mid(), f.vy.mid())
         state_a = [value - shift for value, shift in zip(f[:4], origin, strict=True)]
@@ -220,15 +225,22 @@ class BallState(ReplayState[arb]):
         x, y, vx, vy, t, instant, late, last, rest = body.flight
         if self.late is not None:
             offset = line.nx * line.x0 + line.ny * line.y0 + body.r * line.length
-            shift = speed_change(offset) / line.nn
+            shift = self.damping(speed_change(offset)) / line.nn
             x, y = xx * x + xy * y + shift * line.nx, xy * x + yy * y + shift * line.ny
         body.flight = Flight(x, y, xx * vx + xy * vy, xy * vx + yy * vy, t, instant, late, last, rest)
 
+    def damping(self, change: arb) -> arb:
+        """What is left of an elastic change at the scene's restitution."""
+        return change if self.share is None else change * self.share
+
     def mirror_of(self, link: AtWall) -> Mirror:
-        """The matrix by which a wall mirrors velocities."""
+        """The matrix by which a wall mirrors velocities: with a restitution e, I - (1 + e) n n^T / |n|^2."""
         if link.wall not in self._mirrors:
             line = self.line(link.circle, link.wall)
-            self._mirrors[link.wall] = wall_mirror(line.nx, line.ny, line.nn)
+            xx, xy, yy = wall_mirror(line.nx, line.ny, line.nn)
+            if self.share is not None:
+                xx, xy, yy = damped(self.one, xx, self.share), xy * self.share, damped(self.one, yy, self.share)
+            self._mirrors[link.wall] = xx, xy, yy
         return self._mirrors[link.wall]
 
 
@@ -236,7 +248,7 @@ class BallState(ReplayState[arb]):
 
 
 class Partners(NamedTuple):
-    """Of two circles: R^2, 2 w / (R^2 (wa + wb)) for each, and whether their masses are one."""
+    """Of two circles: R^2, (1 + e) w / (R^2 (wa + wb)) for each, and whether their masses are one."""
 
     square: arb
     share_a: arb
@@ -245,7 +257,7 @@ class Partners(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """Of two circles on one line: R, 2 w / (wa + wb) for each, and what these leave of 1."""
+    """Of two circles on one line: R, (1 + e) w / (wa + wb) for each, and what these leave of 1."""
 
     reach: arb
     a: arb
@@ -328,7 +340,8 @@ class Unchanging:
             reach = self._state.reach(a, b)
             square = reach * reach
             whole = square * (a.w + b.w)
-            shares = speed_change(a.w) / whole, speed_change(b.w) / whole
+            damping = self._state.damping
+            shares = damping(speed_change(a.w)) / whole, damping(speed_change(b.w)) / whole
             found = self._alike[kinds] = Partners(square, *shares, self._are_alike(a, b))
         self._partners[link] = found
         return found
@@ -344,28 +357,29 @@ class Unchanging:
         ball.use_bits(self._bits)
         a, b = link.ends(self._state)
         whole, one = a.w + b.w, self._state.one
-        share_a, share_b = speed_change(a.w) / whole, speed_change(b.w) / whole
+        damping = self._state.damping
+        share_a, share_b = damping(speed_change(a.w)) / whole, damping(speed_change(b.w)) / whole
         found = self._shares[link] = Shares(self._state.reach(a, b), share_a, share_b, one - share_a, one - share_b)
         return found
 
     def _face(self, link: AtWall) -> Upright | Oblique:
         """A wall as a circle comes to it.
 
-        Along an axis the centre keeps r from it, on its side, and the mirror is x' = 2 touch - x: `wall_gap` and
-        `wall_mirror` for a normal of one component n, of which r |n| / n is r or -r.
+        Along an axis the centre keeps r from it, on its side, and for e = 1 the mirror is x' = 2 touch - x: `wall_gap`
+        and `wall_mirror` for a normal of one component n, of which r |n| / n is r or -r.
         """
         ball.use_bits(self._bits)
         r = self._state.bodies[link.circle].r
         x0, y0, nx, ny, nn, length = self._state.line(link.circle, link.wall)
         for level, across, along, start in ((True, ny, nx, y0), (False, nx, ny, x0)):
             sign = ball.sign_of(across)
-            if along.is_zero() and sign:
+            if along.is_zero() and sign and self._state.share is None:
                 touch = start + r if sign > 0 else start - r
                 found = self._walls[link] = Upright(touch, speed_change(touch), level)
                 return found
         offset = r * length
         shift = nx * x0 + ny * y0 + offset
-        shift = speed_change(shift) / nn
+        shift = self._state.damping(speed_change(shift)) / nn
         mirror = self._state.mirror_of(link)
         found = self._walls[link] = Oblique(x0, y0, nx, ny, offset, *mirror, shift * nx, shift * ny)
         return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias
 
@@ -350,22 +350,50 @@ def touch_of(scene: Scene, i: int, j: int) -> Touch:
     return Pair(first, second) if second < n else AtWall(first, second - n)
 
 
-def part_at(scene: Scene, circle: int, segment: int, x: float, y: float) -> Touch:
-    """What a circle at (x, y), of which doubles tell enough, touches of a segment: by place in `scene.surfaces`.
+def part_at(
+    scene: Scene, circle: int, number: int, x: float, y: float, taken: Collection[Touch] = frozenset[Touch]()
+) -> Touch:
+    """What a circle at (x, y), of which doubles tell enough, touches of a segment or polygon: its nearest part.
+
+    Args:
+        number: which segment, or, after all of them, which polygon.
+        taken: what it touches of it, too, in a concave corner: the nearest of the others is wanted.
 
     >>> from truebreak.scenarios import Circle, Segment
     >>> scene = Scene([Circle(0, 9)], segments=[Segment(0, 0, 4, 0)])
     >>> part_at(scene, 0, 0, 1.0, -1.0), part_at(scene, 0, 0, 5.0, 0.5)
     (AtWall(circle=0, wall=1, kind='wall'), Pair(a=0, b=2))
     """
-    whole, seen = scene.surfaces, scene.segments[segment]
-    x0, y0, x1, y1 = (float(q) for q in (seen.x0, seen.y0, seen.x1, seen.y1))
-    ux, uy = x1 - x0, y1 - y0
-    foot = ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)
-    if 0.0 < foot < 1.0:
-        return AtWall(circle, whole.faces.start + 2 * segment + (ux * (y - y0) - uy * (x - x0) < 0.0))
-    place = (seen.x0, seen.y0) if foot <= 0.0 else (seen.x1, seen.y1)
-    return Pair(circle, next(k for k in whole.ends if (whole.circles[k].x, whole.circles[k].y) == place))
+    found = sorted(_parts_at(scene, circle, number, x, y), key=lambda one: one[0])
+    return next((link for _, link in found if link not in taken), found[0][1])
+
+
+def _parts_at(scene: Scene, circle: int, number: int, x: float, y: float) -> Iterator[tuple[float, Touch]]:
+    """Of each side of a segment or polygon what is nearest to a circle, and the square of how far that is."""
+    whole, count = scene.surfaces, len(scene.segments)
+    face = whole.faces.start + 2 * min(number, count)
+    if number < count:
+        segment = scene.segments[number]
+        ways = (((segment.x0, segment.y0), (segment.x1, segment.y1)),)
+    else:
+        ways = scene.polygons[number - count].sides()
+        face += sum(len(polygon.sides()) for polygon in scene.polygons[: number - count])
+    for k, (a, b) in enumerate(ways):
+        x0, y0, x1, y1 = float(a[0]), float(a[1]), float(b[0]), float(b[1])
+        ux, uy = x1 - x0, y1 - y0
+        foot = ((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy)
+        share = min(1.0, max(0.0, foot))
+        away = (x - x0 - share * ux) ** 2 + (y - y0 - share * uy) ** 2
+        corner = None
+        if not 0.0 < foot < 1.0:
+            place = b if foot > 0.0 else a
+            corner = next((e for e in whole.ends if (whole.circles[e].x, whole.circles[e].y) == place), None)
+        if corner is not None:
+            yield away, Pair(circle, corner)
+        elif number < count:
+            yield away, AtWall(circle, face + (ux * (y - y0) - uy * (x - x0) < 0.0))
+        else:
+            yield away, AtWall(circle, face + k)
 
 
 def places_of(scene: Scene, link: Touch) -> tuple[int, int]:

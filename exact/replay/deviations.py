@@ -226,13 +226,14 @@ class Deviations:
         return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
 
     def strength(self, state: BallState, link: Round) -> float:
-        """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
+        """-(1 + e) / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
             a, b = link.ends(state)
             reach = ball.as_double(state.reach(a, b))
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
+            share = 1.0 if state.share is None else ball.as_double(state.share)
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
-            found = self._strengths[link] = -speed_change(1.0) / weight if known else 0.0
+            found = self._strengths[link] = -speed_change(1.0) * share / weight if known else 0.0
         return found
 
     def face(self, state: BallState, link: AtWall) -> Face:

@@ -12,6 +12,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
+    damped,
     face_along,
     face_foot,
     pair_approach,
@@ -46,7 +47,7 @@ class Go(NamedTuple):
 
 
 class Kick(NamedTuple):
-    """Apply, together, the impulses that make each of these contacts separate as fast as it approached.
+    """Apply, together, the impulses that make each of these contacts separate e times as fast as it approached.
 
     Attributes:
         links: the contacts that push.
@@ -226,6 +227,7 @@ class Flights(Generic[N]):
         bodies: the circles, by index.
         pockets: the pockets, as bodies at rest.
         sides: on which side of each wall each circle lies.
+        share: (1 + e) / 2 with the scene's restitution e, the part of an elastic impulse that there is; None for e = 1.
     """
 
     def __init__(self, scene: Scene, numbers: Arithmetic[N], only: Iterable[int] | None = None) -> None:
@@ -235,6 +237,7 @@ class Flights(Generic[N]):
         self.n = len(scene.circles)
         self.zero: N = constant(Quantity.of(0))
         self.one: N = constant(Quantity.of(1))
+        self.share: N | None = None if scene.elastic else constant((scene.restitution + 1) / 2)
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
@@ -483,7 +486,7 @@ class ReplayState(Flights[N]):
     # -- impulses
 
     def kick(self, links: tuple[Touch, ...]) -> None:
-        """Applies the impulses of contacts together; each then separates as fast as it approached."""
+        """Applies the impulses of contacts together; each then separates e times as fast as it approached."""
         if len(links) > 1:
             self._kick_together(links)
         else:
@@ -491,19 +494,22 @@ class ReplayState(Flights[N]):
                 link.bounce(self)
 
     def bounce_pair(self, link: Pair) -> None:
-        """The elastic bounce of two circles."""
+        """The bounce of two circles."""
         dx, dy = self.span(link)
         a, b = link.ends(self)
         vx, vy = b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy
         jx, jy = pair_impulse(dx, dy, vx, vy, self.reach(a, b), a.w, b.w)
+        if self.share is not None:
+            jx, jy = jx * self.share, jy * self.share
         self.push(a, -jx, -jy)
         self.push(b, jx, jy)
 
     def bounce_wall(self, link: AtWall) -> None:
-        """The elastic bounce of a circle off a wall."""
+        """The bounce of a circle off a wall."""
         body, line = self.bodies[link.circle], self.line(link.circle, link.wall)
         x, y, vx, vy, t, instant, late, last, rest = body.flight
-        vx, vy = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
+        wx, wy = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
+        vx, vy = (wx, wy) if self.share is None else (damped(vx, wx, self.share), damped(vy, wy, self.share))
         body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest)
 
     def push(self, body: Body[N], jx: N, jy: N) -> None:
@@ -519,6 +525,8 @@ class ReplayState(Flights[N]):
     def _kick_together(self, links: tuple[Touch, ...]) -> None:
         matrix, approaches = self.contact_system(links)
         strengths = solve_positive(matrix, [-speed_change(u) for u in approaches])
+        if self.share is not None:
+            strengths = [strength * self.share for strength in strengths]
         for link, strength in zip(links, strengths, strict=True):
             for index, jx, jy in link.arms(self):
                 self.push(self.bodies[index], strength * jx, strength * jy)

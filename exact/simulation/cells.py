@@ -96,12 +96,17 @@ def frame_of(grid: Grid) -> CellFrame:
     )
 
 
-def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float]) -> Grid | None:
+def usual_radius(radii: Sequence[float], ends: int = 0) -> float:
+    """The middle one of some radii, of which the last are of ends of segments: these may be points."""
+    return sorted(radii[: len(radii) - ends])[(len(radii) - ends) // 2]
+
+
+def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], ends: int = 0) -> Grid | None:
     """Cells for circles, about three to a circle; None where they would spare nothing."""
     known = [flight for flight in flights if flight is not None]
     if len(known) < FEWEST:
         return None
-    usual = sorted(radii)[len(radii) // 2]
+    usual = usual_radius(radii, ends)
     reach = 2.0 * max(r for r in radii if r <= LARGE * usual)
     left, right = min(flight[0] for flight in known), max(flight[0] for flight in known)
     low, high = min(flight[1] for flight in known), max(flight[1] for flight in known)
@@ -139,6 +144,11 @@ def leaves(origin: float, width: float, count: int) -> tuple[list[float], list[f
 # A circle's centre is within a margin of its cell (see `Cells`), so it touches a wall only where the wall's line
 # comes as near to the cell, with the margin all round, as the radius. Heights over a line are held against that in
 # doubles; what their rounding leaves open is near.
+#
+# It touches a face of a segment only from its own side, with its centre over the face: that centre lies in a rectangle,
+# which the face and the radius span. Two rectangles are apart only if the axes of one of them tell so: columns and rows
+# tell by the rectangle's box, then heights over the face, and the way along it. Rectangles are closed, and what
+# rounding leaves open is near: so a face that is touched as a flight begins, at its very end too, is near from then on.
 
 ROUNDING = 2.0**-40
 """Share of its terms by which a height in doubles is off at most: six roundings of a wall's numbers and a cell's, and
@@ -177,12 +187,17 @@ class WallCells:
     ) -> None:
         self.every = (1 << len(walls)) - 1
         self.near: list[int | None] = [None] * ((len(columns) + 2) * (len(rows) + 2))
-        self._count = len(walls)
         self._by_column, self._by_row = [0] * len(columns), [0] * len(rows)
         self._others: list[tuple[int, Spans]] = []
+        self._face_columns, self._face_rows = [0] * len(columns), [0] * len(rows)
+        self._slanted: dict[int, tuple[Spans, Spans]] = {}
         self._always = 0
+        farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)
         for k, wall in enumerate(walls):
-            self._admit(1 << k, _spans(wall, columns, rows, radius))
+            if wall.is_face:
+                self._admit_face(1 << k, _reach_of(wall, radius, farthest), columns, rows)
+            else:
+                self._admit(1 << k, _spans(wall, columns, rows, radius, farthest))
         self._indices: dict[int, tuple[int, ...]] = {}
 
     def _admit(self, bit: int, spans: Spans | None) -> None:
@@ -200,6 +215,41 @@ class WallCells:
         else:
             self._others.append((bit, spans))
 
+    def _admit_face(
+        self,
+        bit: int,
+        reach: FaceReach | None,
+        columns: Sequence[tuple[float, float]],
+        rows: Sequence[tuple[float, float]],
+    ) -> None:
+        """Takes up a face: the columns and rows that its rectangle's box meets; and its axes, where it is slanted."""
+        if reach is None:
+            self._always |= bit
+            return
+        x0, y0, nx, ny, length, radius, off = reach
+        xs = (x0, x0 + ny * length, x0 + nx * radius, x0 + ny * length + nx * radius)
+        ys = (y0, y0 - nx * length, y0 + ny * radius, y0 - nx * length + ny * radius)
+        for bits, ends, places in ((self._face_columns, columns, xs), (self._face_rows, rows, ys)):
+            low, high = min(places) - off, max(places) + off
+            for k, (start, end) in enumerate(ends):
+                if start <= high and end >= low:
+                    bits[k] |= bit
+        if nx and ny:
+            sides = (nx, ny, nx * x0 + ny * y0, radius), (ny, -nx, ny * x0 - nx * y0, length)
+            self._slanted[bit] = tuple(_between(side, columns, rows, off) for side in sides)  # pyright: ignore[reportArgumentType]
+
+    def _faces(self, column: int, row: int) -> int:
+        """The faces near a cell."""
+        near = left = self._face_columns[column] & self._face_rows[row]
+        while left:
+            bit = left & -left
+            left ^= bit
+            for low_x, high_x, low_y, high_y, most in self._slanted.get(bit, ()):
+                if low_x[column] + low_y[row] > most or high_x[column] + high_y[row] < 0.0:
+                    near ^= bit
+                    break
+        return near
+
     def look(self, cell: int, column: int, row: int) -> int:
         """Finds the walls near a cell, and keeps them.
 
@@ -213,19 +263,23 @@ class WallCells:
         for bit, (left, right, low, high, off) in self._others:
             if not (left[column] + low[row] > off or right[column] + high[row] < -off):
                 near |= bit
-        self.near[cell] = near
+        self.near[cell] = near = near | self._faces(column, row)
         return near
 
     def indices(self, bits: int) -> tuple[int, ...]:
         """The walls of such bits, in scene order."""
         found = self._indices.get(bits)
         if found is None:
-            found = self._indices[bits] = tuple(k for k in range(self._count) if bits >> k & 1)
+            found = self._indices[bits] = tuple(k for k in range(bits.bit_length()) if bits >> k & 1)
         return found
 
 
 def _spans(
-    wall: Wall, columns: Sequence[tuple[float, float]], rows: Sequence[tuple[float, float]], radius: float
+    wall: Wall,
+    columns: Sequence[tuple[float, float]],
+    rows: Sequence[tuple[float, float]],
+    radius: float,
+    farthest: float,
 ) -> Spans | None:
     """What the cells' ends come to in heights over a wall; None where doubles do not hold it."""
     nx, ny = wall.normal
@@ -241,11 +295,42 @@ def _spans(
         return None
     across, along = [_span(fx, ends) for ends in columns], [_span(fy, ends) for ends in rows]
     height = fx * x0 + fy * y0
-    farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)
     size = abs(x0) + abs(y0) + radius + 2.0 * farthest
     left, right = zip(*across, strict=True)
     low, high = zip(*((least - height, most - height) for least, most in along), strict=True)
     return left, right, low, high, radius + ROUNDING * size + TINIEST
+
+
+FaceReach: TypeAlias = tuple[float, float, float, float, float, float, float]
+"""Where a face begins, its normal of length 1, how long it is, how far from it centres are; what all this is off by."""
+
+
+def _reach_of(face: Wall, radius: float, farthest: float) -> FaceReach | None:
+    """Of a face, in doubles, among cells that reach so far; None where doubles do not hold it."""
+    nx, ny = face.normal
+    try:
+        fx, fy, x0, y0 = float(nx), float(ny), float(face.x0), float(face.y0)
+    except OverflowError:
+        return None
+    length = hypot(fx, fy)
+    if not TINIEST < length < 1.0 / TINIEST or (fx == 0.0 and nx.sign()) or (fy == 0.0 and ny.sign()):
+        return None
+    size = abs(x0) + abs(y0) + length + radius + 2.0 * farthest
+    return x0, y0, fx / length, fy / length, length, radius, ROUNDING * size + TINIEST
+
+
+def _between(
+    side: tuple[float, float, float, float],
+    columns: Sequence[tuple[float, float]],
+    rows: Sequence[tuple[float, float]],
+    off: float,
+) -> Spans:
+    """From what to what columns, and rows, are along an axis, so that a cell is apart from what lies between 0 and a
+    width there only where the sum of its two starts is above the last number, or that of its two ends below 0."""
+    nx, ny, start, width = side
+    low_x, high_x = zip(*(_span(nx, ends) for ends in columns), strict=True)
+    low_y, high_y = zip(*((a - start - off, b - start + off) for a, b in (_span(ny, e) for e in rows)), strict=True)
+    return low_x, high_x, low_y, high_y, width
 
 
 def _span(n: float, ends: tuple[float, float]) -> tuple[float, float]:
@@ -578,7 +663,14 @@ def _ahead(step: int, row: int) -> tuple[int, int, int]:
 
 
 class Predictions(Protocol[N]):
-    """Makes the predictions of one run."""
+    """Makes the predictions of one run.
+
+    Attributes:
+        slides: what predictions have seen to slide along a face, until it is taken up.
+    """
+
+    @property
+    def slides(self) -> Sequence[Link]: ...
 
     def in_doubles(self, a: Body[N], /) -> FloatFlight | None:
         """A circle's flight in doubles; None where they do not tell it to a rounding."""
@@ -660,6 +752,11 @@ class Crowd(Generic[N]):
         """See `Crossings`."""
         return self._cells.early
 
+    @property
+    def slides(self) -> Sequence[Link]:
+        """See `Crossings`."""
+        return self._predictions.slides
+
     def cross(self, since: float = inf) -> None:
         """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
         bodies, plan, predictions = self._bodies, self._plan, self._predictions
@@ -674,12 +771,21 @@ class Crowd(Generic[N]):
                 predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
-def cells_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], walls: Sequence[Wall]) -> CellLists | None:
-    """Cells for the circles of a run, empty; None where they would spare nothing."""
-    grid = grid_for(flights, radii)
+def cells_for(
+    flights: Sequence[FloatFlight | None], radii: Sequence[float], walls: Sequence[Wall], ends: int = 0
+) -> CellLists | None:
+    """Cells for the circles of a run, empty; None where they would spare nothing.
+
+    Args:
+        flights: of the circles; None where doubles do not tell one.
+        radii: theirs.
+        walls: those of the scene, and the faces of its segments.
+        ends: how many of the circles, the last, are ends of segments.
+    """
+    grid = grid_for(flights, radii, ends)
     if grid is None:
         return None
-    usual = sorted(radii)[len(radii) // 2]
+    usual = usual_radius(radii, ends)
     large = frozenset(i for i, r in enumerate(radii) if r > LARGE * usual)
     radius = max(r for i, r in enumerate(radii) if i not in large)
     return cells_of(grid, len(radii), large, WallCells(walls, *grid.ends(), radius))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -107,6 +108,21 @@ class Noted(Generic[K]):
     last: Mark[K] | None = None
 
 
+R = TypeVar("R")
+
+
+class KeptRows(Sequence[R]):
+    """What a history is kept in, other than a list: it takes less memory."""
+
+    @abstractmethod
+    def append(self, row: R) -> None:
+        """One more."""
+
+    @abstractmethod
+    def pop(self) -> R:
+        """Takes the last away."""
+
+
 @dataclass
 class History(Generic[K]):
     """What a loop has gathered, always up to the end of a whole instant.
@@ -120,18 +136,20 @@ class History(Generic[K]):
         plan: what each rung decided, and what was skipped.
         rises: the bits of each rise of the precision, and whether deviations were kept in a set from then on.
         assumptions: what the run rests on that is not proved.
+        row: what keeps the knots of a circle, made of those that there are.
         set_times: limits and the reversal's time, with the number of the last part of the instant that falls on it.
     """
 
-    records: list[Record[K]] = field(default_factory=list)
+    records: list[Record[K]] | KeptRows[Record[K]] = field(default_factory=list)
     entries: list[Arrived[K]] = field(default_factory=list)
     reversal: tuple[int, Mark[K]] | None = None
-    knots: list[list[Knot[K]]] = field(default_factory=list)
+    knots: list[list[Knot[K]] | KeptRows[Knot[K]]] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
     rises: list[tuple[int, bool]] = field(default_factory=list)
     assumptions: list[Assumption] = field(default_factory=list)
     set_times: dict[Quantity, int] = field(default_factory=dict)
+    row: Callable[[list[Knot[K]]], list[Knot[K]] | KeptRows[Knot[K]]] = list
     _last: Mark[K] | None = None
 
     @property
@@ -145,7 +163,8 @@ class History(Generic[K]):
 
     def add(self, note: Noted[K]) -> None:
         """Takes up what an instant, or a part of one, did. It is whole once `last` says so."""
-        self.records += note.records
+        for record in note.records:
+            self.records.append(record)
         self.entries += note.entries
         for i, knot in note.knots:
             self.knots[i].append(knot)
@@ -154,11 +173,14 @@ class History(Generic[K]):
         """Drops what does not belong to the last instant that was noted whole, or to those before it."""
         number, step = (-1, 0) if self.last is None else (self.last.number, self.last.step)
         del self.steps[step:]
-        self.records = [record for record in self.records if record.mark.number <= number]
+        while self.records and self.records[-1].mark.number > number:
+            self.records.pop()
         self.entries = [entry for entry in self.entries if entry.mark.number <= number]
         if self.reversal is not None and self.reversal[1].number > number:
             self.reversal = None
-        self.knots = [row[:1] + [knot for knot in row[1:] if knot[-1] <= number] for row in self.knots]
+        for row in self.knots:
+            while len(row) > 1 and row[-1][-1] > number:
+                row.pop()
 
 
 # -- The contract between the event loop and a number system: how it keeps bodies, and what it can decide.
@@ -273,7 +295,15 @@ class Decider(Protocol[N, K]):
     """Keeps the state of one scene in some numbers, and decides what the loop asks.
 
     The log in its history is its own; `meetings` and `reading` are its other two faces.
+
+    Attributes:
+        proves: whether its answers are proved; what no rounding may claim is asked of it alone.
     """
+
+    @property
+    def proves(self) -> bool:
+        """See the attributes."""
+        ...
 
     @property
     def history(self) -> History[K]:

@@ -11,7 +11,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N, Undecided
-from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Moment, RelativeSpeed, Rim
+from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim
 from ..replay.contact import AtWall, Entry, Link, Touch, can_push, contact_of, is_flat, is_pair, name_of, scene_order
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
@@ -188,7 +188,8 @@ class Resolver(Generic[N, K]):
             if instant.clock is not None and not done.flipped:
                 self.decider.do(Go(first, component.bodies))
                 done.advanced.update(component.bodies)
-            rounds = settle(component.links, known, self.policy, self.decider.ask, self.decider.do, MAX_ROUNDS)
+            turn = self._refuse_collapse if self.decider.proves and not self.scene.elastic else None
+            rounds = settle(component.links, known, self.policy, self.decider.ask, self.decider.do, MAX_ROUNDS, turn)
             impulses += rounds.impulses
             taking_part |= rounds.taking_part
             coupled = coupled or self._coupled(rounds)
@@ -207,6 +208,19 @@ class Resolver(Generic[N, K]):
         stands = struck[0][1].bodies[0]
         done.events.append((stands, tuple(sorted(taking_part, key=scene_order)), tuple(impulses), ties, coupled))
         self.decider.gathered(done.standing)
+
+    def _refuse_collapse(self, first: Touch, second: Touch) -> None:
+        """Stops where two contacts push each other without end within one instant, each time with a part of the speed.
+
+        Raises:
+            Undecided: naming the two.
+        """
+        if self.decider.ask(Endless(first, second)) >= 0 and self.decider.ask(Falling(first, second)) >= 0:
+            names = " as well as ".join(name_of(self.scene, link) for link in sorted((first, second), key=scene_order))
+            raise Undecided(
+                f"collapse: {names} push each other without end within one instant; raise the restitution, or "
+                "leave a gap"
+            )
 
     def _left_faces(self, moment: Moment | None) -> list[AtWall]:
         """Takes from what lasts the faces whose line a circle slides along, but not, at an instant, between the ends.

@@ -233,6 +233,7 @@ class Loop(Generic[N, K]):
                     if isinstance(found, Stop):
                         return found
                     if found is not None:
+                        self._take_slides(self.decider.meetings.slides)  # seen as cells were crossed
                         self.tape.add(found, whole=self._strides() is not None)
                         done = self._resolve(found)
                         if done.moved:
@@ -253,9 +254,9 @@ class Loop(Generic[N, K]):
         before = self._instants
         most, until = self._most(), self.gatherer.clear_until()
         self._instants = stride(before, most, until, self._look, self._note_alone)
+        self._take_slides(self.decider.meetings.slides)
         if self._instants != before:
             self._split = False
-            self._take_slides(self.decider.meetings.slides)
             self._report()
 
     def _strides(self) -> Ordinary | None:
@@ -323,7 +324,8 @@ class Loop(Generic[N, K]):
     def _first_knots(self) -> None:
         bodies = list(self.decider.bodies.values())
         self.decider.refresh(bodies)
-        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
+        history, reading = self.history, self.decider.reading
+        history.knots += [history.row([(*reading.knot(body), 0, 0)]) for body in bodies]
 
     def _open(self) -> Collection[Link]:
         """The instant at time 0; what stands at gap zero after it."""

@@ -244,6 +244,7 @@ def settle(
     ask: Ask,
     do: Callable[[Kick], None],
     max_rounds: int,
+    turn: Callable[[Touch, Touch], None] | None = None,
 ) -> Rounds:
     """Rounds of impulses among touching contacts until none approaches.
 
@@ -254,6 +255,7 @@ def settle(
         ask: decides signs on the state as it is.
         do: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
+        turn: called where one of two contacts approaches after a round, with that one first.
     """
     signs: dict[Touch, int | None] = {link: known.get(link) for link in links}
     impulses: list[Touch] = []
@@ -264,6 +266,8 @@ def settle(
         coming = [link for link in links if told[link] < 0]
         if not coming:
             return Rounds(tuple(impulses), frozenset(taking_part), told)
+        if turn is not None and rounds and len(links) == 2 and len(coming) == 1:
+            turn(coming[0], links[1] if coming[0] is links[0] else links[0])
         if rounds == max_rounds:
             raise BudgetSpent(f"{max_rounds} passes of impulses at one instant")
         rounds += 1

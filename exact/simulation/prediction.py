@@ -99,6 +99,11 @@ class Crossings(Protocol):
         """How much before that time they may be made."""
         ...
 
+    @property
+    def slides(self) -> Sequence[Link]:
+        """What was seen to slide along the face of a segment, as predictions were made; until it is taken up."""
+        ...
+
     def cross(self, since: float = inf, /) -> None:
         """Queues what is due at that time.
 
@@ -112,6 +117,7 @@ class NoCrossings:
     """Every arrival is queued as its flights begin."""
 
     next_crossing = early = inf
+    slides: Sequence[Link] = ()
 
     def cross(self, since: float = inf, /) -> None:
         """Nothing."""
@@ -269,6 +275,8 @@ class ArrivalQueue(Generic[N]):
                 if crossing >= low and high - low > crossings.early:
                     return None
                 crossings.cross()
+                if crossings.slides:
+                    return None
                 continue
             heappop(heap)
             while heap and heap[0][0] <= high:
@@ -420,6 +428,7 @@ class Predictor(Generic[M]):
         self.unsure = unsure
         self._count = len(scene.circles)
         self.faces = scene.faces
+        self.two_sided = scene.two_sided
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(
@@ -484,13 +493,14 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST or self.faces:
+        if self._count < crowding.FEWEST:
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        cells = cells_for([self.in_doubles(body) for body in state.bodies.values()], radii, self.scene.walls)
+        flights = [self.in_doubles(body) for body in state.bodies.values()]
+        cells = cells_for(flights, radii, self.scene.walls, len(self.scene.ends))
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
@@ -528,12 +538,15 @@ class Predictor(Generic[M]):
                 self.pair(b, a, standing)
 
     def walls(self, a: Body[M], walls: Sequence[int], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with some walls."""
+        """Queues the next hits of a circle with some walls, and faces of segments, which come after them."""
         for k in walls:
-            self.wall(a, k, standing)
+            if k < self.wall_count:
+                self.wall(a, k, standing)
+            else:
+                self.face(a, k, standing)
 
     def meet_faces(self, a: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with faces of segments."""
+        """Queues the next hits of a circle with all faces of segments."""
         for k in self.faces:
             self.face(a, k, standing)
 
@@ -603,8 +616,8 @@ class Predictor(Generic[M]):
         zero, late, approach = self.zero, a.flight.late, wall_approach(avx, avy, nx, ny)
         if approach > zero:
             return
-        link, first = AtWall(a.index, wall), self.faces.start
-        if link in standing or AtWall(a.index, first + ((wall - first) ^ 1)) in standing:  # a point is at both sides
+        link = AtWall(a.index, wall)
+        if link in standing or (wall in self.two_sided and self._other_side(link) in standing):  # a point is at both
             return
         gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
         still = (
@@ -621,6 +634,11 @@ class Predictor(Generic[M]):
                 return
         self.unsure(link)
         self.prepare()
+
+    def _other_side(self, link: AtWall) -> AtWall:
+        """The contact of the same circle with the other side of a segment."""
+        first = self.two_sided.start
+        return AtWall(link.circle, first + ((link.wall - first) ^ 1))
 
     def push(self, time: M, link: Link, graze: bool = False) -> None:
         """Queues a meeting that is certain to come if nothing else does first."""

@@ -51,6 +51,7 @@ class FlatFlights:
         shifted: circles that a lasting or a passive contact advanced: their clocks are no longer those that their
             arrivals are reckoned from.
         ahead: circles whose flights here are newer than the state's.
+        share: part of an elastic impulse that the scene's restitution leaves; None: all of it.
         unsure: deals with a meeting of two places whose signs are not plain.
     """
 
@@ -69,6 +70,7 @@ class FlatFlights:
         self.tick = count(1).__next__
         self.steps = 0
         self.shifted: set[int] = set()
+        self.share = state.share
         self.unsure: Callable[[int, int], None] = _nothing
         self._state = state
         self.ahead: set[int] = set()

@@ -78,10 +78,11 @@ class FlatHistory(History[float]):
     def unfold(self) -> None:
         """Puts every lone contact into the general loop's terms."""
         self._add_rows()
-        for place, one in enumerate(self.items):
+        items = self.items
+        for place, one in enumerate(items):
             if not isinstance(one, Record):
                 links = (self._flights.link(one[1][-1], one[3]),)
-                self.records[place] = Record(self._mark_of(one), links, links, (), False)
+                items[place] = Record(self._mark_of(one), links, links, (), False)
 
     def _add_rows(self) -> None:
         """The knots of lone contacts that are not among the rows yet."""
@@ -252,6 +253,7 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
     return (
         not scene.pockets
         and not scene.segments
+        and not scene.polygons
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
     )

@@ -11,6 +11,7 @@ from math import sqrt
 
 from ...exact.laws.formulas import (
     advance,
+    damped,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -106,6 +107,8 @@ def strike(f: FlatFlights, i: int, j: int, time: float, wait: float) -> None:
     vy = bvy - avy
     reach = ar + br
     jx, jy = pair_impulse(dx, dy, vx, vy, reach, wa, wb)
+    if f.share is not None:
+        jx, jy = jx * f.share, jy * f.share
     if not a_fixed:
         avx = avx + wa * -jx
         avy = avy + wa * -jy
@@ -127,7 +130,8 @@ def rebound(f: FlatFlights, i: int, wall: int, time: float, wait: float) -> None
     if vx or vy:
         x = advance(x, vx, wait)
         y = advance(y, vy, wait)
-    vx, vy = wall_bounce(vx, vy, nx, ny, nn)
+    wx, wy = wall_bounce(vx, vy, nx, ny, nn)
+    vx, vy = (wx, wy) if f.share is None else (damped(vx, wx, f.share), damped(vy, wy, f.share))
     f.flights[i] = (x, y, vx, vy, time, r, i)
     f.last[i] = f.steps + 1
     f.steps += 2

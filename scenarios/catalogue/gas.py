@@ -9,7 +9,7 @@ from ..numbers.quantity import Quantity
 from ..scene import MAX_CIRCLES, Scene
 from ..things import Circle, Wall
 from .article import SOURCE as ARTICLE
-from .scene_entry import Draw, Parameter, SceneEntry, automatic, whole, yes_no
+from .scene_entry import Draw, Parameter, SceneEntry, automatic, number, whole, yes_no
 
 # -- Discs in a square box, drawn from a seed: chaos, and its reversal.
 
@@ -47,6 +47,15 @@ def reversal(n: int, seed: int, size: int | None, mixed: bool, after: int) -> Sc
     20
     """
     return Scene(*_box(n, seed, size, mixed), reverse_after=after)
+
+
+def cooling(n: int, seed: int, e: Quantity) -> Scene:
+    """The scene `gas` with a restitution.
+
+    >>> cooling(5, 1, Quantity.of("9/10")).restitution
+    Quantity('9/10')
+    """
+    return Scene(*_box(n, seed, None, False), events=EVENTS, restitution=e)
 
 
 def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle], list[Wall]]:
@@ -197,5 +206,21 @@ SCENES = {
         ),
         source=SOURCE,
         make=echo,
+    ),
+    "cooling": SceneEntry(
+        name="cooling",
+        summary="A gas of discs that lose energy at each hit: Haff's law of cooling.",
+        parameters=(
+            Parameter("n", "50", "number of discs", whole(2, 2_000)),
+            Parameter("seed", "1", "seed of the positions and velocities", whole(0, 10**9)),
+            Parameter("e", "9/10", "restitution", number(above=0)),
+        ),
+        known=(
+            "While it stays homogeneous, each hit, of two discs or of a wall, takes 1 - e**2 of the mean energy of a disc: "
+            "after k hits there is left exp(-(1 - e**2) k/n) of the energy (Haff's law, by count instead of time, with "
+            "nothing to fit)."
+        ),
+        source="P. K. Haff, Grain flow as a fluid-mechanical phenomenon, Journal of Fluid Mechanics 134 (1983), 401-430",
+        make=cooling,
     ),
 }

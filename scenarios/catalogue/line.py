@@ -11,11 +11,14 @@ from .scene_entry import Parameter, SceneEntry, number, one_of, tie_policy, whol
 
 TIE = Parameter("tie", "simultaneous", "tie policy, such as sequential:order=scene", tie_policy)
 
+ONE = Quantity.of(1)
+
 CRADLE_EVENTS = 60
 DROP_EVENTS = 400
+COLLAPSE_EVENTS = 60
 
 
-def cradle(n: int, r: Quantity, gap: Quantity, tie: TiePolicy) -> Scene:
+def cradle(n: int, r: Quantity, gap: Quantity, tie: TiePolicy, e: Quantity = ONE) -> Scene:
     """A striker flies at n equal balls at rest between two walls; n=5, r=1, gap=0 are the article's numbers.
 
     >>> [float(c.x) for c in cradle(5, Quantity.of(1), Quantity.of(0), TiePolicy()).circles]
@@ -24,7 +27,7 @@ def cradle(n: int, r: Quantity, gap: Quantity, tie: TiePolicy) -> Scene:
     xs = [6 * r + (2 * r + gap) * place for place in range(n)]
     balls = [Circle(x, 0, r=r, id=f"b{place}") for place, x in enumerate(xs, start=1)]
     striker = Circle(r, 0, r=r, vx=1, id="striker")
-    return Scene([striker, *balls], _ends(xs[-1] + 6 * r), tie_policy=tie, events=CRADLE_EVENTS)
+    return Scene([striker, *balls], _ends(xs[-1] + 6 * r), tie_policy=tie, events=CRADLE_EVENTS, restitution=e)
 
 
 def tennis(big: Quantity) -> Scene:
@@ -80,6 +83,28 @@ def near_tie(k: int, first: str) -> Scene:
     return Scene(_three(none, late) if first == "left" else _three(late, none), events=10)
 
 
+def collapse(e: Quantity, gap: Quantity) -> Scene:
+    """A ball flies at two equal ones at rest, on one line.
+
+    >>> [float(c.x) for c in collapse(Quantity.of("1/20"), Quantity.of(1)).circles]
+    [0.0, 3.0, 6.0]
+    """
+    balls = [Circle((2 + gap) * k, 0, vx=1 if k == 0 else 0, id=f"b{k + 1}") for k in range(3)]
+    return Scene(balls, restitution=e, events=COLLAPSE_EVENTS)
+
+
+def beads(n: int, e: Quantity) -> Scene:
+    """A bead flies at n - 1 equal ones that rest on a wall and on each other, on one line.
+
+    >>> [float(c.x) for c in beads(3, Quantity.of("1/3")).circles]
+    [1.0, 3.0, 6.0]
+    """
+    resting = [Circle(2 * k + 1, 0, id=f"b{k + 1}") for k in range(n - 1)]
+    return Scene(
+        [*resting, Circle(2 * n, 0, vx=-1, id=f"b{n}")], [Wall(0, 0, 0, 1, id="wall")], restitution=e, events=10
+    )
+
+
 def _three(left_late: Quantity, right_late: Quantity) -> list[Circle]:
     return [
         Circle(-3 - left_late, 0, vx=1, id="left"),
@@ -96,6 +121,9 @@ LEE = (
     "E. A. Lee, Fundamental limits of cyber-physical systems modeling, "
     "ACM Transactions on Cyber-Physical Systems 1 (2016), article 3"
 )
+BERNU = (
+    "B. Bernu and R. Mazighi, One-dimensional bounce of inelastically colliding marbles on a wall, J. Phys. A 23 (1990)"
+)
 LEFT_FIRST = "(-11/5, -8/25, -3/25) if the left pair goes first"
 RIGHT_FIRST = "(-8/5, -39/25, 1/25) if the right pair does"
 
@@ -108,6 +136,7 @@ SCENES = {
             Parameter("r", "1", "radius of every ball", number(above=0)),
             Parameter("gap", "1/10", "gap between the balls of the row; 0 makes them touch", number(least=0)),
             TIE,
+            Parameter("e", "1", "restitution; with gaps, the last ball is set off at ((1 + e)/2)**n", number(above=0)),
         ),
         known=(
             "Equal masses exchange their velocities, so that one ball moves at any time, at speed 1, "
@@ -171,5 +200,33 @@ SCENES = {
         ),
         source=f"a perturbation of: {LEE}",
         make=near_tie,
+    ),
+    "collapse": SceneEntry(
+        name="collapse",
+        summary="Three balls on a line that lose so much energy that their hits have no end.",
+        parameters=(
+            Parameter("e", "1/20", "restitution", number(above=0)),
+            Parameter("gap", "1/2", "gap between the balls; 0 makes them touch", number(least=0)),
+        ),
+        known=(
+            "Infinitely many hits, in finite time with gaps and in one instant without, for a restitution up to "
+            "7 - 4 sqrt(3) = 0.0718; finitely many above it."
+        ),
+        source=BERNU,
+        make=collapse,
+    ),
+    "beads": SceneEntry(
+        name="beads",
+        summary="A bead falls on others that rest on a wall: whether they bounce at all.",
+        parameters=(
+            Parameter("n", "2", "number of beads", whole(2, 8)),
+            Parameter("e", "1/6", "restitution, of the wall too", number(above=0)),
+        ),
+        known=(
+            "Up to a restitution of tan**2(pi/4 (1 - 1/n)) the pushes of the one instant have no end: "
+            "3 - 2 sqrt(2) = 0.1716 for two beads, 1/3 for three."
+        ),
+        source=BERNU,
+        make=beads,
     ),
 }

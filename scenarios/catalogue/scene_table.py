@@ -34,6 +34,12 @@ FAMILIES = {
     "free-discs": "article",
     "magic-masses": "article",
     "cross": "article",
+    **dict.fromkeys(
+        ("triangle", "barrier", "wind-tree", "bumper", "funnel", "breakout", "ghost", "corner-hit"), "straight_tables"
+    ),
+    "collapse": "line",
+    "beads": "line",
+    "cooling": "gas",
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from math import inf, isfinite, isnan, nextafter
+from math import inf, isfinite, isnan, nextafter, ulp
 from operator import index
 from threading import Lock, get_ident
 from types import TracebackType
@@ -278,6 +278,16 @@ def certain_double(value: arb) -> float | None:
     """
     low, high = _nearest_to_ends(value)[:2]
     return low + 0.0 if low == high else None  # + 0.0: zero has no sign
+
+
+def even_double(value: arb) -> float:
+    """Of the doubles nearest to the ends of a short ball the one whose last bit is 0: as if half-way between them.
+
+    >>> even_double(1 + arb(2) ** -53 + arb("0 +/- 1e-99")), even_double(1 - arb(2) ** -54 + arb("0 +/- 1e-99"))
+    (1.0, 1.0)
+    """
+    low, high = _nearest_to_ends(value)[:2]
+    return low if low / ulp(low) % 2 == 0 else high
 
 
 def bounds_of(value: arb) -> tuple[float, float]:

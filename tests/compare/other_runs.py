@@ -335,8 +335,8 @@ def rows_after(run: Trajectory, event: int) -> dict[str, tuple[Decimal, ...]]:
 def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
-    The least gap of the body and each circle in question from the last contact of either on, and the time between its
-    two meetings, where it has two.
+    The least gap of the body and each circle in question from the last contact of either on, the speed at which it
+    leaves each wall in question, and the time between its two meetings, where it has two.
     """
     rows = rows_after(run, event - 1)
     radii = {str(c.id): decimal(c.r) for c in scene.circles}
@@ -371,6 +371,7 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
             length = ((x1 - x0) ** 2 + (y1 - y0) ** 2).sqrt()
             height = ((y0 - y1) * (x - x0) + (x1 - x0) * (y - y0)) / length
             rise = ((y0 - y1) * vx + (x1 - x0) * vy) / length
+            found[f"speed from {other}"] = rise if height > 0 else -rise
             if height * rise < 0:
                 waits.append((abs(height) - radii[at.body]) / abs(rise))
     if len(waits) == 2:

@@ -354,7 +354,10 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             }
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
-            if both and not close and not left_out:  # else the decision may be about what has moved
+            told = [
+                key for key in both if not key.startswith("speed")
+            ]  # a wall decides only where one run flies from it
+            if told and not close and not left_out:  # else the decision may be about what has moved
                 yield Refutation(
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )
@@ -367,7 +370,7 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             if share.kind == INPUT and share.how == "tangent" and share.contribution and runs.engine.rounds_input:
                 moved = ExactEngine().run(rounded_scene(runs.scene, bits, SMALL), events=max(at.event, 1))
                 near = decisions(runs.scene, moved, at.event, at)
-                slopes = {key: float((near[key] - exact[key]) / decimal(SMALL)) for key in exact.keys() & near.keys()}
+                slopes = {key: float((near[key] - exact[key]) / decimal(SMALL)) for key in told or both if key in near}
                 if slopes and all(abs(abs(by) - abs(share.contribution)) > FIRST * abs(by) for by in slopes.values()):
                     yield Refutation(INPUT, "tangent", f"{share.contribution!r} is said; nearby runs say {slopes}")
 

@@ -13,7 +13,7 @@ from truebreak.compare import compare
 from truebreak.compare.validation import EngineError, check_engine, check_trajectory
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
 from truebreak.scenarios import Circle, Contact, Declared, Scene, SceneError, Trajectory, catalogue
-from truebreak.scenarios.engine import SCENE_KEYS
+from truebreak.scenarios.engine import ALL_KEYS, SCENE_KEYS
 from truebreak.scenarios.trajectory import Pocketing, Reversal, Stop, StopReason
 
 PAIR = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, "1/3", id="b")], name="pair")
@@ -278,7 +278,7 @@ def test_the_engines_that_one_names_are_checked(key: str, said: Any, told: str) 
 @pytest.mark.parametrize("engine", [DoubleEngine(), IntervalEngine(), PymunkEngine()])
 def test_the_engines_here_declare_what_they_are(engine: Any) -> None:
     assert check_engine(engine) is engine
-    assert engine.scene_keys <= SCENE_KEYS
+    assert engine.scene_keys <= ALL_KEYS
 
 
 def test_a_finer_engine_is_half_as_coarse_and_the_same_else() -> None:

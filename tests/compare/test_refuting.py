@@ -57,6 +57,30 @@ def test_no_cause_that_is_named_is_refuted(name: str) -> None:
     assert not against, against
 
 
+@pytest.mark.parametrize(
+    ("spec", "engine"),
+    [
+        ("gas:n=8,seed=8488,size=10", "rounded:bits=12"),  # input rounding brings about a hit, after another contact
+        ("rack:rows=4,gap=0", "rounded:bits=16"),  # from the engine's own state the exact law has its contacts, later
+        ("gas:n=4,seed=2491", "quad"),  # a wall that one of the two flies from
+    ],
+)
+def test_no_cause_that_was_refuted_before_is_named(spec: str, engine: str) -> None:
+    outcome = tried(Job(spec, catalogue.build(spec), engine))
+    assert outcome.event is not None
+    assert outcome.causes
+    assert not outcome.refutations, refuted([outcome])
+
+
+def test_the_margin_at_a_wall_is_a_speed() -> None:
+    """A circle that one run alone brings to a wall has no distance to it: every flight towards a wall comes there."""
+    found = compare(catalogue.build("gas:n=4,seed=2491"), [engine_named("quad")]).candidates[0].margin
+    assert found is not None
+    assert (found.distance, found.gap, found.ratio) == (None, None, None)
+    assert found.speed is not None
+    assert found.speed[1] < 0
+
+
 def test_no_cause_of_a_row_that_touches_is_refuted() -> None:
     jobs = [Job(scene.name, scene, name) for scene in placements()[:24] for name in ("double", "single")]
     against = refuted(map(tried, jobs))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -44,6 +45,8 @@ def replayed(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[float]]:
     "command",
     [
         lambda: compare(GAS, ["double"]),
+        lambda: compare(catalogue.build("rack:rows=5")),
+        lambda: compare(catalogue.build("reversal")),
         lambda: compare(GAS, ["double", "interval"], causes=False),
         lambda: comparison_json(compare(GAS, ["double"], causes=False)),
         lambda: html_report(compare(GAS, ["double"], events=100)),
@@ -51,7 +54,7 @@ def replayed(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[float]]:
         lambda: shadow(GAS, "double", events=40),
         lambda: SweepJob(0, "gas:seed=3", {}, ("double",), 200).rows(),
     ],
-    ids=["compare", "two engines", "json", "html", "check", "shadow", "sweep"],
+    ids=["compare", "rack", "reversal", "two engines", "json", "html", "check", "shadow", "sweep"],
 )
 def test_a_command_replays_a_log_not_much_more_than_once(
     command: Callable[[], object], replayed: Callable[[], list[float]]
@@ -61,11 +64,18 @@ def test_a_command_replays_a_log_not_much_more_than_once(
 
 
 def test_places_beside_every_event_are_had_in_one_replay(replayed: Callable[[], list[float]]) -> None:
-    """Of all circles, and asked for twice; one circle after the other would replay the log once for each."""
-    run = ExactEngine().run(GAS, events=120)
+    """Of all circles, and asked for twice; one circle after the other would replay the log once for each.
+
+    Of a run that has its events at hand, whose times tell; of one that was pickled, by a replay.
+    """
+    made = ExactEngine().run(GAS, events=120)
+    run = pickle.loads(pickle.dumps(made))
     times = [float(event.time) * (1 + 2.0**-52) for event in run.events[:-1]]
     once = run.sample(times)
     assert run.sample(times).tolist() == once.tolist()
     assert 0 < max(replayed()) <= 1
+    before = replayed()
+    assert made.sample(times).tolist() == once.tolist()
+    assert replayed() == before
     for k in (0, 57, 118):
         assert [[float(v) for v in (c.x, c.y, c.vx, c.vy)] for c in run.at(times[k]).circles] == pytest.approx(once[k])

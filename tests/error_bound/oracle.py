@@ -1,7 +1,7 @@
 """A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
 
 Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0; an
-impulse turns approach speeds around; a derivative is what the rules of differentiation make of the very formulas that
+impulse turns approach speeds around, all but what the restitution takes; a derivative is what the rules of differentiation make of the very formulas that
 give the new lines. What a log's steps are called is all that both know.
 """
 
@@ -89,12 +89,14 @@ L = TypeVar("L")
 
 
 class Table(NamedTuple):
-    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets."""
+    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets, the
+    restitution."""
 
     r: list[arb]
     w: list[arb]
     walls: list[tuple[arb, arb, arb, arb]]
     pockets: list[tuple[arb, arb, arb]]
+    e: arb
 
 
 def table_of(scene: Scene) -> Table:
@@ -109,7 +111,13 @@ def table_of(scene: Scene) -> Table:
     for wall in scene.walls:
         x0, y0, x1, y1 = of(wall.x0, wall.y0, wall.x1, wall.y1)
         walls.append((x0, y0, y0 - y1, x1 - x0))
-    return Table([of(c.r)[0] for c in scene.circles], w, walls, [of(p.x, p.y, p.r) for p in scene.pockets])
+    return Table(
+        [of(c.r)[0] for c in scene.circles],
+        w,
+        walls,
+        [of(p.x, p.y, p.r) for p in scene.pockets],
+        *of(scene.restitution),
+    )
 
 
 def first_root(a: Any, half: Any, c: Any) -> Any:
@@ -133,23 +141,23 @@ def wall_time(a: Line, wall: Sequence[Any], r: Any, side: int) -> Any:
     return (far - (nx * (a.x - a.vx * a.t - x0) + ny * (a.y - a.vy * a.t - y0))) / (nx * a.vx + ny * a.vy)
 
 
-def collided(a: Line, b: Line, reach: Any, wa: Any, wb: Any, clock: Any) -> tuple[Line, Line]:
+def collided(a: Line, b: Line, reach: Any, wa: Any, wb: Any, e: Any, clock: Any) -> tuple[Line, Line]:
     """The lines after two circles have met, told at a time."""
     t = meeting_time(a, b, reach)
     a, b = a.at(t), b.at(t)
     dx, dy = b.x - a.x, b.y - a.y
-    push = (dx * (b.vx - a.vx) + dy * (b.vy - a.vy)) * (-2) / ((dx * dx + dy * dy) * (wa + wb))
+    push = (dx * (b.vx - a.vx) + dy * (b.vy - a.vy)) * (-1 - e) / ((dx * dx + dy * dy) * (wa + wb))
     jx, jy = push * dx, push * dy
     a = Line(a.x, a.y, a.vx - wa * jx, a.vy - wa * jy, t)
     b = Line(b.x, b.y, b.vx + wb * jx, b.vy + wb * jy, t)
     return a.at(clock), b.at(clock)
 
 
-def rebounded(a: Line, wall: Sequence[Any], r: Any, side: int, clock: Any) -> Line:
+def rebounded(a: Line, wall: Sequence[Any], r: Any, side: int, e: Any, clock: Any) -> Line:
     """The line after a circle has met a wall, told at a time."""
     _, _, nx, ny = wall
     a = a.at(wall_time(a, wall, r, side))
-    turn = (nx * a.vx + ny * a.vy) * 2 / (nx * nx + ny * ny)
+    turn = (nx * a.vx + ny * a.vy) * (1 + e) / (nx * nx + ny * ny)
     return Line(a.x, a.y, a.vx - turn * nx, a.vy - turn * ny, a.t).at(clock)
 
 
@@ -238,7 +246,7 @@ class Truth:
 
         speeds = [sum((x * now[i].vx + y * now[i].vy for i, (x, y) in arm.items()), arb(0)) for arm in arms]
         matrix = arb_mat([[product(one, other) for other in arms] for one in arms])
-        strengths = matrix.solve(arb_mat([[-2 * speed] for speed in speeds]))
+        strengths = matrix.solve(arb_mat([[-speed - self._table.e * speed] for speed in speeds]))
         struck = sorted({i for arm in arms for i in arm if self._free[i]})
         for i in struck:
             x, y, vx, vy, t = now[i].at(self._time)

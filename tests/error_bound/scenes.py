@@ -186,11 +186,25 @@ def hall(room: Room) -> None:
         rest(ball, m="oo")
 
 
+def lossy(room: Room) -> None:
+    """What is lost at each contact: little, half, or nearly all; walls at any angle, unequal masses, one of them fixed."""
+    masses(room)
+    if len(room.rows) > 3:
+        rest(room.rows[2], m="oo")
+    room.settings["restitution"] = room.draw.choice(["99/100", "9/10", "1/2", "1/9", "sqrt(2)/2"])
+
+
+def level_and_lossy(room: Room) -> None:
+    """The same between walls along the axes."""
+    lossy(room)
+    room.upright()
+
+
 KINDS: dict[str, Callable[[Room], None]] = {
     kind.__name__: kind
     for kind in (
         oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
-        swift, huge, tiny, beyond, hall,
+        swift, huge, tiny, beyond, hall, lossy, level_and_lossy,
     )
 }  # fmt: skip
 """The kinds of rooms, by name."""

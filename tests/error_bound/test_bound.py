@@ -103,6 +103,38 @@ def other_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(error_set, "pair_tangent_blocks", turned)
 
 
+def no_loss(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The matrix of a collision is that of an elastic one, whatever is lost."""
+    real = Deviations.strength
+
+    def elastic(held: Deviations, state: Any, link: Any) -> float:
+        return real(held, state, link) / float(state.share or 1)
+
+    monkeypatch.setattr(Deviations, "strength", elastic)
+
+
+def whole_mirrors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wall turns errors around without loss."""
+    real = Deviations.face
+
+    def elastic(held: Deviations, state: Any, link: Any) -> Any:
+        face = real(held, state, link)
+        nx, ny, nn = face.nx, face.ny, face.nx**2 + face.ny**2
+        return face._replace(
+            mirror=face.mirror._replace(xx=1 - 2 * nx * nx / nn, xy=-2 * nx * ny / nn, yy=1 - 2 * ny * ny / nn)
+        )
+
+    monkeypatch.setattr(Deviations, "face", elastic)
+
+
+@pytest.mark.parametrize("spoil", [no_loss, whole_mirrors])
+def test_a_loss_that_the_set_forgets_is_seen(
+    spoil: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spoil(monkeypatch)
+    assert any(bounds_of(f"{kind} {k}", 120).faults for kind in ("lossy", "level_and_lossy") for k in range(4))
+
+
 @pytest.mark.parametrize("spoil", [halved_norm, no_rounding, no_lags, lost_at_the_end, other_turn])
 def test_a_bound_that_is_too_small_is_seen(
     spoil: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch

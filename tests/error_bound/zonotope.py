@@ -93,10 +93,10 @@ class Zonotope:
         table = self._table
         if isinstance(link, Pair):
             a, b = link
-            return collided(ends[0], ends[1], table.r[a] + table.r[b], table.w[a], table.w[b], clock)
+            return collided(ends[0], ends[1], table.r[a] + table.r[b], table.w[a], table.w[b], table.e, clock)
         if isinstance(link, AtWall):
             i, k = link.circle, link.wall
-            return [rebounded(ends[0], table.walls[k], table.r[i], self._sides[i][k], clock)]
+            return [rebounded(ends[0], table.walls[k], table.r[i], self._sides[i][k], table.e, clock)]
         return [line.at(clock) for line in ends]
 
     def hull(self, i: int) -> list[arb]:

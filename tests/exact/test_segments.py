@@ -85,7 +85,7 @@ def _no_range_in_balls(monkeypatch):
 
 def _far_end_not_met(monkeypatch):
     known = surfaces.ends_of
-    monkeypatch.setattr(surfaces, "ends_of", lambda segments: known(segments)[:-1])
+    monkeypatch.setattr(surfaces, "ends_of", lambda *of: known(*of)[:-1])
 
 
 def _one_side(monkeypatch):

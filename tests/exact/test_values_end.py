@@ -65,7 +65,7 @@ def test_what_no_bits_tell_ends_in_an_error_that_is_named(monkeypatch: pytest.Mo
     assert float(faint) == 0.0
     assert faint.ball(500).contains(0)
     assert faint.bounds()[0] <= 0.0 <= faint.bounds()[1]
-    with pytest.raises(Undecided, match="nor proved to be zero"):
+    with pytest.raises(Undecided, match="neither told from zero"):
         faint.digits(17)
     assert repr(faint).startswith("ExactValue([+/- ")
     for ask in (lambda: none.digits(17), lambda: none.ball(64), lambda: float(none), none.bounds):
@@ -82,6 +82,32 @@ def test_a_number_half_way_between_two_doubles_ends(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(ExactValue, "exact", lambda self: None)
     with pytest.raises(Undecided):
         float(number_of(Constant(Quantity.of(half)), near))
+
+
+@pytest.mark.parametrize("text", ["1 + 2**-53", "1 - 2**-54", "-2500000000000000 - 1/4", "3 * 2**-1075"])
+def test_a_number_that_no_bits_tell_from_half_way_has_the_even_double(
+    text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    half = Quantity.of(text)
+    within = arb("0 +/- 1") * arb(2) ** -(10**7)
+    monkeypatch.setattr(Constant, "__call__", lambda self, state: half.ball(10**7) + within)
+    monkeypatch.setattr(ExactValue, "exact", lambda self: None)
+    number = number_of(Constant(half), half.ball(300) + arb("0 +/- 1e-400"))
+    assert float(number) == float(half)
+    low, high = number.bounds()
+    assert low <= float(number) <= high
+
+
+def test_decimals_that_no_bits_tell_from_half_way_end_in_an_error_that_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    within = arb("0 +/- 1") * arb(2) ** -(10**7)
+    monkeypatch.setattr(Constant, "__call__", lambda self, state: arb(1) / 8 + within)
+    monkeypatch.setattr(ExactValue, "exact", lambda self: None)
+    number = number_of(Constant(Quantity.of("1/8")), arb(1) / 8 + arb("0 +/- 1e-400"))
+    assert number.digits(3) == "0.125"
+    with pytest.raises(Undecided, match="half-way between decimals"):
+        number.digits(2)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 17])

@@ -40,6 +40,8 @@ from fuzz.draft import (
     speed,
     velocity,
 )
+from fuzz.kinds.brinks import rims
+from fuzz.kinds.brinks import spoil as faintly_spoilt
 from fuzz.kinds.symmetry import spoil
 from fuzz.referee import Told
 from fuzz.table import Doubt, Row, Table
@@ -78,6 +80,11 @@ FEWEST, MOST = 4, 8
 """Ingredients of a row, before those that others need."""
 AT_ONCE = 0.08
 """Share of scenes whose instant is time 0."""
+RIMS = 0.15
+"""Share of scenes with a pocket and a wall that come of the kind `rims`: what is struck onto an axis of symmetry comes
+to a rim that has no image just as it comes to a wall, or nearly."""
+FAINT = 0.15
+"""Share of twins of which one half has a datum that is off by less than balls tell at first: a mass, a radius too."""
 LOOSE = 0.35
 """Share of scenes in a box, with bystanders of any velocity and more events: most of these stand alone, in balls."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
@@ -147,16 +154,22 @@ class Mixed:
 
 def mixed(seed: int) -> Mixed:
     """The scene of a seed: always the same one."""
-    draw, row = Random(f"mixed:{seed}"), row_of(seed)
+    draw, row, rim = Random(f"mixed:{seed}"), row_of(seed), Random(f"rims:{seed}")
+    rim = rim if {"pocket", "wall"} <= row and rim.random() < RIMS else None
+    faint = Random(f"faint:{seed}")
+    faint = faint if faint.random() < FAINT else None
     for attempt in range(300):
         if attempt % 60 == 59:  # too much at once: one thing less
             row -= {draw.choice(sorted(row))}
         try:
-            draft, time = _instant(row, draw)
-            draft = _led_back(draft, time, row, draw)
+            if rim is not None and attempt < 60:
+                draft = _limited(rims(rim), row, rim)
+            else:
+                draft, time = _instant(row, draw)
+                draft = _led_back(draft, time, row, draw)
             if draw.random() < LOOSE and "crowd" not in row:
                 _loosen(draft, row, draw)
-            draft = _finished(draft, row, draw)
+            draft = _finished(draft, row, draw, faint)
             scene = draft.scene(f"mixed {seed}")
         except SceneError:
             continue
@@ -164,6 +177,14 @@ def mixed(seed: int) -> Mixed:
         reach = (draw.choice([400, -400, 330, -350]), draw.choice([0, 0, 500, -380]), draw.choice([0, 0, 700, -700]))
         return Mixed(row, Case(scene, until, draft.events), tuple(b.half for b in draft.bodies), reach)
     raise AssertionError(f"mixed {seed}: no draft is a scene")
+
+
+def _limited(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
+    """A draft of another kind, with what a row says of pockets and of turning back."""
+    draft.capture = "capture" in row
+    if "reversal" in row and draft.reverse_at is None and draft.reverse_after is None:
+        draft.reverse_after = draw.choice([1, 2, 3])
+    return draft
 
 
 # -- the instant
@@ -413,8 +434,8 @@ def _loosen(draft: Draft, row: frozenset[str], draw: Random) -> None:
         draft.events, draft.until, draft.endless = draw.choice([None, None, 16]), None, True
 
 
-def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
-    """Doubled, among others, turned, shifted, in another order, under a policy."""
+def _finished(draft: Draft, row: frozenset[str], draw: Random, faint: Random | None) -> Draft:
+    """Doubled, among others, turned, shifted, in another order, under a policy; `faint` spoils one half of a twin."""
     if "twin" in row:
         c, s = draw.choice([(1, 0), (1, 0), (-1, 0), (0, 1), (F(3, 5), F(4, 5))])
         other = draft.moved(c, s, 0, 160, mirror=draw.random() < 0.5)
@@ -427,6 +448,8 @@ def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
         draft.walls, draft.pockets = draft.walls + walls, draft.pockets + pockets
         if draw.random() < (0.6 if "gap" in row else 0.2):
             draft = spoil(draft, draw, start)
+        if faint is not None:
+            draft = faintly_spoilt(draft, faint, start)
     if "crowd" in row:
         _crowd(draft, draw)
     if "oblique" in row or draw.random() < 0.15:

@@ -5,7 +5,7 @@ python tests/fuzz/mutants.py --only late_touches      # one, or several with com
 python tests/fuzz/mutants.py --out mutants.jsonl --report mutants.md
 
 A mutant is found by the first scene on which the engine with the fault differs from the witness, crashes, hangs or
-gives up, while the engine without it does not. The checkout is never touched.
+gives up, in the scene or in a relation of it, while the engine without it does not. The checkout is never touched.
 """
 
 from __future__ import annotations
@@ -47,6 +47,8 @@ START = 120.0
 """Seconds for a worker to start."""
 GAVE_UP = ("undecided", "budget")
 WRONG = ("failure", "interval", "hang")
+APPLY = {"cells", "deep", "form", "map", "midpoints", "past", "scale"}
+"""Relations that apply to most scenes, unless one of their runs gives up."""
 
 
 @dataclass(frozen=True)
@@ -153,12 +155,25 @@ def tasks(kinds: Sequence[str], rows: str, start: int) -> Iterator[tuple[str, in
         yield from ((kind, seed) for kind in kinds if kind != "mixed" or row_of(seed).issuperset(rows.split()))
 
 
+def lacks(verdict: dict[str, Any]) -> set[str]:
+    """The relations that should apply to a scene by the covering array, and did not: a run of theirs gave up."""
+    from fuzz.ingredients import row_of
+    from fuzz.relations import wanted_of
+
+    if verdict.get("kind") != "mixed" or verdict["outcome"] != "ok":
+        return set()
+    seed = verdict["seed"]
+    return APPLY.intersection(wanted_of(row_of(seed), seed)).difference(verdict["extra"].split())
+
+
 def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]], patience: float) -> str:
     """How a verdict shows a fault; empty where it does not, or where the engine without it does no better."""
-    outcome = verdict["outcome"]
-    if outcome not in WRONG and outcome not in GAVE_UP:
+    outcome, missing = verdict["outcome"], lacks(verdict)
+    if outcome not in WRONG and outcome not in GAVE_UP and not missing:
         return ""
     right = original()
+    if missing:
+        return "undecided" if missing & set(right.get("extra", "").split()) else ""
     if right["outcome"] == outcome or right["outcome"] in WRONG:
         return ""
     return "" if outcome == "hang" and right["seconds"] > patience / 4 else outcome

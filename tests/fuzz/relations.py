@@ -16,16 +16,20 @@ from fuzz.ingredients import Mixed
 from fuzz.maps import BITS, MAPS, Map, _ball, _precision, check_cut, check_interval, check_map, same, same_history
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as bits_of_a_run
+from truebreak.exact.certified.cascade import NestedRoots
 from truebreak.exact.numbers.system import Undecided
 from truebreak.exact.replay import refinable
 from truebreak.exact.simulation import cells as grid
 from truebreak.floating import IntervalEngine
-from truebreak.scenarios import Circle, Quantity, Trajectory
+from truebreak.scenarios import Circle, Quantity, Trajectory, Wall
+from truebreak.scenarios.numbers.precision import decimals_of
 
 FEW_CELLS = 3
 """Circles from which on there are cells in a scene with a crowd."""
 DEEP_BITS = BITS + 3000
 """Bits of a number that is 10**-700 times as large as the one that it is compared with."""
+PAST_WORK = 20_000
+"""Work for a question in the relation of the past: more bits prove no zero."""
 FORM_WORK = 60_000
 """Work for a question in the relation of forms, for which they need little."""
 MOST_BACK = 200
@@ -52,6 +56,16 @@ def midpoints_from(bits: int) -> Iterator[None]:
         yield
     finally:
         bits_of_a_run.LONG_BITS = before
+
+
+@contextmanager
+def without_roots() -> Iterator[None]:
+    """No number is proved zero in nested roots."""
+    before, NestedRoots.sign = NestedRoots.sign, lambda *_: (None, "nested roots were left out")
+    try:
+        yield
+    finally:
+        NestedRoots.sign = before
 
 
 @contextmanager
@@ -177,11 +191,19 @@ def beside_deep_numbers(run: Trajectory, mix: Mixed, draw: Random, engine: Any) 
     """Beside a fixed circle far away, whose number is too deep for a field, so that all is in balls: the same."""
     scene = mix.case.scene
     x = Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))") + 10**60 + draw.randrange(9)
-    far = Circle(x, 10**60, m="oo", id="far")
-    if scene.walls or any(c.id == "far" for c in scene.circles):
-        return False  # a wall may go through it
+    y = Quantity.of(10**60 + draw.randrange(1, 9) * 10**59)
+    if any(c.id == "far" for c in scene.circles) or not all(_far_from(wall, x, y) for wall in scene.walls):
+        return False
+    far = Circle(x, y, m="oo", id="far")
     other = again(replace(mix.case, scene=scene.with_changes(circles=[*scene.circles, far])), engine)
     return the_same(run, other, "beside deep numbers")
+
+
+def _far_from(wall: Wall, x: Quantity, y: Quantity) -> bool:
+    """Whether a place is 10**50 and more from a wall's line."""
+    along = (wall.x1 - wall.x0, wall.y1 - wall.y0)
+    cross, length = along[0] * (y - wall.y0) - along[1] * (x - wall.x0), abs(along[0]) + abs(along[1])
+    return abs(cross) > length * 10**50
 
 
 def by_form(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
@@ -193,6 +215,22 @@ def by_form(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
         if found and "resume" in mix.row:
             resumed(other, mix, draw, less)
         return found
+
+
+def by_past(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """As `form`, and without nested roots: what the way back and the form of the past prove, or nothing proves. As far
+    as that goes, the same."""
+    if run.stop.reason.name in GAVE_UP:
+        return False
+    less = ExactEngine(work=PAST_WORK) if isinstance(engine, ExactEngine) else engine
+    with field_up_to(0), without_roots():
+        other = again(mix.case, less)
+    expect(len(other.events) <= len(run.events), "by the past: more events than there are")
+    for mine, theirs in zip(run.events, other.events, strict=False):
+        expect(mine.contacts == theirs.contacts, f"by the past: event {mine.index} has {theirs.contacts}")
+        expect(mine.impulses == theirs.impulses, f"by the past: impulses {theirs.impulses}, not {mine.impulses}")
+        same(theirs.time.ball(BITS), mine.time.ball(BITS), f"by the past: time of event {mine.index}")
+    return the_same(run, other, "by the past")
 
 
 def prefix(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
@@ -259,9 +297,11 @@ def digits(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
             one, two, count = getattr(mine, key), getattr(theirs, key), draw.choice([3, 17, 40])
             try:
                 one.digits(2)
-            except Undecided:  # it may be zero, and is not proved to be
+                told = two.digits(count) if draw.random() < 0.5 else (two.ball(900), two.digits(count))[1]
+            except Undecided:  # it may be zero, or half-way between two decimals, and is not proved to be
+                unclear = [decimals_of(one.ball(900), most) is None for most in (2, count)]
+                expect(any(unclear), f"digits: those of {mine.id}.{key} are undecided")
                 continue
-            told = two.digits(count) if draw.random() < 0.5 else (two.ball(900), two.digits(count))[1]
             expect(one.digits(count) == told, f"digits: {mine.id}.{key} is {told}, not {one.digits(count)}")
             value = Quantity.of(told.replace("e+", "*10**").replace("e", "*10**"))
             with _precision(BITS):
@@ -288,6 +328,7 @@ RELATIONS: dict[str, Relation] = {
     "midpoints": with_midpoints,
     "deep": beside_deep_numbers,
     "form": by_form,
+    "past": by_past,
     "prefix": prefix,
     "back": there_and_back,
     "work": little_work,
@@ -295,6 +336,16 @@ RELATIONS: dict[str, Relation] = {
 }
 EVERY = ("resume", "scale")
 """Those that are ingredients: checked where a row has them."""
+PROVED = {"reversal", "twin"}
+"""What lets zeros be proved by the way back and by symmetry: rows with these have the relation of the past."""
+
+
+def wanted_of(row: frozenset[str], seed: int) -> tuple[str, ...]:
+    """The relations of a row: those that are its ingredients, one more by turns, that of forms, and that of the past
+    where a row has what proves zeros then."""
+    others = [name for name in RELATIONS if name not in (*EVERY, "past")]
+    named = [*(name for name in EVERY if name in row), *(("past",) if row & PROVED else ())]
+    return tuple(dict.fromkeys([*named, others[seed % len(others)], "form"]))
 
 
 def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> frozenset[str]:
@@ -303,11 +354,8 @@ def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> froz
     Raises:
         Difference: where one of them does not hold.
     """
-    others = [name for name in RELATIONS if name not in EVERY]
-    wanted = [*(name for name in EVERY if name in mix.row), others[seed % len(others)]]
-    wanted += ["form"] if "form" not in wanted else []
     found = set[str]()
-    for name in wanted:
+    for name in wanted_of(mix.row, seed):
         if RELATIONS[name](run, mix, Random(f"{name}:{seed}"), engine):
             found.add(name)
     return frozenset(found)

@@ -9,6 +9,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from command_line import said
 
 from fuzz.check import Difference, compare
 from fuzz.draft import Case
@@ -16,8 +17,9 @@ from fuzz.examine import examine
 from fuzz.ingredients import FEWEST, INGREDIENTS, PAIRS, ROWS, Mixed, array, exercised, mixed, row_of
 from fuzz.maps import MAPS
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
+from fuzz.relations import FEW_CELLS, RELATIONS, _far_from, cells_from, wanted_of
 from truebreak.exact import ExactEngine
+from truebreak.exact.certified.cascade import ByForm, ByWayBack
 from truebreak.exact.simulation.instant import Resolver
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Wall
@@ -194,6 +196,16 @@ def test_what_was_found_stays_mended(path: Path) -> None:
     assert {m.name for m in MAPS} >= {"turn 90"}
 
 
+def test_a_number_that_is_not_proved_to_be_half_way_between_doubles_has_one(capsys: pytest.CaptureFixture[str]) -> None:
+    path = FOUND[0].with_name("home_half_way.toml")
+    last = ExactEngine().run(load_scene(path)).final
+    assert float(last["c8"].x) == -2500000000000000.0  # -.25: the even one of that and -.5
+    assert last["c8"].x.text() is None
+    code, out, _ = said(capsys, "run", str(path))
+    assert code == 0
+    assert "-2.5e+15" in out
+
+
 @pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine()], ids=lambda engine: engine.name)
 def test_predictions_see_every_body_by_the_clock_that_it_has(engine: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """One that only touches in an instant is carried there: its copy must be too, or cells take it for older."""
@@ -223,3 +235,32 @@ def test_what_a_resumed_run_has_touched_is_not_met_again(time: str) -> None:
         again = engine.resume(first, until=4, events=2)
     assert [event.time.digits(40) for event in again.events] == [event.time.digits(40) for event in whole.events]
     assert [event.contacts for event in again.events] == [event.contacts for event in whole.events]
+
+
+def test_a_scene_with_walls_is_played_beside_deep_numbers_too() -> None:
+    mix = plain(HIT, "reversal")
+    engine = ExactEngine()
+    assert RELATIONS["deep"](engine.run(HIT), mix, Random(1), engine)
+    through = HIT.with_changes(walls=[*HIT.walls, Wall(0, "10**60 - 7*10**59", 1, "10**60 - 7*10**59")])
+    assert not _far_from(through.walls[-1], Quantity.of(0), Quantity.of("3*10**59"))
+    assert _far_from(HIT.walls[0], Quantity.of("10**60"), Quantity.of(0))
+
+
+@pytest.mark.parametrize(("seed", "rung"), [(24, ByWayBack), (2, ByForm)], ids=["way back", "form"])
+def test_without_nested_roots_little_else_proves_a_tie(seed: int, rung: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a fault that spoils such a proof is seen: nested roots make up for it in scenes as small as these."""
+    mix, engine = mixed(seed), ExactEngine()
+    run = engine.run(mix.case.scene, until=mix.case.until, events=mix.case.events)
+    assert "past" in wanted_of(mix.row, seed)
+    assert RELATIONS["past"](run, mix, Random(1), engine)
+    monkeypatch.setattr(rung, "__call__", lambda self, question: None)
+    assert not RELATIONS["past"](run, mix, Random(1), engine)
+    assert RELATIONS["form"](run, mix, Random(1), engine)
+
+
+def test_what_the_past_proves_is_compared_as_far_as_it_goes() -> None:
+    mix, engine = mixed(24), ExactEngine()
+    run = engine.run(mix.case.scene, until=mix.case.until, events=mix.case.events)
+    wrong = replace(run.events[0], impulses=())
+    with pytest.raises(Difference, match="by the past: impulses"):
+        RELATIONS["past"](replace(run, events=(wrong, *run.events[1:])), mix, Random(1), engine)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.mutants import MUTANTS, TOP
+from fuzz.mutants import MUTANTS, TOP, lacks, shows
 
 QUICK = ("stale_signs", "limit_leaves_out", "bar_at_lower_bound")
 
@@ -42,3 +42,13 @@ def test_the_docs_list_those_that_survive():
     rows = [f"| `{m.name}` | {m.breaks} | {m.why_it_survives} |" for m in MUTANTS if m.why_it_survives]
     assert [row for row in rows if row not in text] == []
     assert sum(line.startswith("| `") for line in text.splitlines()) == len(rows)
+
+
+def test_a_relation_that_gives_up_shows_a_fault_where_it_does_not_without_it() -> None:
+    right = {"kind": "mixed", "seed": 1, "outcome": "ok", "extra": "form", "seconds": 0.1}
+    assert not shows(right, lambda: right, 20)
+    assert lacks(right | {"extra": ""}) == {"form"}
+    assert shows(right | {"extra": ""}, lambda: right, 20) == "undecided"
+    assert not shows(right | {"extra": ""}, lambda: right | {"extra": ""}, 20)
+    assert not shows(right | {"kind": "gas", "extra": ""}, lambda: right, 20)
+    assert shows(right | {"outcome": "failure", "extra": ""}, lambda: right, 20) == "failure"

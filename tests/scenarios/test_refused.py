@@ -123,7 +123,7 @@ def json_refusal(text: str) -> str:
         ),
         (
             BALL + BALL,
-            "x.toml: id 'a' is used twice; give every circle, wall, segment and pocket an id of its own",
+            "x.toml: id 'a' is used twice; give everything an id of its own",
         ),
         (
             BALL + BALL.replace('"a"', '"b"'),

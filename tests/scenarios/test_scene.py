@@ -99,7 +99,7 @@ SCENES: list[tuple[Callable[[], Scene], str]] = [
     ),
     (
         lambda: Scene([Circle(0, 0, id="a")], [Wall(2, 0, 2, 1, id="a")]),
-        "id 'a' is used twice; give every circle, wall, segment and pocket an id of its own",
+        "id 'a' is used twice; give everything an id of its own",
     ),
     (
         lambda: Scene([Circle(0, 0)], reverse_after=1, reverse_at=1),

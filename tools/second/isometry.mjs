@@ -31,7 +31,7 @@ export class Isometry {
   /** What an index stands for; '' for nothing. */
   sort(i) {
     const { n, size, pockets } = this.scene;
-    return i >= 0 ? (i < n ? 'circle' : i < size ? 'wall' : '') : (-1 - i < pockets.length ? 'pocket' : '');
+    return i >= 0 ? (i < n ? 'circle' : i < this.scene.firstFace ? 'wall' : i < size ? 'face' : '') : (-1 - i < pockets.length ? 'pocket' : '');
   }
 
   /** All that is said of it holds exactly. */
@@ -51,6 +51,19 @@ export class Isometry {
     for (const [i, j] of this.map) {
       const kind = this.sort(i), what = `${i} is mapped to ${j}`;
       if (kind !== this.sort(j)) refute(`${name}: ${what}, which is another kind`);
+      if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
+        const p = walls[i - n], q = walls[j - n];
+        for (const k of [0, 1]) {
+          same((A, w) => this.image(A, w, [p.n[0][w], p.n[1][w]])[k], q.n[k], what);
+          const ends = (A, w, { x0, y0, x1, y1 }) => [A.add(x0[w], x1[w]), A.add(y0[w], y1[w])];
+          zero((A, w) => {
+            const moved = A.add(this.image(A, w, ends(A, w, p))[k], A.twice(shift[k][w]));
+            return A.sub(moved, ends(A, w, q)[k]);
+          }, what);
+        }
+        same((A, w) => p.thick[w], q.thick, what);
+        continue;
+      }
       if (kind === 'wall') {
         const p = walls[i - n], q = walls[j - n];
         const across = (A, w, [x, y]) => A.add(A.mul(q.n[0][w], x), A.mul(q.n[1][w], y));

@@ -47,7 +47,8 @@ export class Run {
       if (e instanceof Verdict && !(e instanceof TooMuch)) e.message = `${this.place}: ${e.message}`;
       throw e;
     }
-    const things = ['circles', 'walls', 'pockets'].map(kind => `${c.scene[kind].length} ${kind}`).join(', ');
+    const kinds = ['circles', 'walls', 'pockets', ...(c.namesSegments ? ['segments'] : [])];
+    const things = kinds.map(kind => `${c.scene[kind].length} ${kind}`).join(', ');
     return `${this.events} event${this.events === 1 ? '' : 's'}, to the end: ${c.end.reason}; ${things}; scene sha256:${c.digest}`;
   }
 
@@ -110,6 +111,7 @@ export class Run {
    */
   apart(c, mode) {
     if (this.parted(c)) return;
+    if (c.face) { this.passes(c, mode); return; }
     const start = name => (A, w) => this.laws(c, A, w, true)[name]();
     const now = name => (A, w) => this.laws(c, A, w)[name]();
     const what = `whether ${c.name} kept apart`;
@@ -119,7 +121,7 @@ export class Run {
     const closing = this.sign(start('closing'));
     if (closing >= 0) return;
     const disc = this.sign(start('disc'));
-    if (disc < 0 || (disc === 0 && mode !== 'flight')) return;
+    if (disc < 0 || (disc === 0 && mode !== 'flight' && !c.blunt)) return;
     let gapNow, closingNow;
     if (mode !== 'ever') {
       const rise = (A, w, laws) => A.twice(A.mul(laws.closing(), A.sub(this.now[w], this.startOf(c)[w])));
@@ -129,7 +131,7 @@ export class Run {
       gapNow = this.sign(now('gap'));
       closingNow = this.sign(now('closing'));
       if (gapNow > 0) {
-        if (disc === 0 || closingNow < 0) return; // closingNow < 0: the tangent at the end rises backwards
+        if ((disc === 0 && !c.blunt) || closingNow < 0) return; // closingNow < 0: the tangent at the end rises backwards
         if (this.sign((A, w) => atEnd(A, w)) > 0) return;
       }
     }
@@ -137,13 +139,44 @@ export class Run {
     if (closing < 0 && ((disc > 0 && (mode === 'ever' || gapNow <= 0 || closingNow >= 0)) || (disc === 0 && gapNow <= 0))) {
       refute(`${c.name} meet, which is not told`);
     }
-    const asked = [[closing, 'closing'], [disc, 'disc']].filter(([s]) => s === undefined).map(([, question]) => question);
+    const asked = [[closing, 'closing'], [c.blunt ? 0 : disc, 'disc']].filter(([s]) => s === undefined).map(([, question]) => question);
     for (const question of mode !== 'flight' || gapNow > 0 ? asked : []) {
       try { return witness(this, question, c, what); } catch (e) {
         if (!(e instanceof Verdict) || e.code !== 4 || e instanceof TooMuch) throw e;
       }
     }
     undecided(what);
+  }
+
+  /** As `apart`, of a face: it is not met; and, where a flight ends, it is not touched. */
+  passes(c, mode) {
+    if (this.parted(this.scene.otherFace(c))) return; // on the other side all the while
+    const at = (name, start = true) => this.sign((A, w) => this.laws(c, A, w, start)[name]());
+    const aside = start => at('foot', start) <= 0 || at('far', start) <= 0;
+    const what = `whether ${c.name} kept apart`, gap = at('gap');
+    if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside(true))) {
+      if (gap <= 0 && at('foot') > 0 && at('far') > 0 && at('height') >= 0) refute(`${c.name} overlap, or touch from the start`);
+      undecided(`whether ${c.name} overlap`);
+    }
+    if (gap < 0) return; // behind it, or beside
+    const closing = at('closing');
+    if (closing > 0 || (closing === 0 && gap > 0)) return;
+    if (mode !== 'ever' && gap > 0 && at('gap', false) > 0) return;
+    if (closing < 0) {
+      const near = at('near'), beyond = at('beyond');
+      if (near <= 0 || beyond <= 0) return;
+      if (gap > 0 && near > 0 && beyond > 0 && (mode === 'ever' || at('gap', false) <= 0)) refute(`${c.name} meet on the way`);
+      undecided(`whether ${c.name} meet on the way`);
+    }
+    if (closing === undefined) witness(this, 'closing', c, what);
+    if (gap > 0 || mode !== 'flight' || aside(false)) return; // it slides along the line, if it is at it
+    if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
+    undecided(`whether ${c.name} touch as the flight ends`);
+  }
+  /** Is the foot of the centre now strictly between the ends of a face? */
+  within(c) {
+    const what = `whether ${c.name} is beside it`;
+    return ['foot', 'far'].every(name => this.known((A, w) => this.laws(c, A, w)[name](), what) > 0);
   }
 
   /** Ends the flights of these circles now: all that is not known did not meet. Then they fly on from here. */
@@ -197,7 +230,7 @@ export class Run {
 
     // 4: what is known; the time and the ends
     /** @type {Map<number, Known>} */ const known = new Map(this.met.map(x => [x.c.key, x]));
-    for (const x of this.left.values()) if (turn || x.lasted) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
+    for (const x of this.left.values()) if (turn || (x.lasted && (!x.c.face || this.within(x.c)))) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
     if (turn) {
       this.endFlights(this.flights.keys(), known);
       this.turnTime = this.now;
@@ -276,10 +309,16 @@ export class Run {
   /** Step 3 for one contact. */
   meet(c, tellsTime) {
     const law = name => (A, w) => this.laws(c, A, w)[name]();
+    if (c.blunt) refute(`${c.name} are a point and a point: nothing says where they push`);
+    if (c.face) {
+      if (!this.within(c)) refute(`${c.name} is beside the face`);
+      if (this.parted(this.scene.otherFace(c))) refute(`${c.name} is on the other side`);
+      if (this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
+    }
     if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
-    if (this.k && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
+    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
       refute(`${c.name} is at gap zero all the time, and does not come to it`);
     }
     if (this.k && sign > 0) {

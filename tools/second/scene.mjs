@@ -5,7 +5,8 @@ import { ZERO } from './exact.mjs';
 
 /**
  * A contact of the scene. `key` orders contacts as pairs of whole numbers.
- * @typedef {{i: number, j: number, kind: 'circle'|'wall'|'pocket', key: number, name: string}} Contact
+ * `face`: the wall is a face of a segment; `blunt`: of two points, the second the end of a thin segment.
+ * @typedef {{i: number, j: number, kind: 'circle'|'wall'|'pocket', key: number, name: string, face: boolean, blunt: boolean}} Contact
  */
 
 /**
@@ -33,6 +34,7 @@ export class Scene {
     this.circles = scene.circles.map(all);
     this.walls = scene.walls.map(all);
     this.pockets = scene.pockets.map(all);
+    this.segments(scene.segments);
     this.n = this.circles.length;
     this.size = this.n + this.walls.length;
     this.reverseAt = scene.reverse_at && this.number(scene.reverse_at);
@@ -52,6 +54,34 @@ export class Scene {
   /** A number known in the full world, and perhaps in the exact one. */
   widen(full, exact = null) {
     return [this.sameLow ? full : this.low.from(full, this.full.bits), full, exact === null ? null : this.exact.reduced(exact)];
+  }
+
+  /** Segments: each is two faces, walls that are met from their left, after the walls; and ends, after the circles. */
+  segments(told) {
+    const zero = this.number(ZERO), ends = new Map();
+    this.firstFace = this.circles.length + this.walls.length; // and as many as there are ends
+    for (const { id, ...e } of told) {
+      const [x0, y0, x1, y1, length, thick] = [e.x0, e.y0, e.x1, e.y1, e.length, e.r].map(v => this.number(v));
+      this.walls.push({ id, x0, y0, x1, y1, length, thick, face: true });
+      this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face: true });
+      for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) {
+        const place = [x, y].map(v => this.spelled(v)).join(';'), there = ends.get(place);
+        if (!there) ends.set(place, { id, x: this.number(x), y: this.number(y), r: thick, vx: zero, vy: zero, w: zero, end: true });
+        else {
+          const larger = this.sign((A, w) => A.sub(thick[w], there.r[w]));
+          if (larger === undefined) undecided('which of two ends at one place is the larger');
+          if (larger > 0) there.r = thick;
+        }
+      }
+    }
+    this.circles.push(...ends.values());
+    this.firstFace += ends.size;
+  }
+  /** The same text for the same sum of terms. */
+  spelled(e) {
+    const { den, terms } = this.exact.reduced(e);
+    this.full.work.charge(1000 * terms.size);
+    return [...terms].sort(([a], [b]) => (a < b ? -1 : 1)).map(([m, x]) => `${m}:${x}`).join() + `/${terms.size ? den : 1n}`;
   }
 
   /** The sign of what `law` computes in a world: told by the first world that knows it. */
@@ -87,7 +117,7 @@ export class Scene {
         `the length of wall ${k} is the distance of its points`);
     }
     for (const wall of this.walls) {
-      wall.side = this.circles.map((c, i) => {
+      if (!wall.face) wall.side = this.circles.map((c, i) => {
         if (c.fixed) return 0;
         const side = this.sign((A, w) => A.add(A.mul(wall.n[0][w], A.sub(c.x[w], wall.x0[w])),
           A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))));
@@ -103,10 +133,14 @@ export class Scene {
     const kind = j < 0 ? 'pocket' : j < n ? 'circle' : 'wall';
     if (kind === 'circle') {
       const a = circles[i], b = circles[j];
-      if (i >= j || (a.fixed && b.fixed) || (a.point && b.point)) return null;
+      if (i >= j || (a.fixed && b.fixed) || (a.point && b.point && !b.end)) return null;
     } else if (circles[i].fixed) return null;
-    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]` };
+    const face = j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
+    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt };
   }
+
+  /** The same circle with the other face of the same segment. */
+  otherFace(c) { return this.contact(c.i, c.j + ((c.j - this.firstFace) % 2 ? -1 : 1)); }
 
   /** All contacts of circle i. */
   * contactsOf(i) {
@@ -119,7 +153,7 @@ export class Scene {
   /** n of a wall, turned to the side on which circle i starts, in the world w */
   normal(c, A, w) {
     const { n, side } = this.walls[c.j - this.n];
-    return n.map(x => side[c.i] > 0 ? x[w] : A.neg(x[w]));
+    return n.map(x => !side || side[c.i] > 0 ? x[w] : A.neg(x[w])); // a face has one side
   }
 
   /**
@@ -132,10 +166,22 @@ export class Scene {
     const radius = this.circles[c.i].r[w];
     if (c.kind === 'wall') {
       const wall = this.walls[c.j - this.n], n = this.normal(c, A, w);
-      const closing = () => dot(n, u);
+      const closing = () => dot(n, u), place = minus(p, [wall.x0[w], wall.y0[w]]), height = () => dot(n, place);
+      const reach = wall.face ? A.add(radius, wall.thick[w]) : radius;
+      const gap = () => A.twice(A.sub(height(), A.mul(reach, wall.length[w])));
+      // along a face: of the centre's foot, from its first point, the same as it moves, and how long the face is
+      const along = ([x, y]) => A.sub(A.mul(n[1], x), A.mul(n[0], y)), square = () => A.square(wall.length[w]);
+      const foot = () => along(place);
+      // and the foot at the zero of the gap, times -2 closing
+      const near = () => A.sub(A.mul(along(u), gap()), A.twice(A.mul(closing(), foot())));
       return {
+        height,
+        foot,
+        far: () => A.sub(square(), foot()),
+        near,
+        beyond: () => A.neg(A.add(A.twice(A.mul(closing(), square())), near())),
         direction: () => n,
-        gap: () => A.twice(A.sub(dot(n, minus(p, [wall.x0[w], wall.y0[w]])), A.mul(radius, wall.length[w]))),
+        gap,
         closing,
         speed: () => A.zero ?? ZERO,
         disc: () => A.square(closing()),

@@ -17,7 +17,7 @@ export function witness(run, question, c, what, first = false) {
     if (z.how === 'back') {
       const asked = c ?? run.scene.contact(...z.contact);
       if (question !== 'gap' && (question !== 'until' || run.certificate.end.reason !== 'return')) continue;
-      if (asked && other && run.back.knew(asked.key, other.c.key)) return;
+      if (asked && other && !(other.c.face && other.sign === 0) && run.back.knew(asked.key, other.c.key)) return;
       continue;
     }
     const g = run.isometries[z.how];

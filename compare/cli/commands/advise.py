@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .. import completion
-from ..options import JSON, SCENE, SCENE_HELP, UNTIL, Whole, WithDefault, isolating, one_engine
+from ..options import JOBS, JSON, SCENE, SCENE_HELP, UNTIL, Whole, WithDefault, isolating, one_engine
 from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ def _default_budget() -> str:
     help="Write the scenes beside this one there, as perturbed-N.toml.",
 )
 @isolating
+@JOBS
 @JSON
 def advise(
     scene: str,
@@ -102,6 +103,7 @@ def advise(
     seed: int,
     budget: int | None,
     folder: str | None,
+    jobs: int | None,
     as_json: bool,
 ) -> int:
     """Find the cheapest setting of an engine that gets it right. What is right is proved by the certified run.
@@ -135,6 +137,7 @@ def advise(
             size=size,
             seed=seed,
             budget=budget,
+            jobs=jobs,
             progress=progress,
         )
     if folder is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import SCENE, ReferenceOptions, a_file, examples, exit_zero, reference_options, some_engines
+from ..options import JOBS, SCENE, ReferenceOptions, a_file, examples, exit_zero, reference_options, some_engines
 from ..progress import DONE, of_comparison
 
 
@@ -19,8 +19,11 @@ from ..progress import DONE, of_comparison
 @click.option(
     "--bits", is_flag=True, help="Find how many bits lead to the end where enclosures are too wide to decide."
 )
+@JOBS
 @exit_zero("Exit with 0 even if engines diverged or are undecided.")
-def compare(scene: str, engines: str, asked: ReferenceOptions, save: str | None, bits: bool, exit_zero: bool) -> int:
+def compare(
+    scene: str, engines: str, asked: ReferenceOptions, save: str | None, bits: bool, jobs: int | None, exit_zero: bool
+) -> int:
     """Run a scene in several engines: do they have the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
@@ -51,6 +54,7 @@ def compare(scene: str, engines: str, asked: ReferenceOptions, save: str | None,
             reference=asked.engine(),
             bits=bits,
             max_seconds=asked.max_seconds,
+            jobs=jobs,
             progress=progress,
         )
     if asked.certified:

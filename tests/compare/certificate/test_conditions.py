@@ -17,6 +17,7 @@ from certificate import forgeries_by_condition as forged
 from certificate.checkers import NODE, TOOLS, needs_node
 from certificate.forgeries_by_condition import MEET, PAIR, STOPPED, TURN, of
 from certificate.forging import Told, refused_by_both, told
+from certificate.segment_forgeries import SEGMENT_CONDITIONS
 from certificate.test_forgeries import back_after_rounds_that_do_not_go_back
 from certificate.test_loopholes import (
     an_entry_hidden_by_the_leaving,
@@ -238,7 +239,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (this.inverse.size !== given.map.length) refute(", "if (0) refute("), forged.two_to_one,
     ),
     "a wall is as long as is said": (
-        ("demand(sign_of(p * p + q * q - r * r), ", "demand(0, "),
+        ("demand(sign_of(p * p + q * q - size * size), ", "demand(0, "),
         ("demand((A, w) => A.sub(A.add(A.square(wall.n[0][w])", "void ((A, w) => A.sub(A.add(A.square(wall.n[0][w])"),
         lambda: forged.with_data(0, "walls", length="2"),
     ),
@@ -385,7 +386,8 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if self.movable & {i, j}", "if 1"), ("(a.fixed && b.fixed) || ", ""), forged.fixed_ones_meet,
     ),
     "points do not meet": (
-        ("(i < j and (circles[i][4] or circles[j][4]))", "i < j"), (" || (a.point && b.point)", ""), forged.two_points_meet,
+        [("(j >= first or not self.points(i, j))", "1"), ("refuse(c[0] < c[1] < self.n and self.points(*c), ", "refuse(0, ")],
+        [(" || (a.point && b.point && !b.end)", ""), ("if (c.blunt) refute(", "if (0) refute(")], forged.two_points_meet,
     ),
     "what was hit by what is struck out is struck out": (
         ("return by - kept or like != ", "return like != "),
@@ -472,12 +474,13 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         lambda: forged.unshown(forged.nearly_alike()),
     ),
     "whether two keep apart is decided": (
-        ('raise Unsettled(f"whether {c} meet before it")', "return"), ("    undecided(what);\n  }\n\n  /** Ends", "  }\n\n  /** Ends"),
+        ('raise Unsettled(f"whether {c} meet before it")', "return"), ("    undecided(what);\n  }\n\n  /** As `apart`", "  }\n\n  /** As `apart`"),
         forged.hardly_a_hit,
     ),
     "an image is that of the other": (
         ("self.image(images, c) == other", "1"), (" && g.contact(c)?.key === other.c.key;", ";"), forged.nearly_alike,
     ),
+    **SEGMENT_CONDITIONS,
 }  # fmt: skip
 
 
@@ -519,6 +522,9 @@ ELSEWHERE = {
     "it is longer than {BYTES} bytes": "test_bad_files",
     "the format is not {FORMAT}": "test_bad_files",
     "(Unsettled if sign is None else fault)(text)": "it is how all are asked",
+    "overlap, or touch from the start": "the line that asks for it stands above",
+    "meet on the way": "what it refutes would not be decided in the next lines",
+    "touch as the flight ends": "the line before it stands above",
     # and of the second one
     "the scene has no thing": "test_agreement",
     "undecided(`${name}: whether ${what}`)": "each of the zeros stands above",

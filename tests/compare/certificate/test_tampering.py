@@ -16,7 +16,7 @@ from certificate.checkers import NODE, by_node, by_python, needs_node
 from certificate.samples import samples
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall
 from truebreak.scenarios.errors import SceneError
 
 Told = dict[str, Any]
@@ -28,11 +28,20 @@ def parts(told: Told) -> list[Told]:
     return [*told["instants"], told["end"]]
 
 
+def two_of(told: Told, draw: Random) -> list[int]:
+    """Two indices: of circles, of ends and faces of segments, and of the first wall, or of nothing."""
+    scene = told["scene"]
+    bars = len(scene.get("segments", ()))
+    size = len(scene["circles"]) + 1
+    if bars and draw.random() < 0.7:
+        return [draw.randrange(size - 1), size - 1 + draw.randrange(4 * bars + len(scene.get("walls", ())))]
+    return sorted(draw.sample(range(size), 2))
+
+
 def swap_contact(told: Told, draw: Random) -> None:
     """A contact of an instant becomes another."""
     entry = draw.choice([entry for entry in told["instants"] if "met" in entry])
-    n = len(told["scene"]["circles"])
-    entry["met"][draw.randrange(len(entry["met"]))] = sorted(draw.sample(range(n + 1), 2))
+    entry["met"][draw.randrange(len(entry["met"]))] = two_of(told, draw)
 
 
 def drop_contact(told: Told, draw: Random) -> None:
@@ -51,7 +60,7 @@ def add_contact(told: Told, draw: Random) -> None:
     if draw.random() < 0.5:
         told["instants"].insert(place, deepcopy(entry))
     else:
-        entry.setdefault("met", []).append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
+        entry.setdefault("met", []).append(two_of(told, draw))
 
 
 def exchange(told: Told, draw: Random) -> None:
@@ -84,7 +93,7 @@ def change_impulse(told: Told, draw: Random) -> None:
     if choice == 0:
         rounds[place].pop(draw.randrange(len(rounds[place])))
     elif choice == 1:
-        rounds[place].append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
+        rounds[place].append(two_of(told, draw))
     elif choice == 2:
         rounds.insert(place, deepcopy(rounds[place]))
     elif choice == 3:
@@ -113,14 +122,14 @@ def falsify_witness(told: Told, draw: Random) -> None:
     elif choice == 1:
         zero[2] = draw.choice(["back", 0, 1])
     elif choice == 2:
-        zero[1] = sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2))
+        zero[1] = two_of(told, draw)
     else:
         zero[0] = draw.choice(["gap", "closing", "disc", "speed", "slack", "until"])
 
 
 def change_scene(told: Told, draw: Random) -> None:
     """A digit of the scene changes."""
-    kind = draw.choice([kind for kind in ("circles", "walls", "pockets") if told["scene"].get(kind)])
+    kind = draw.choice([kind for kind in ("circles", "walls", "pockets", "segments") if told["scene"].get(kind)])
     row = draw.choice(told["scene"][kind])
     key = draw.choice([key for key in row if key not in ("id", "length")])
     row[key] = other_digit(row[key], draw)
@@ -155,10 +164,13 @@ WAYS = (
 )  # fmt: skip
 
 
-def altered(count: int, ways: Sequence[Way] = WAYS, start: str = "tampering") -> list[tuple[str, Told]]:
+def altered(
+    count: int, ways: Sequence[Way] = WAYS, start: str = "tampering", of: dict[str, Told] | None = None
+) -> list[tuple[str, Told]]:
     """Certificates, each altered in one way."""
     made = []
-    usable = {name: told for name, told in samples().items() if any("met" in i for i in told["instants"])}
+    whole = samples() if of is None else of
+    usable = {name: told for name, told in whole.items() if any("met" in i for i in told["instants"])}
     for number in range(count):
         draw = Random(f"{start} {number}")
         name = draw.choice(sorted(usable))
@@ -199,6 +211,7 @@ def run_again(told: Told) -> Told:
         reverse_after=scene.get("reverse_after"),
         reverse_at=exact_text(scene["reverse_at"], roots) if "reverse_at" in scene else None,
         pockets=things(Pocket, "pockets"),
+        segments=things(Segment, "segments"),
         capture=scene.get("capture", False),
     )
     until = exact_text(end["until"], roots) if end["reason"] == "horizon" else None

@@ -61,6 +61,7 @@ COSTS = {
     "face_along": 5,
     "face_foot": 3,
     "speed_change": 1,
+    "damped": 3,
     "advance": 2,
 }
 

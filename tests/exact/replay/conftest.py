@@ -9,7 +9,7 @@ import pytest
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 
-def oblique(seed: int) -> Scene:
+def oblique(seed: int, e: str = "1") -> Scene:
     """Unequal circles, a fixed one and a point, between walls of which none is parallel to an axis."""
     draw = random.Random(seed)
 
@@ -24,7 +24,7 @@ def oblique(seed: int) -> Scene:
         Circle(1, "-7/2", r=0, vx=speed(), vy=speed(), m="1/5", point=True),
     ]
     walls = [Wall(-8, -9, 9, -7), Wall(9, -7, 7, 9), Wall(7, 9, -9, 8), Wall(-9, 8, -8, -9)]
-    return Scene(circles, walls)
+    return Scene(circles, walls, restitution=e)
 
 
 SCENES = {
@@ -33,6 +33,7 @@ SCENES = {
     "a rack": lambda: catalogue.build("rack:rows=3,gap=1/9,jitter=1/1000,seed=4"),
     "pinball": lambda: catalogue.build("pinball"),
     **{f"oblique {seed}": (lambda seed=seed: oblique(seed)) for seed in range(3)},
+    **{f"restitution {e}": (lambda e=e: oblique(1, e)) for e in ("9/10", "1/3", "sqrt(2)/2")},
 }
 
 

@@ -28,7 +28,7 @@ def states(machine, when):
     return rows
 
 
-def slanted(seed: int) -> Scene:
+def slanted(seed: int, e: str = "1") -> Scene:
     draw = random.Random(seed)
     circles = [
         Circle(
@@ -41,10 +41,14 @@ def slanted(seed: int) -> Scene:
         for k in range(5)
     ]
     walls = [Wall(-9, -20, -8, 20), Wall(22, -20, 20, 20), Wall(-9, 9, 20, 11), Wall(-9, -10, 20, -8)]
-    return Scene(circles, walls)
+    return Scene(circles, walls, restitution=e)
 
 
-@pytest.mark.parametrize("scene", [slanted(1), slanted(2), catalogue.build("gas:n=8,seed=5,mixed=yes")], ids=str)
+@pytest.mark.parametrize(
+    "scene",
+    [slanted(1), slanted(2), slanted(3, "9/10"), slanted(4, "1/5"), catalogue.build("gas:n=8,seed=5,mixed=yes")],
+    ids=str,
+)
 def test_the_two_forms_enclose_the_same_numbers(scene):
     """The matrix and contact forms against the plain formulas, both in balls: the same log, overlapping states."""
     run = ExactEngine().run(scene, events=60)

@@ -58,6 +58,13 @@ SPECS = (
     "free-discs:n=5",
     "magic-masses:a=1/2,start=one,tie=sequential",
     "cross:angle=45",
+    "barrier:height=1/3,vx=3",
+    "wind-tree:rows=1,side=2/3",
+    "bumper:rows=5,offset=0,tie=sequential",
+    "funnel:discs=3,width=5/2",
+    "breakout:columns=2,rows=10",
+    "ghost:segments=1",
+    "corner-hit:off=0",
 )
 
 

@@ -1,0 +1,1 @@
+"""Vectors for the authors of engines: single first meetings, each with its certified answer."""

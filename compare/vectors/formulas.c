@@ -1,0 +1,72 @@
+/* Three ways to find a first meeting in doubles, to be scored: -DFORMULA=1, 2 (the default) or 3.
+ *   1  the quadratic formula, as in textbooks: t = (-b - sqrt(b*b - v2*c)) / v2
+ *   2  Lagrange's identity: v2*R*R - (d x v)^2 under the root, and c / (-b + root), where nothing cancels
+ *   3  conservative advancement: to fly as long as the gap lasts at the speed, until it is below a tolerance
+ * d is the relative place, v the relative velocity, R the sum of radii, b = d.v, c = d.d - R*R, v2 = v.v. */
+#include <math.h>
+#include "vectors.h"
+
+#ifndef FORMULA
+#define FORMULA 2
+#endif
+
+#define TOLERANCE 1e-10 /* of formula 3: a share of R */
+#define MOST_STEPS 1000
+
+/* When a place that flies from d at v comes within R of the origin: 1 and *t, or 0. */
+static int meets_round(double dx, double dy, double vx, double vy, double R, double *t) {
+  double b = dx * vx + dy * vy, v2 = vx * vx + vy * vy, c = dx * dx + dy * dy - R * R;
+  if (!(b < 0)) return 0;
+  *t = 0;
+  if (c <= 0) return 1; /* they touch, and come nearer */
+#if FORMULA == 1
+  double root = b * b - v2 * c;
+  if (!(root > 0)) return 0;
+  *t = (-b - sqrt(root)) / v2;
+#elif FORMULA == 2
+  double cross = dx * vy - dy * vx, root = v2 * R * R - cross * cross;
+  if (!(root > 0)) return 0;
+  *t = c / (-b + sqrt(root));
+#else
+  double speed = sqrt(v2), at = 0;
+  for (int k = 0; k < MOST_STEPS; k++) {
+    double x = dx + vx * at, y = dy + vy * at, gap = hypot(x, y) - R;
+    if (!(x * vx + y * vy < 0)) return 0;
+    if (gap <= TOLERANCE * R) { *t = at; return 1; }
+    at += gap / speed;
+  }
+  return 0;
+#endif
+  return 1;
+}
+
+/* When a disc comes to the left side of a line; with `open`, only where its foot then lies between the two points. */
+static int meets_side(const double a[5], double x0, double y0, double x1, double y1, double thick, int open, double *t) {
+  double ux = x1 - x0, uy = y1 - y0, length = hypot(ux, uy);
+  double gap = ux * (a[1] - y0) - uy * (a[0] - x0) - (a[2] + thick) * length, approach = ux * a[4] - uy * a[3];
+  if (!(approach < 0) || (open && !(gap >= -(a[2] + thick) * length))) return 0;
+  *t = gap <= 0 ? 0 : gap / -approach;
+  double foot = ux * (a[0] + a[3] * *t - x0) + uy * (a[1] + a[4] * *t - y0);
+  if (open && !(foot > 0 && foot < length * length)) return 0;
+  return 1;
+}
+
+int first_meeting(const struct truebreak_vector *v, double *t) {
+  const double *a = v->a, *b = v->b;
+  if (v->thing == TRUEBREAK_DISC) return meets_round(b[0] - a[0], b[1] - a[1], b[3] - a[3], b[4] - a[4], a[2] + b[2], t);
+  if (v->thing == TRUEBREAK_WALL) {
+    int left = (b[2] - b[0]) * (a[1] - b[1]) - (b[3] - b[1]) * (a[0] - b[0]) > 0;
+    return left ? meets_side(a, b[0], b[1], b[2], b[3], 0, 0, t) : meets_side(a, b[2], b[3], b[0], b[1], 0, 0, t);
+  }
+  double at[4], first = INFINITY;
+  int found[4] = {
+      meets_side(a, b[0], b[1], b[2], b[3], b[4], 1, &at[0]),
+      meets_side(a, b[2], b[3], b[0], b[1], b[4], 1, &at[1]),
+      meets_round(b[0] - a[0], b[1] - a[1], -a[3], -a[4], a[2] + b[4], &at[2]),
+      meets_round(b[2] - a[0], b[3] - a[1], -a[3], -a[4], a[2] + b[4], &at[3]),
+  };
+  for (int k = 0; k < 4; k++)
+    if (found[k] && at[k] < first) first = at[k];
+  *t = first;
+  return first < INFINITY;
+}

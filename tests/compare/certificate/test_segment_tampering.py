@@ -1,0 +1,156 @@
+"""Certificates of runs among segments, altered at random, are refused, or still true; and compared with a scene."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from random import Random
+
+import pytest
+from segment_scenes import scene_of
+
+from certificate.checkers import both_verify, by_python, needs_node
+from certificate.test_tampering import WAYS, Told, altered, refused
+from truebreak.compare.certificate import certificate_json, certificate_of
+from truebreak.compare.certificate.certified import difference
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall
+
+SEEDS = range(70)
+EVENTS = 6
+
+
+def by_hand() -> dict[str, Scene]:
+    """Scenes of joints, slides, corners, points, and what is thick; and there and back, into pockets, in any order."""
+    row = [Segment(k, 0, k + 1, k % 2, id=f"s{k}", r="1/4") for k in range(-4, 4)]
+    box = [Wall(-5, 0, -5, 1, id="l"), Wall(5, 0, 5, 1, id="r"), Wall(0, 9, 1, 9, id="t")]
+    floor = [Segment(2 * k, 0, 2 * k + 2, 0, id=f"f{k}") for k in range(5)]
+    slider = Circle(-3, 1, vx=1, id="slider")
+    return {
+        "there and back": Scene([Circle(0, 4, vx="1/3", vy=-1, id="c")], box, segments=row, reverse_at=15),
+        "a slide and a blow": Scene([slider, Circle(-3, 12, vx=1, vy=-1)], segments=floor),
+        "a slide and a blow at a joint": Scene([slider, Circle(-3, 10, vx=1, vy=-1)], segments=floor),
+        "a slide into a pocket": Scene([slider], pockets=[Pocket(7, 0, "3/2")], capture=True, segments=floor),
+        "a slide there and back": Scene([slider, Circle(-3, 12, vx=1, vy=-1)], segments=floor, reverse_at=12),
+        "a corner": Scene([Circle(0, 5, vy=-1)], segments=[Segment(-3, 3, 0, 0), Segment(0, 0, 3, 3)]),
+        "an apex": Scene([Circle(0, 5, vy=-1)], segments=[Segment(-3, -3, 0, 0), Segment(0, 0, 3, -3)]),
+        "a point": Scene([Circle(0, 5, r=0, point=True, vx="1/2", vy=-1)], box, segments=floor, events=5),
+        "a point at an end": Scene([Circle(0, 5, r=0, point=True, vy=-1), Circle(7, 5, vy=-1)], segments=floor[:1]),
+        "on a joint": Scene([Circle(4, 1), Circle(4, 9, vy=-1)], segments=floor),
+        "one by one": Scene(
+            [Circle(0, 5, vy=-1), Circle(3, 5, vy=-1)],
+            tie_policy="sequential:seed=5",
+            segments=[Segment(-3, 3, 0, 0), Segment(0, 0, 3, 3), Segment(3, 3, 6, 0)],
+        ),
+        "thick and thin": Scene(
+            [Circle(-2, 9, vx="1/4", vy=-1)], segments=[Segment(-4, 0, 0, 0, r=1), Segment(0, 0, 4, 0)]
+        ),
+        "mirrored": Scene(
+            [Circle(-2, "sqrt(5)", vx="1/3", vy=-1), Circle(2, "sqrt(5)", vx="-1/3", vy=-1)],
+            segments=[Segment(-4, -1, -1, 0), Segment(4, -1, 1, 0)],
+        ),
+    }  # fmt: skip
+
+
+@cache
+def segment_samples() -> dict[str, Told]:
+    """Certificates of these, and of random scenes."""
+    scenes = {**by_hand(), **{f"seed {seed}": scene for seed in SEEDS if (scene := scene_of(seed)) is not None}}
+    runs = {
+        name: ExactEngine().run(scene, until=30, events=EVENTS)
+        for name, scene in scenes.items()
+        if not scene.reverse_at
+    }
+    runs |= {name: ExactEngine().run(scene) for name, scene in scenes.items() if scene.reverse_at}
+    return {name: certificate_of(run) for name, run in runs.items()}
+
+
+def test_both_verify_runs_among_segments(tmp_path: Path) -> None:
+    assert sum(len(told["instants"]) for told in segment_samples().values()) > 200
+    both_verify(segment_samples().items(), tmp_path)
+
+
+# -- ways to alter segments
+
+
+def moved_bar(told: Told, draw: Random) -> None:
+    """A segment is somewhere else, by a little or by more."""
+    bar = draw.choice(told["scene"]["segments"])
+    by = draw.choice(["+1", "-1", "+1/8", "-1/1000", "+1/1" + "0" * 30])
+    for key in draw.choice([("x0", "x1"), ("y0", "y1")]):
+        bar[key] += by
+
+
+def turned_bar(told: Told, draw: Random) -> None:
+    """A segment is told from its other end, its faces with it."""
+    bar = draw.choice(told["scene"]["segments"])
+    bar.update(x0=bar["x1"], y0=bar["y1"], x1=bar["x0"], y1=bar["y0"])
+
+
+def thicker_bar(told: Told, draw: Random) -> None:
+    """A segment is thicker, or thinner."""
+    bar = draw.choice(told["scene"]["segments"])
+    bar["r"] = draw.choice(["0", "1/8", "1", bar["r"] + "+1/1" + "0" * 40])
+
+
+def longer_bar(told: Told, draw: Random) -> None:
+    """A segment that runs along an axis is longer or shorter by a half."""
+    bars = [
+        bar
+        for bar in told["scene"]["segments"]
+        if "r" not in bar["length"] and Quantity.of(bar["y0"]) == Quantity.of(bar["y1"])
+    ]
+    if bars:
+        bar = draw.choice(bars)
+        start, end = Quantity.of(bar["x0"]), Quantity.of(bar["x1"])
+        bar["x1"] = (end + (end - start) / 2 * draw.choice([1, -1])).text()
+        bar["length"] = abs((Quantity.of(bar["x1"]) - start).rational).__str__()
+
+
+def no_bar(told: Told, draw: Random) -> None:
+    """A segment is not there."""
+    told["scene"]["segments"].pop(draw.randrange(len(told["scene"]["segments"])))
+
+
+def other_part(told: Told, draw: Random) -> None:
+    """A contact with a segment is one with another part of it, or with another segment."""
+    scene = told["scene"]
+    n = len(scene["circles"])
+    pairs = [
+        row
+        for part in (*told["instants"], told["end"])
+        for row in (*part.get("met", ()), *(push for one in part.get("rounds", ()) for push in one))
+        if row[1] >= n
+    ]
+    if pairs:
+        row = draw.choice(pairs)
+        old, new = row[1], n + draw.randrange(4 * len(scene["segments"]) + len(scene.get("walls", ())))
+        everywhere = draw.random() < 0.5
+        for other in pairs if everywhere else [row]:
+            if other[:2] == [row[0], old]:
+                other[1] = new
+
+
+BAR_WAYS = (moved_bar, turned_bar, thicker_bar, longer_bar, no_bar, other_part)
+
+
+@needs_node
+@pytest.mark.parametrize("count", [150, pytest.param(3000, marks=pytest.mark.slow)])
+def test_altered_runs_among_segments_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    tried = altered(count, (*BAR_WAYS, *WAYS), "segments", segment_samples())
+    assert refused(tried, tmp_path) > count // 2
+
+
+def test_a_certificate_is_compared_with_the_segments_that_are_meant() -> None:
+    scene = by_hand()["thick and thin"]
+    block = certificate_of(ExactEngine().run(scene, until=5))["scene"]
+    assert difference(block, scene) is None
+    thin = scene.with_changes(segments=[Segment(-4, 0, 0, 0), Segment(0, 0, 4, 0)])
+    assert difference(block, thin) == "segment 's1': r is 1, not 0"
+    assert difference(block, scene.with_changes(segments=scene.segments[:1])) == "it has 2 segments, not 1"
+
+
+def test_the_checker_says_how_many_segments(tmp_path: Path) -> None:
+    path = tmp_path / "one.json"
+    path.write_text(certificate_json(segment_samples()["a corner"]), encoding="utf-8")
+    assert "1 circles, 0 walls, 0 pockets, 2 segments" in by_python(path)[1]

@@ -1,0 +1,276 @@
+"""Polygons: against a referee in plain coordinates, faults that must be found, the laws and the words of refusals."""
+
+from __future__ import annotations
+
+import pytest
+from polygon_scenes import scene_of
+from test_segments import UNTIL, differs
+
+from truebreak.compare import compare
+from truebreak.exact import ExactEngine
+from truebreak.exact.literal.symbolic_engine import SymbolicEngine
+from truebreak.exact.replay.contact import AtWall, Pair, part_at
+from truebreak.exact.simulation.prediction import Predictor
+from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
+from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall, surfaces
+from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
+
+SEEDS = range(150)
+DART = [(-3, 4), (-3, 0), (3, 0), (3, 4), (0, 1)]
+
+
+def test_scenes_agree_with_the_referee():
+    scenes = [(seed, scene) for seed in SEEDS if (scene := scene_of(seed)) is not None]
+    assert len(scenes) > 100
+    assert {seed: told for seed, scene in scenes if (told := differs(scene))} == {}
+
+
+def _inside_out(monkeypatch):
+    known = Polygon.corners
+    monkeypatch.setattr(Polygon, "corners", lambda self: known(self)[::-1])
+
+
+def _no_corners(monkeypatch):
+    known = surfaces.ends_of
+    monkeypatch.setattr(surfaces, "ends_of", lambda segments, polygons, points: known(segments, (), points))
+
+
+def _concave_corners_alone(monkeypatch):
+    known = surfaces.ends_of
+
+    def others(segments, polygons, points):
+        convex = {(end.x, end.y) for end in known(segments, polygons, False)}
+        return tuple(end for end in known(segments, polygons, True) if (end.x, end.y) not in convex)
+
+    monkeypatch.setattr(surfaces, "ends_of", others)
+
+
+def _sharp(monkeypatch):
+    known = surfaces.sides_of
+    monkeypatch.setattr(surfaces, "sides_of", lambda polygon: known(Polygon(polygon.points, polygon.id)))
+
+
+def _a_side_is_forgotten(monkeypatch):
+    known = Polygon.sides
+    monkeypatch.setattr(Polygon, "sides", lambda self: known(self)[:-1])
+
+
+def _sides_in_pairs(monkeypatch):
+    def wrong(self, link):
+        return AtWall(link.circle, self.faces.start + ((link.wall - self.faces.start) ^ 1))
+
+    monkeypatch.setattr(Predictor, "_other_side", wrong)
+    monkeypatch.setattr(Scene, "two_sided", property(lambda scene: scene.faces))
+
+
+FAULTS = {
+    "faces that look inward": _inside_out,
+    "no corners": _no_corners,
+    "the concave corners in place of the convex": _concave_corners_alone,
+    "no thickness": _sharp,
+    "a side that is forgotten": _a_side_is_forgotten,
+    "two sides of a polygon taken for those of one segment": _sides_in_pairs,
+}
+
+POINTS = [
+    Scene([Circle(1, 3, r=0, vx=1, vy=-1, point=True)], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART, id="g")]),
+    Scene([Circle(0, 6, r="1/4", vx="1/5", vy=-1)], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART, id="g")]),
+]
+
+
+def strays(scene: Scene) -> str:
+    """Whether doubles have other partners than the exact engine in a few events; empty where not."""
+    runs = [engine.run(scene, until=UNTIL, events=4) for engine in (ExactEngine(), DoubleEngine())]
+    first, second = ([event.contacts for event in run.events] for run in runs)
+    return "" if first == second else "doubles"
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_planted_faults_are_found(fault, monkeypatch):
+    assert not any(map(strays, POINTS))
+    FAULTS[fault](monkeypatch)
+    again = [lambda scene=scene: scene.with_changes(polygons=scene.polygons) for scene in POINTS]
+    for make in (*again, *(lambda seed=seed: scene_of(seed) for seed in SEEDS)):
+        try:
+            scene = make()
+            told = "" if scene is None else differs(scene) or (make in again and strays(scene))
+        except (AssertionError, KeyError, IndexError, ValueError):
+            told = "it fell"
+        if told:
+            return
+    raise AssertionError(f"nothing finds {fault}")
+
+
+# -- Laws.
+
+
+@pytest.mark.parametrize("seed", range(0, 100, 5))
+def test_it_does_not_matter_how_the_points_are_listed(seed):
+    scene = scene_of(seed)
+    if scene is None:
+        return
+    turned = [Polygon([*p.points[2:], *p.points[:2]][::-1], p.id, p.r) for p in scene.polygons]
+    runs = [ExactEngine().run(each, until=UNTIL, events=5) for each in (scene, scene.with_changes(polygons=turned))]
+    times = [[(event.time.digits(30), set(event.contacts)) for event in run.events] for run in runs]
+    assert times[0] == times[1]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_intervals_never_say_what_is_not_so(seed):
+    scene = scene_of(seed)
+    if scene is not None:
+        exact, wide = (engine.run(scene, until=UNTIL, events=6) for engine in (ExactEngine(), IntervalEngine()))
+        told = [event.contacts for event in wide.events]
+        assert told == [event.contacts for event in exact.events][: len(told)]
+
+
+def test_sympy_agrees_by_its_own_way():
+    house = Polygon([(-2, 0), (2, 0), (2, 2), (0, 2), (-2, 2)], id="house", r="1/2")
+    dart = Polygon(DART, id="dart")
+    for scene in (
+        Scene([Circle("1/3", 7, vy=-1)], [Wall(-9, 9, 9, 9, id="top")], polygons=[house]),
+        Scene([Circle(0, 7, r="1/2", vy=-1)], [Wall(-9, 9, 9, 9, id="top")], polygons=[dart]),
+        Scene([Circle("1/3", 7, r=0, vy=-1, point=True)], [Wall(-9, 9, 9, 9, id="top")], polygons=[dart]),
+    ):
+        runs = [engine.run(scene, until=99, events=3) for engine in (ExactEngine(), SymbolicEngine())]
+        first, second = ([(e.contacts, float(e.time)) for e in run.events] for run in runs)
+        assert len(first) == 3
+        assert [names for names, _ in first] == [names for names, _ in second]
+        assert [time for _, time in first] == pytest.approx([time for _, time in second])
+
+
+def test_every_engine_sees_one_thing():
+    box = [
+        Wall(-9, -9, 9, -9, id="b"),
+        Wall(9, -9, 9, 9, id="r"),
+        Wall(9, 9, -9, 9, id="t"),
+        Wall(-9, 9, -9, -9, id="l"),
+    ]
+    house = Polygon([(-3, 0), (3, 0), (3, 3), (0, 5), (-3, 3)], id="house", r="1/3")
+    dart = Polygon([(-3, 0), (3, 0), (3, 3), (0, 1), (-3, 3)], id="dart", r="1/3")
+    for solid in (house, dart):
+        scene = Scene([Circle(0, 7, r="1/2", vx="1/7", vy=-1, id="c")], box, polygons=[solid], until=60)
+        found = compare(scene, [DoubleEngine(), SingleEngine(), QuadEngine(), PymunkEngine()])
+        assert len(found.reference.events) > 4
+        assert solid.id in {pair.second for event in found.reference.events for pair in event.contacts}
+        assert [candidate.verdict for candidate in found.candidates] == ["agree"] * 4
+
+
+def test_a_disc_in_a_concave_corner_is_one_contact_to_whom_cannot_tell():
+    scene = Scene([Circle(0, 6, vy=-1, id="c")], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART, id="dart")], until=20)
+    (event, *_) = ExactEngine().run(scene).events
+    assert event.contacts == (("c", "dart"), ("c", "dart"))  # a face on either side
+    assert all(tie.proof.proved for tie in event.ties)
+    found = compare(scene, ["double", "pymunk"])
+    assert [candidate.verdict for candidate in found.candidates] == ["agree", "agree"]
+
+
+def test_a_point_that_flies_into_a_corner_stops_by_name():
+    for y in (1, 4):  # a concave and a convex one
+        x = 0 if y == 1 else 3
+        scene = Scene([Circle(x, 9, r=0, vy=-1, point=True, id="p")], polygons=[Polygon(DART, id="dart")])
+        assert "no normal: p and dart" in ExactEngine().run(scene, until=99).stop.message
+
+
+def test_the_way_back_is_the_way_out():
+    walls = [Wall(-8, 0, -8, 1, id="l"), Wall(8, 0, 8, 1, id="r"), Wall(0, 9, 1, 9, id="t"), Wall(0, -9, 1, -9, id="b")]
+    scene = Scene([Circle(0, 7, r="1/2", vx="1/3", vy=-1, id="c"), Circle(5, 5, vx=-1, id="d")], walls,
+                  polygons=[Polygon(DART, id="g", r="1/4")], reverse_at=25)  # fmt: skip
+    run = ExactEngine().run(scene)
+    out = run.reversal.after
+    assert out > 4
+    assert [e.contacts for e in run.events[:out]] == [e.contacts for e in reversed(run.events[out:])]
+    assert (run.final["c"].x.text(), run.final["c"].y.text()) == ("0", "7")
+
+
+def test_boxes_side_by_side_are_one_floor():
+    row = [Polygon([(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)], id=f"g{k}") for k in range(12)]
+    for engine in (ExactEngine(), DoubleEngine(), PymunkEngine()):
+        assert not engine.run(Scene([Circle(-2, 2, vx=1)], polygons=row), until=20).events
+    (event,) = ExactEngine().run(Scene([Circle(5, 4, vy=-1)], polygons=row), until=9).events
+    assert len(event.contacts) == 1  # the corner of two, which pushes once
+
+
+def test_parts_are_those_that_are_touched():
+    scene = Scene([Circle(0, 9)], polygons=[Polygon(DART, id="g")])
+    left = part_at(scene, 0, 0, 0.0, 2.4)
+    right = part_at(scene, 0, 0, 0.0, 2.4, [left])
+    assert {scene.surfaces.walls[link.wall].normal for link in (left, right)} == {(3, 3), (-3, 3)}
+    corner = part_at(scene, 0, 0, 3.5, 4.5)
+    assert isinstance(corner, Pair)
+    assert scene.surfaces.circles[corner.b].x == 3
+
+
+# -- Words.
+
+
+def test_files_keep_polygons():
+    many = [(k, k * k) for k in range(-30, 31)]
+    scene = Scene(
+        [Circle(0, -5)], polygons=[Polygon(DART, "a", "1/3"), Polygon([(9, 0), ("9 + sqrt(2)", 0), (9, "1/3")])]
+    )
+    long = Scene([Circle(0, -5)], polygons=[Polygon(many, "parabola")])
+    for one in (scene, long):
+        assert loads_toml(dump_toml(one)) == one == loads_json(dump_json(one))
+        assert loads_toml(dump_toml(one)).digest == one.digest
+    assert "points = [[-3, 4], [-3, 0]" in dump_toml(scene)
+    assert scene.digest != scene.with_changes(polygons=scene.polygons[:1]).digest
+
+
+SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        (lambda: Polygon([(0, 0), (1, 1)], id="g"), "polygon 'g': has 2 points; a polygon needs three or more"),
+        (lambda: Polygon([(0, 0), (2, 2), (2, 0), (0, 2)], id="g"), "sides 1 and 3 meet"),
+        (lambda: Polygon([(0, 0), (4, 0), (4, 4), (2, 0), (0, 4)], id="g"), "sides 1 and 3 meet"),
+        (lambda: Polygon([(0, 0), (1, 0), (2, 0)], id="g"), "meet; order the points"),
+        (lambda: Polygon([(0, 0), (3, 0), (1, 0), (1, 1)], id="g"), "sides 1 and 2 meet"),
+        (lambda: Polygon([(0, 0), (3, 0), (0, 0), (1, 1)], id="g"), "point 3 is point 1 again"),
+        (lambda: Polygon([(0, 0), (3, 0), (1, 1)], id="g", r=-1), "r = -1"),
+        (lambda: Polygon([(0, 0), (3, 0), 7], id="g"), "point 3 = '7' is not a pair"),
+        (lambda: Polygon([(0, 0), (3, "x"), (1, 1)], id="g"), "point 2: y = 'x' is not"),
+        (lambda: Scene([Circle(1, 1, r="1/9", id="c")], polygons=[Polygon(SQUARE, id="g")]), "centre is in polygon"),
+        (lambda: Scene([Circle(3, 1, r="10/9", id="c")], polygons=[Polygon(SQUARE, id="g")]), "across polygon 'g', by"),
+        (lambda: Scene([Circle(2, 1, r=0, point=True)], polygons=[Polygon(SQUARE, id="g")]), "lies on polygon 'g'"),
+        (lambda: Scene([Circle(9, 9)], polygons=[Polygon(SQUARE), Polygon(SQUARE)]), "overlaps polygon 'g1'"),
+        (lambda: Scene([Circle(9, 9)], polygons=[Polygon(SQUARE), Polygon([(1, 1), (5, 1), (5, 5)])]), "overlaps"),
+        (
+            lambda: Scene([Circle(9, 9)], polygons=[Polygon(SQUARE), Polygon([("1/2", "1/2"), (1, "1/2"), (1, 1)])]),
+            "overlaps polygon 'g1'; make them one, or move it",
+        ),
+        (lambda: Scene([Circle(9, 9)], segments=[Segment(1, 2, 5, 2)], polygons=[Polygon(SQUARE)]), "lies on a side"),
+        (lambda: Scene([Circle(9, 9, id="g1")], polygons=[Polygon(SQUARE)]), "used twice"),
+        (lambda: loads_toml('[[polygon]]\nid = "g"'), "points is missing; write points = [[x, y]"),
+        (lambda: loads_toml('[[polygon]]\nid = "g"\npoints = 3'), "points = 3 is not a list"),
+        (lambda: loads_toml('[[polygon]]\nid = "g"\npoints = [[1, 2, 3]]'), "point 1 = [1, 2, 3] is not a pair"),
+        (lambda: loads_toml('[[polygon]]\nid = "g"\npoints = [[1, true]]'), "point 1: y = true is not a number"),
+        (lambda: loads_toml('[[polygon]]\nid = "g"\npoints = [[1, 1]]\nfill = 1'), "key 'fill' is not known"),
+    ],
+)  # fmt: skip
+def test_bad_input_has_one_line(made, says):
+    with pytest.raises(SceneError) as error:
+        made()
+    assert says in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_what_does_not_know_polygons_says_so():
+    from truebreak.compare.adapters.adapter import SteppedAdapter
+    from truebreak.compare.certificate.writer import CertificateError, certificate_of
+    from truebreak.compare.report.floats import floats_json
+    from truebreak.compare.shadowing.shadows import shadow
+    from truebreak.compare.validation import unsupported
+    from truebreak.scenarios import Declared
+
+    scene = Scene([Circle(0, 6, vy=-1)], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART)], events=3)
+    with pytest.raises(CertificateError, match="polygons"):
+        certificate_of(ExactEngine().run(scene))
+    with pytest.raises(SceneError, match="polygons"):
+        floats_json(scene)
+    with pytest.raises(SceneError, match="polygons"):
+        shadow(scene)
+    assert unsupported(Declared(), scene) == "polygon"
+    assert "polygon" not in SteppedAdapter.scene_keys.fget(None)
