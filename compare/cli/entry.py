@@ -44,7 +44,7 @@ Examples:
   truebreak advise gas:n=5 --events 12       the cheapest right setting
   truebreak stress near-ties                 how near a tie may be
   truebreak vectors --out .                  first meetings, to score your own
-  truebreak play                             draw, throw, and see, in a browser
+  truebreak play                             draw and throw, in a browser
   truebreak show rack:rows=3 --plot rack.svg
 
 \b

@@ -67,7 +67,7 @@ def page_files(transport: Transport, scene: Scene | None = None) -> dict[str, Pa
         scene: what the page shows at first; without one, a scene of its own.
 
     >>> sorted(page_files("server"))[:3]
-    ['/', '/address.js', '/editor.js']
+    ['/', '/address.js', '/check.js']
     """
     texts = {name: _own(name) for name in (OWN if transport == "server" else OWN + IN_BROWSER)}
     texts |= {name: _report(name) for name in PLAYER}

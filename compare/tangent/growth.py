@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import inf, log2, nextafter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from flint import arb, arb_mat
 
 from ...exact.exact_motion import motion_of

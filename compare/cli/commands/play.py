@@ -24,10 +24,11 @@ Examples:
 @click.option("--port", type=Whole(0), default=0, show_default=True, help="The port; 0: any that is free.")
 @click.option("--no-browser", is_flag=True, help="Only print the address; open nothing.")
 def play(scene: str | None, port: int, no_browser: bool) -> int:
-    """Play with scenes: draw, throw, and see where floating point leaves the exact run.
+    """Play with scenes, on a page in the browser.
 
-    A page opens that runs scenes exactly and in doubles, or in another engine, side by side on one clock. Only this
-    computer can reach it, and only by the address that is printed, which has a token in it. Ctrl-C ends it.
+    A page opens on which scenes are drawn, and run exactly and in doubles, or in another engine, side by side on one
+    clock. Only this computer can reach it, and only by the address that is printed, which has a token in it. Ctrl-C
+    ends it.
     """
     import webbrowser
 

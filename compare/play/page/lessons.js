@@ -18,7 +18,7 @@ export const LESSONS = {
     events: 60,
     question: "A cue ball hits a rack in which all balls touch. Everything is symmetric. Does it stay so?",
     steps: [
-      "Press “Run and play”, and look at both panes: is the left half the mirror image of the right half?",
+      "Press “Run and play”, and look at both panes: is the upper half the mirror image of the lower half?",
       "Press “To the first divergence”, then “Why?”: which of two collisions came first?",
       "Move the cue ball up by a little (choose it, then press the arrow up), run again: now it is no tie.",
     ],
@@ -34,6 +34,6 @@ export const LESSONS = {
       "Set events to 240, then to 300, and press it again.",
       "Play the last one: it is the same film backwards, until it is not.",
     ],
-    seen: "The exact run comes home at any number of events, to the last digit. In doubles each event on the way costs digits twice, there and back; once they are used up, home is never found.",
+    seen: "The exact run comes home at any number of events, to the last digit. In doubles each event on the way costs digits twice, there and back; once they are used up, home is not found.",
   },
 };

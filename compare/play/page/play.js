@@ -152,7 +152,9 @@ $("cue").addEventListener("click", () => setCue(!editor.cue));
 // -- Scenes to pick from, and lessons.
 
 const catalogue = fetch("scenes.json").then((answer) => answer.json()).catch(() => []);
-catalogue.then((rows) => {
+const drawn = (row) => { try { return checked(row.scene); } catch { return null; } };
+catalogue.then((all) => {
+  const rows = all.filter(drawn);
   $("pictures").replaceChildren(...rows.map((row) => {
     const image = made("img", { alt: "", width: 160, loading: "lazy", src: `data:image/svg+xml,${encodeURIComponent(row.picture)}` });
     const button = made("button", { type: "button", title: row.about }, image, made("span", { textContent: row.name }));

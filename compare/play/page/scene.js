@@ -65,6 +65,7 @@ export function rounded(x, pixel) {
 // A scene of which everything is as it should be, from anywhere; throws a sentence where it is not.
 export function checked(data) {
   if (typeof data !== "object" || data === null || Array.isArray(data)) throw new Error("the scene is no object");
+  known(data, [...TOP, ...Object.keys(KINDS)], "the scene");
   const scene = { name: text(data.name ?? "mine", "name"), tie_policy: text(data.tie_policy ?? "simultaneous", "tie_policy") };
   for (const key of ["reverse_at", "until"]) if (data[key] !== undefined) scene[key] = text(data[key], key);
   for (const key of ["events", "reverse_after"]) if (Number.isInteger(data[key])) scene[key] = data[key];
@@ -75,6 +76,7 @@ export function checked(data) {
     if (rows.length > MOST_THINGS) throw new Error(`the page plays at most ${MOST_THINGS} ${name}s, and here are ${rows.length.toLocaleString("en")}`);
     scene[kind] = rows.map((row) => {
       if (typeof row !== "object" || row === null) throw new Error(`a ${name} is no object`);
+      known(row, ["id", "point", ...keys], `a ${name}`);
       const thing = { id: text(row.id, "id", 64) };
       for (const key of keys) thing[key] = text(row[key] ?? DEFAULTS[key], `${name} ${thing.id}: ${key}`);
       if (row.point === true) thing.point = true;
@@ -82,6 +84,13 @@ export function checked(data) {
     });
   }
   return scene;
+}
+
+const TOP = ["name", "tie_policy", "description", "source", "reverse_at", "until", "events", "reverse_after", "capture"];
+
+// What the page cannot draw is refused by name: a scene without it would be another.
+function known(row, keys, where) {
+  for (const key of Object.keys(row)) if (!keys.includes(key)) throw new Error(`${where} has ${key.slice(0, 40)}, which this page does not draw yet`);
 }
 
 function text(found, where, most = MOST_LETTERS) {

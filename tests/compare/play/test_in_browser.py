@@ -125,8 +125,6 @@ def test_what_is_left_out_of_a_module_is_words() -> None:
 
 @pytest.fixture
 def visited(site: Path) -> Iterator[tuple[ThreadingHTTPServer, PagePlayed]]:
-    if found() is None:
-        pytest.skip("no chromium here: apt-get install chromium")
     with served(site) as server, Browser() as browser:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
@@ -139,6 +137,7 @@ def visited(site: Path) -> Iterator[tuple[ThreadingHTTPServer, PagePlayed]]:
             thread.join()
 
 
+@pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 def test_it_runs_stops_and_needs_no_network_after_a_visit(
     visited: tuple[ThreadingHTTPServer, PagePlayed], monkeypatch: pytest.MonkeyPatch
 ) -> None:

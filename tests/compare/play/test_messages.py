@@ -39,7 +39,7 @@ def asked(**message: Any) -> dict[str, Any]:
 NAMES = [name for name in catalogue.names() if len(catalogue.build(name).circles) <= MOST_CIRCLES]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "beads"])  # undecided before its first event
 def test_a_run_is_the_comparison_that_a_report_shows(name: str) -> None:
     scene = catalogue.build(name)
     found = asked(kind="run", scene=scene.data(), events=30, seconds=60, why=True)
