@@ -133,12 +133,12 @@ def _polygon(label: str, row: dict[str, Any]) -> Polygon:
         raise SceneError(f"{label}: points is missing; write points = [[x, y], [x, y], [x, y]]")
     points: object = row["points"]
     if not isinstance(points, list):
-        raise SceneError(f"{label}: points = {cut(points)} is not a list; write [[x, y], [x, y], [x, y]]")
+        raise SceneError(f"{label}: points = {cut(row['points'])} is not a list; write [[x, y], [x, y], [x, y]]")
     pairs: list[tuple[Quantity, Quantity]] = []
     for number, point in enumerate(cast("list[object]", points), start=1):
-        pair = cast("list[object]", point) if isinstance(point, list) else []
+        shown, pair = cut(point), cast("list[object]", point) if isinstance(point, list) else []
         if len(pair) != 2:
-            raise SceneError(f"{label}: point {number} = {cut(point)} is not a pair; write [x, y]")
+            raise SceneError(f"{label}: point {number} = {shown} is not a pair; write [x, y]")
         place = f"{label}: point {number}"
         pairs.append((_number(place, "x", pair[0]), _number(place, "y", pair[1])))
     return Polygon(pairs, id=row["id"], **_numbers(label, row, required=(), others=("r",)))

@@ -51,7 +51,12 @@ class FlatCrowd:
         cells: the cells.
         flights: the flights.
         plan: counts what is predicted and what is skipped.
+
+    Attributes:
+        slides: nothing: flat runs have no faces.
     """
+
+    slides: Sequence[Link] = ()
 
     def __init__(self, cells: CellLists, flights: FlatFlights, plan: Counter[str]) -> None:
         self.cells = cells
