@@ -428,7 +428,7 @@ of its digits, and six more.
 
 ## Three discs
 
-The repeller of the pinball, the starts that never escape, is told by its periodic orbits. Each of them is proved to
+The repeller of the pinball, the starts that never escape, is described by its periodic orbits. Each is proved to
 exist, by an interval Newton step, and its multiplier is read off the tangent map of the laws, in balls. What is summed
 up over the orbits is an expansion: the digits that the next order does not change are its answer, and no proof.
 `python docs/studies/pinball.py` prints

@@ -55,8 +55,9 @@ class PartsNear(Generic[N]):
     >>> from truebreak.floating.double import DOUBLES
     >>> from truebreak.scenarios import Circle, Segment
     >>> near = PartsNear(Scene([Circle(0, 9)], segments=[Segment(0, 0, 4, 0, r="1/2")]), DOUBLES)
-    >>> near.part(0, 1, 1.0, -2.0, 0.0, 1.0)
-    NearestPart(link=AtWall(circle=0, wall=1, kind='wall'), nx=-0.0, ny=-1.0, gap=0.5)
+    >>> below = near.part(0, 1, 1.0, -2.0, 0.0, 1.0)
+    >>> below.link.wall, below.ny, below.gap
+    (1, -1.0, 0.5)
     >>> near.part(0, 1, 7.0, 0.0, -1.0, 0.0).link
     Pair(a=0, b=2)
     """

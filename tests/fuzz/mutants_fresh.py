@@ -882,7 +882,7 @@ TOLD = (
     ),
     Mutant(
         "at_by_clock", MOTION,
-        "near = arb.nan() if isinstance(t, arb) else t",
+        "near = t if not isinstance(t, arb) else self.log.events.time_at(instant) if self.log.events else arb.nan()",
         "near = t",
         "at() takes a knot's clock for its instant",
     ),
@@ -908,8 +908,8 @@ TOLD = (
     ),
     Mutant(
         "half_an_instant", HISTORY,
-        "[knot for knot in row[1:] if knot[-1] <= number]",
-        "[knot for knot in row[1:] if knot[-1] < number]",
+        "while len(row) > 1 and row[-1][-1] > number:",
+        "while len(row) > 1 and row[-1][-1] >= number:",
         "where a run gives up, the knots of its last whole instant are dropped",
     ),
     Mutant(

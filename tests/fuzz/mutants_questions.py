@@ -608,8 +608,8 @@ LOOPS = (
     Mutant(
         "unfinished_knots_stay",
         HISTORY,
-        "[knot for knot in row[1:] if knot[-1] <= number] for row in self.knots]",
-        "row[1:] for row in self.knots]",
+        "while len(row) > 1 and row[-1][-1] > number:",
+        "while False:",
         "a run that ends within an instant keeps its knots",
         why_it_survives="knots are added with their instant, when it is whole (see steps_not_dropped)",
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import Whole
+from ..options import OPTIONAL_SCENE, Whole
 from ..progress import DONE
 
 EPILOG = """
@@ -20,7 +20,7 @@ Examples:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("scene", required=False)
+@OPTIONAL_SCENE
 @click.option("--port", type=Whole(0), default=0, show_default=True, help="The port; 0: any that is free.")
 @click.option("--no-browser", is_flag=True, help="Only print the address; open nothing.")
 def play(scene: str | None, port: int, no_browser: bool) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..options import JSON, VERBOSE, Whole, command_of, examples
+from ..options import JSON, VERBOSE, Whole, command_of, examples, isolating
 from ..progress import DONE
 
 
@@ -19,9 +19,10 @@ from ..progress import DONE
     "queries whose library is installed. With --out nothing is scored unless this is given.",
 )
 @VERBOSE
+@isolating
 @JSON
 def vectors(count: int, seed: int, out: str | None, engines: str | None, verbose: bool, as_json: bool) -> int:
-    """Write single first meetings with certified answers, and score engines by them.
+    """Write first meetings with certified answers; score engines.
 
     A vector is a disc, what it may meet (a disc, a wall, or a segment with its ends), whether they meet, and when. All
     numbers of a question are doubles. There are hits, misses, grazes, hits and misses by 2**-k, discs that touch at the

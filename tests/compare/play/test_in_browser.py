@@ -55,6 +55,7 @@ def test_histories_are_the_same_bytes_as_here(site: Path) -> None:
     messages = [
         {"kind": "run", "scene": catalogue.build(name).data(), "events": 40, "seconds": 60, "why": True}
         for name in NAMES
+        if name != "beads"  # undecided before its first event
     ]
     messages.append({"kind": "run", "scene": catalogue.build("gas").data(), "events": 300, "seconds": 60})
     for message, (_, mine) in zip(messages, in_wasm(site, messages), strict=True):
@@ -85,6 +86,7 @@ def test_a_certificate_made_there_is_verified_here(site: Path) -> None:
     assert verdict(told["text"])[0] == 0
 
 
+@pytest.mark.slow
 def test_seconds_are_kept_there_too(site: Path) -> None:
     scene = catalogue.build("echo").data()
     ((spent, told),) = in_wasm(site, [{"kind": "run", "scene": scene, "events": 5000, "seconds": 2}])

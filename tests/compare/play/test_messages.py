@@ -97,6 +97,7 @@ def test_what_is_no_message_is_refused_in_one_line(message: dict[str, Any], part
     assert part in found["error"] and "\n" not in found["error"]
 
 
+@pytest.mark.slow
 def test_a_run_takes_the_seconds_that_it_is_given() -> None:
     began = clock.process_time()
     found = asked(kind="run", scene=catalogue.build("echo").data(), events=5000, seconds=1, why=True)
