@@ -25,7 +25,7 @@ from truebreak.compare.side_by_side import FORKS, SideBySide
 from truebreak.scenarios import SceneError, catalogue
 from truebreak.scenarios.trajectory import Progress
 
-TIMES = {"seconds", "processor", "times", "exact_seconds", "cost"}
+TIMES = {"seconds", "processor", "times", "exact_seconds", "alternatives"}  # which are listed by measured cost
 
 copies = pytest.mark.skipif(not FORKS, reason="processes are not copied here")
 

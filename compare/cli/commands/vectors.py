@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from .. import completion
 from ..options import JSON, VERBOSE, Whole, command_of, examples, isolating
 from ..progress import DONE
 
@@ -15,6 +16,7 @@ from ..progress import DONE
 @click.option(
     "--engines",
     metavar="A,B,...",
+    shell_complete=completion.engines,
     help="What to score: engines without time steps, and queries of physics libraries; else double, single and the "
     "queries whose library is installed. With --out nothing is scored unless this is given.",
 )
