@@ -6,15 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import hypot, isfinite
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
 from .things import FIXED, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -284,8 +281,8 @@ class ThingParts(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def parts_of(scene: Scene) -> Mapping[int, ThingParts]:
-    """The parts of every thing that has several, by its place in `Scene.ids`.
+def parts_of(scene: Any) -> Mapping[int, ThingParts]:
+    """The parts of every thing that has several, by its place in `Scene.ids`; of a `Scene`, which imports this module.
 
     >>> from truebreak.scenarios import Scene
     >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
