@@ -44,7 +44,7 @@ Numbers = tuple[float, float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Question:
+class MeetingQuestion:
     """A disc, what it may meet, and what is tried by it.
 
     Attributes:
@@ -91,7 +91,7 @@ class Vector:
         part: `face` or `end`, of a segment that is met.
     """
 
-    question: Question
+    question: MeetingQuestion
     meets: bool
     time: float = 0.0
     rest: float = 0.0
@@ -99,13 +99,13 @@ class Vector:
     part: str = ""
 
 
-def answered(question: Question) -> Vector:
+def answered(question: MeetingQuestion) -> Vector:
     """The certified answer.
 
     Raises:
         SceneError: where the two overlap at the start, which is no question.
 
-    >>> head_on = Question("disc", "hit", (0.0, 0.0, 1.0, 1.0, 0.0), (4.0, 0.0, 1.0, 0.0, 0.0))
+    >>> head_on = MeetingQuestion("disc", "hit", (0.0, 0.0, 1.0, 1.0, 0.0), (4.0, 0.0, 1.0, 0.0, 0.0))
     >>> answered(head_on).meets, answered(head_on).time
     (True, 2.0)
     """
@@ -120,7 +120,7 @@ def answered(question: Question) -> Vector:
     return Vector(question, True, time, rest, event.time.digits(DIGITS), _part(question, run.after(0)["disc"]))
 
 
-def _part(question: Question, state: object) -> str:
+def _part(question: MeetingQuestion, state: object) -> str:
     """Which part of a segment the disc has met: an end, where its centre lies beyond the segment's two points."""
     if question.thing != "segment":
         return ""
@@ -137,7 +137,7 @@ def _part(question: Question, state: object) -> str:
 # -- what is drawn
 
 
-def questions(seed: int = 1) -> Iterator[Question]:
+def questions(seed: int = 1) -> Iterator[MeetingQuestion]:
     """Questions without end, drawn from a seed: every thing and kind in turn.
 
     >>> first = next(questions(7))
@@ -243,7 +243,7 @@ def _scaled(draw: Random, kind: str, disc: Numbers, other: Numbers, moves: bool)
     return made, (*(math.ldexp(n, length) for n in other[:3]), *speeds), length  # pyright: ignore[reportReturnType]
 
 
-def _two_discs(draw: Random, kind: str) -> Question:
+def _two_discs(draw: Random, kind: str) -> MeetingQuestion:
     """Two discs, both of which fly."""
     found = _pass(draw, kind)
     r = found.reach * draw.randrange(1, 8) / 8
@@ -253,10 +253,10 @@ def _two_discs(draw: Random, kind: str) -> Question:
         x, y = _even(draw, -50, 50), _even(draw, -50, 50)
     disc = found.dx + x, found.dy + y, found.reach - r, found.vx + vx, found.vy + vy
     disc, other, scale = _scaled(draw, kind, disc, (x, y, r, vx, vy), moves=True)
-    return Question("disc", kind, disc, other, found.level if scale is None else scale)
+    return MeetingQuestion("disc", kind, disc, other, found.level if scale is None else scale)
 
 
-def _one_wall(draw: Random, kind: str) -> Question:
+def _one_wall(draw: Random, kind: str) -> MeetingQuestion:
     """A wall through (x0, y0) and (x1, y1), and a disc that comes, leaves, or flies along it."""
     p, q, h = _turned(draw)
     r, away = draw.randrange(1, 33) / 8, draw.randrange(4, 200) / 8
@@ -280,10 +280,10 @@ def _one_wall(draw: Random, kind: str) -> Question:
     x0, x1 = -draw.randrange(1, 9), draw.randrange(1, 9)
     wall = float(x0 * p), float(x0 * q), float(x1 * p), float(x1 * q), 0.0
     disc, wall, scale = _scaled(draw, kind, disc, wall, moves=False)
-    return Question("wall", kind, disc, wall, level if scale is None else scale)
+    return MeetingQuestion("wall", kind, disc, wall, level if scale is None else scale)
 
 
-def _one_segment(draw: Random, kind: str) -> Question:
+def _one_segment(draw: Random, kind: str) -> MeetingQuestion:
     """A segment with round ends: its face is met, or the disc passes close to an end."""
     found = _pass(draw, kind)
     r = draw.choice((0.0, found.reach / 8, found.reach / 2))
@@ -301,10 +301,10 @@ def _one_segment(draw: Random, kind: str) -> Question:
     draw.shuffle(ends)
     disc = found.dx, found.dy, found.reach - r, found.vx, found.vy
     disc, other, scale = _scaled(draw, kind, disc, (*ends[0], *ends[1], r), moves=False)
-    return Question("segment", kind, disc, other, found.level if scale is None else scale)
+    return MeetingQuestion("segment", kind, disc, other, found.level if scale is None else scale)
 
 
-DRAWS: dict[str, Callable[[Random, str], Question]] = {
+DRAWS: dict[str, Callable[[Random, str], MeetingQuestion]] = {
     "disc": _two_discs,
     "wall": _one_wall,
     "segment": _one_segment,

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import OnProgress, Progress, StopReason
 from ..foreign.guard import run_guarded
-from .first_meetings import KINDS, THINGS, Question, Vector
+from .first_meetings import KINDS, THINGS, MeetingQuestion, Vector
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
 
-Query = Callable[[Question], "float | None"]
+Query = Callable[[MeetingQuestion], "float | None"]
 """When the two first meet; None: never. Raises `SceneError` for a question that it cannot take."""
 
 
@@ -115,7 +115,7 @@ def by_engine(engine: Engine) -> Query:
             f"or score a query: {', '.join(QUERIES)}"
         )
 
-    def query(question: Question) -> float | None:
+    def query(question: MeetingQuestion) -> float | None:
         try:
             run = run_guarded(engine, question.scene, until=None, events=1, progress=None)
         except (OverflowError, ZeroDivisionError) as error:
@@ -141,7 +141,7 @@ class _Cast:
     time: float
 
     @staticmethod
-    def of(question: Question) -> _Cast:
+    def of(question: MeetingQuestion) -> _Cast:
         x, y, r, vx, vy = question.disc
         if question.thing == "disc":
             vx, vy = vx - question.other[3], vy - question.other[4]
@@ -160,7 +160,7 @@ class _Cast:
         return _Cast(x, y, x + vx * time, y + vy * time, time)
 
 
-def _line(question: Question, cast: _Cast) -> tuple[tuple[float, float], tuple[float, float]]:
+def _line(question: MeetingQuestion, cast: _Cast) -> tuple[tuple[float, float], tuple[float, float]]:
     """The two points of a segment; of a wall, two far beyond the flight."""
     x0, y0, x1, y1 = question.other[:4]
     if question.thing == "segment":
@@ -174,7 +174,7 @@ def _pymunk_query() -> Query:
     """`pymunk.Space.segment_query_first`: a thick line from the start of a flight to its end."""
     import pymunk
 
-    def query(question: Question) -> float | None:
+    def query(question: MeetingQuestion) -> float | None:
         space: Any = pymunk.Space()
         cast = _Cast.of(question)
         if question.thing == "disc":
@@ -199,7 +199,7 @@ def _box2d_query() -> Query:
 
     lib: Any = Box2D
 
-    def query(question: Question) -> float | None:
+    def query(question: MeetingQuestion) -> float | None:
         if question.thing == "segment" and question.other[4]:
             raise SceneError("Box2D's edges have no thickness")
         cast = _Cast.of(question)

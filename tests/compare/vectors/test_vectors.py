@@ -19,7 +19,15 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
-from truebreak.compare.vectors.first_meetings import KINDS, THINGS, Question, Vector, answered, questions, vectors
+from truebreak.compare.vectors.first_meetings import (
+    KINDS,
+    THINGS,
+    MeetingQuestion,
+    Vector,
+    answered,
+    questions,
+    vectors,
+)
 from truebreak.compare.vectors.scores import QUERIES, by_engine, error_of, installed_queries, query_named, scores
 from truebreak.compare.vectors.vector_files import SOURCES, vectors_header, vectors_json, write_vectors
 from truebreak.scenarios import SceneError
@@ -64,7 +72,7 @@ def side_meeting(
     return time, along / (Decimal(square.numerator) / square.denominator)
 
 
-def referee(question: Question) -> tuple[Decimal, str] | None:
+def referee(question: MeetingQuestion) -> tuple[Decimal, str] | None:
     """When the two meet, and on which part."""
     x, y, r, vx, vy = map(Fraction, question.disc)
     b = [Fraction(n) for n in question.other]
@@ -169,7 +177,7 @@ def test_grazes_need_more_than_doubles() -> None:
 
 def test_what_overlaps_is_no_question() -> None:
     with pytest.raises(SceneError, match="overlaps"):
-        answered(Question("disc", "hit", (0.0, 0.0, 1.0, 1.0, 0.0), (1.0, 0.0, 1.0, 0.0, 0.0)))
+        answered(MeetingQuestion("disc", "hit", (0.0, 0.0, 1.0, 1.0, 0.0), (1.0, 0.0, 1.0, 0.0, 0.0)))
 
 
 # -- files
@@ -259,7 +267,7 @@ def test_scores_of_answers_that_are_false_somewhere() -> None:
     made = [*vectors(42, seed=9)]
     hit, miss = next(v for v in made if v.meets and v.time), next(v for v in made if not v.meets)
 
-    def query(question: Question) -> float | None:
+    def query(question: MeetingQuestion) -> float | None:
         vector = next(v for v in made if v.question == question)
         if vector is hit:
             return None
