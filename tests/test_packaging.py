@@ -39,8 +39,8 @@ def sources() -> set[str]:
 
 
 def _compiled_from(name: str) -> bool:
-    """Whether a file is a source of compiled parts; a header for engines of others is not."""
-    return name.endswith(".c") or (name.endswith(".h") and not name.startswith("compare/logdiff/"))
+    """Whether a file is a source of compiled parts; what is for engines of others is not."""
+    return name.endswith((".c", ".h")) and not name.startswith(("compare/logdiff/", "compare/vectors/"))
 
 
 def installed(name: str) -> str:
