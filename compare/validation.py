@@ -117,6 +117,8 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         or told.circles != scene.circles
         or told.walls != scene.walls
         or told.segments != scene.segments
+        or told.polygons != scene.polygons
+        or told.restitution != scene.restitution
     ):
         raise EngineError(
             f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "

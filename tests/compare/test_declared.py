@@ -12,7 +12,7 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.validation import EngineError, check_engine, check_trajectory
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
-from truebreak.scenarios import Circle, Contact, Declared, Scene, SceneError, Trajectory, catalogue
+from truebreak.scenarios import Circle, Contact, Declared, Polygon, Scene, SceneError, Trajectory, catalogue
 from truebreak.scenarios.engine import ALL_KEYS, SCENE_KEYS
 from truebreak.scenarios.trajectory import Pocketing, Reversal, Stop, StopReason
 
@@ -73,6 +73,13 @@ def told_of_first(**changes: Any) -> Callable[[Trajectory], Trajectory]:
         (lambda run: replace(run, events=(replace(run.events[0], contacts=(3,)),)), "event 0: contacts has 3"),
         (lambda run: replace(run, stop=None), "stop = None"),
         (lambda run: replace(run, scene=catalogue.build("lee")), "is of another scene"),
+        (lambda run: replace(run, scene=run.scene.with_changes(restitution="1/2")), "is of another scene"),
+        (
+            lambda run: replace(
+                run, scene=run.scene.with_changes(polygons=[Polygon([(50, 50), (51, 50), (50, 51)], id="block")])
+            ),
+            "is of another scene",
+        ),
         (lambda run: replace(run, motion=None), "raised AttributeError: 'NoneType' object has no attribute 'state'"),
         (lambda run: replace(run, events=None), "events = None; must be a tuple"),
         (lambda run: replace(run, events=(e for e in run.events)), "must be a tuple"),
