@@ -23,8 +23,8 @@ BATCH, SECONDS, SHORT = 256, 0.5, 0.05
 last of these is written at once: the disk is not waited for at each of a thousand small ones alone."""
 
 COLUMNS = {
-    **{key: f"json_extract(row, '$.{key}')" for key in ("engine", "verdict", "agreed", "event", "at", "foreseen_low",
-                                                        "foreseen_high", "by_exponent", "changed", "index")},
+    **{key: f"json_extract(row, '$.{key}')" for key in ("engine", "verdict", "agreed", "event", "at", "predicted_low",
+                                                        "predicted_high", "by_exponent", "changed", "index")},
     "audited": "json_type(row, '$.laws') IS NOT NULL",
     "kept": "json_extract(row, '$.laws.kept')",
 }  # fmt: skip
