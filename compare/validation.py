@@ -90,6 +90,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "wall": bool(scene.walls),
         "segment": bool(scene.segments),
         "polygon": bool(scene.polygons),
+        "arc": bool(scene.arcs),
         "pocket": bool(scene.pockets),
         "capture": scene.capture and bool(scene.pockets),
         "reverse_at": scene.reverse_at is not None,
@@ -118,6 +119,7 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         or told.walls != scene.walls
         or told.segments != scene.segments
         or told.polygons != scene.polygons
+        or told.arcs != scene.arcs
         or told.restitution != scene.restitution
     ):
         raise EngineError(

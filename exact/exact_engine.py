@@ -77,9 +77,9 @@ def may_be_taken_up(scene: Scene, tape: Tape) -> bool:
     """Whether what lies ahead of a log's end can be predicted from there alone.
 
     Not among cells where something touched and left a flight as it was: on its way from there to the end that flight
-    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments or polygons.
+    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside surfaces.
     """
-    if scene.segments or scene.polygons:
+    if scene.surfaces is not scene:
         return False
     touched = any(isinstance(found, Instant) and (found.touches or found.rims) for found in tape.whole())
     return not (touched and len(scene.circles) >= cells.FEWEST)

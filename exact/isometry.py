@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from ..scenarios.scene import Scene
 from .numbers.ball import Field, FieldNumber, field_sign
-from .replay.contact import AtWall, Entry, Link, Pair, can_push, is_flat, is_pair
+from .replay.contact import AtArc, AtWall, Entry, Link, Pair, can_push, is_arc, is_flat, is_pair
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
@@ -37,12 +37,19 @@ class SceneData:
             wall_key(*wall, end): k for k, (wall, end) in enumerate(zip(self.walls, self.ends, strict=True))
         }
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
+        self.arcs: list[tuple[Vector, FieldNumber, Vector | None]] = [
+            ((constant(s.x), constant(s.y)), constant(s.r), None if s.full else (constant(s.nx), constant(s.ny)))
+            for s in scene.arc_sides
+        ]
+        self.arc_of = {arc: k for k, arc in enumerate(self.arcs)}
         self.alone = len(self.wall_of) == len(self.walls) and len(self.pocket_of) == len(self.pockets)
 
     def kind_of(self, link: Link) -> tuple[object, ...]:
         """What of a contact an isometry leaves as it is."""
         if is_pair(link):
             return Pair, self.kinds[link.a], self.kinds[link.b]
+        if is_arc(link):
+            return AtArc, self.kinds[link.circle], self.arcs[link.arc][1]
         return type(link), self.kinds[link.circle], self.pockets[link.pocket][1] if not can_push(link) else None
 
     def vectors(self, link: Link) -> list[Vector]:
@@ -50,13 +57,15 @@ class SceneData:
         first = self.speeds[link[0]]
         if is_flat(link):
             return [first, self.foot(*link[:2])]
+        if is_arc(link):
+            return [first, minus(self.arcs[link.arc][0], self.places[link.circle])]
         if not can_push(link):
             return [first, minus(self.pockets[link.pocket][0], self.places[link.circle])]
         return [first, minus(self.places[link.b], self.places[link.a]), self.speeds[link.b]]
 
     def one_of(self, link: Link) -> Link:
         """The contact with the wall that stands for all on one line, or the pocket for all at one place."""
-        if self.alone or is_pair(link):
+        if self.alone or is_pair(link) or is_arc(link):
             return link
         if is_flat(link):
             return AtWall(link.circle, self.wall_of[wall_key(*self.walls[link.wall], self.ends[link.wall])])
@@ -142,6 +151,11 @@ class Isometry:
             self._walls[k] = self._data.wall_of.get(key)
         return self._walls[k]
 
+    def arc(self, k: int) -> int | None:
+        """The side of an arc on the image of side k."""
+        place, r, chord = self._data.arcs[k]
+        return self._data.arc_of.get((self.move(place), r, None if chord is None else self.turn(chord)))
+
     def pocket(self, k: int) -> int | None:
         """The pocket at the image of pocket k."""
         place, r = self._data.pockets[k]
@@ -155,6 +169,9 @@ class Isometry:
         if not can_push(link):
             k = self.pocket(link.pocket)
             return None if k is None else Entry(a, k)
+        if is_arc(link):
+            k = self.arc(link.arc)
+            return None if k is None else AtArc(a, k)
         b = self.wall(link.wall) if is_flat(link) else self.circle(link.b)
         if b is None:
             return None

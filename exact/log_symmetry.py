@@ -470,13 +470,14 @@ class Symmetry:
 def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     """All mirrors and rotations of a scene, without the identity; none if its numbers are too deep to tell.
 
-    Of a scene with segments or polygons those of its `surfaces` are to be asked for: of itself none are given.
+    Of a scene with segments or polygons those of its `surfaces` are to be asked for: of itself none are given. Nor are
+    those of a scene with arcs looked for.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> [s.circles for s in symmetries(Scene([Circle(0, 3, vx=1), Circle(0, -3, vx=1), Circle(9, 0, vx=-1)]))]
     [(1, 0, 2)]
     """
-    if scene.segments or scene.polygons or (len(scene.circles) < 2 and not scene.walls):
+    if scene.surfaces is not scene or scene.arc_sides or (len(scene.circles) < 2 and not scene.walls):
         return ()
     rough = _Rough(scene)
     if not rough.usable:

@@ -10,7 +10,7 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import speed_change
 from .numbers.system import N, solve_positive
-from .replay.contact import AtWall, Entry, Link, Round, Touch, is_flat
+from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
 from .replay.state import ReplayState
 
 # -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
@@ -111,7 +111,7 @@ def circles_of(*links: Link) -> tuple[int, ...]:
 
 # -- Questions about meetings: whether and when two touch, and whether they come nearer.
 
-L = TypeVar("L", Link, Round, Entry, AtWall)
+L = TypeVar("L", Link, Round, Entry, AtWall, AtArc)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,6 +205,38 @@ class Beside(Plain):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} are between its ends"
+
+
+@dataclass(frozen=True, eq=False)
+class Within(Plain):
+    """Does a circle meet the circle of an arc within the arc (positive), at its end (zero) or beyond it?
+
+    `graze`: where it is nearest to it.
+    """
+
+    link: AtArc
+    graze: bool = False
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return self.link.circles
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.within_arc(self.link, *state.arc_span(self.link, self.graze))
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        zero = state.zero
+        if self.graze or state.scene.arc_sides[self.link.arc].full:
+            return self.value(state), zero, zero, zero, zero
+        t, dx, dy, vx, vy, _ = state.relation(self.link)
+        p, q, disc = self.link.parts(state)
+        wait = p - t
+        nx, ny, _ = state.arc_chord(self.link)
+        fixed = state.within_arc(self.link, dx + vx * wait, dy + vy * wait)
+        return fixed, -(nx * vx + ny * vy) * q, disc, zero, zero
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.link)} meet between its ends"
 
 
 class Discriminant(OfOne[Round]):

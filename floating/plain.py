@@ -8,14 +8,15 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
+from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
+from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, NamedContacts, is_arc, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
-from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, arc_contact
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
@@ -243,6 +244,8 @@ class PlainMeetings(Generic[M]):
         Raises:
             Undecided: where that cannot be told.
         """
+        if is_arc(link):
+            return self._meeting_arc(link)
         approach = self._ask(Approach(link))
         if is_flat(link) and link.wall in self._predictor.faces:
             return self._meeting_face(link, approach)
@@ -257,6 +260,24 @@ class PlainMeetings(Generic[M]):
             return link.later(self._state).flight.t, False
         try:
             clock, wait = Moment(link, disc == 0).wait(self._state)
+        except ZeroDivisionError:
+            return None
+        return clock + wait, disc == 0
+
+    def _meeting_arc(self, link: AtArc) -> tuple[M, bool] | None:
+        """As `_meeting`, of a side of an arc; what rounding has put into it is on its side, within it, not through."""
+        state = self._state
+        if self._ask(Approach(link)) < 0 and self._ask(Gap(link)) <= 0:
+            a, b = link.ends(state)
+            pair = state.relation(link)
+            through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
+            if through < 0 and self._sign(state.within_arc(link, pair.dx, pair.dy)) > 0:
+                return a.flight.t, False
+        disc = arc_contact(link, self._ask)
+        if disc is None or disc < 0:
+            return None
+        try:
+            clock, wait = Moment(link, disc == 0).wait(state)
         except ZeroDivisionError:
             return None
         return clock + wait, disc == 0

@@ -12,10 +12,11 @@ if TYPE_CHECKING:
     from .numbers.quantity import Quantity
     from .scene import Scene
     from .settings import TiePolicy
-    from .things import Circle, Pocket, Polygon, Segment, Wall
+    from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
     from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
 
 __all__ = [
+    "Arc",
     "Circle",
     "Contact",
     "Declared",
@@ -37,6 +38,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Arc": "things",
     "Circle": "things",
     "Contact": "trajectory",
     "Declared": "engine",

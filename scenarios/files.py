@@ -16,7 +16,7 @@ from .errors import SHOWN, Bare, SceneError, cut, printable
 from .numbers.parsing import MAX_LENGTH
 from .numbers.quantity import Quantity
 from .scene import MAX_CIRCLES, Scene
-from .things import FIXED, INFINITE, Circle, Pocket, Polygon, Segment, Wall
+from .things import FIXED, INFINITE, Arc, Circle, Pocket, Polygon, Segment, Wall
 
 # -- From the keys and values of a scene file to the scene; whatever does not fit is refused by name.
 
@@ -26,16 +26,17 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
-TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "capture", "circle", "wall", "segment", "polygon", "pocket")
+TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "capture", "circle", "wall", "segment", "polygon", "arc", "pocket")
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
 SEGMENT = (*WALL, "r")
 POLYGON = ("id", "points", "r")
+ARC = ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")
 POCKET = ("id", "x", "y", "r")
 
 ABSENT = frozenset(
     [
-        *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
+        *("acceleration", "angle", "angular_velocity", "bounce", "box", "capsule", "constraint", "damping"),
         *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
         *("period_x", "period_y", "rectangle", "rotation", "settle", "spin"),
         *("spring", "torque"),
@@ -77,6 +78,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
             pockets=_things(data, "pocket", _pocket, remedy),
             segments=_things(data, "segment", _segment, remedy),
             polygons=_things(data, "polygon", _polygon, remedy),
+            arcs=_things(data, "arc", _arc, remedy),
             **values,
         )
     except SceneError as error:
@@ -144,6 +146,15 @@ def _polygon(label: str, row: dict[str, Any]) -> Polygon:
     return Polygon(pairs, id=row["id"], **_numbers(label, row, required=(), others=("r",)))
 
 
+def _arc(label: str, row: dict[str, Any]) -> Arc:
+    _check_keys(label, row, ARC)
+    full = _truth(f"{label}: full", row.get("full", False))
+    ends = ("x0", "y0", "x1", "y1")
+    if full:
+        return Arc(id=row["id"], full=True, **_numbers(label, row, required=("x", "y", "r"), others=ends))
+    return Arc(id=row["id"], **_numbers(label, row, required=("x", "y", "r", *ends)))
+
+
 def _pocket(label: str, row: dict[str, Any]) -> Pocket:
     _check_keys(label, row, POCKET)
     return Pocket(id=row["id"], **_numbers(label, row, required=("x", "y", "r")))
@@ -207,7 +218,7 @@ def _check_physics(data: dict[str, Any]) -> None:
         SceneError: naming each key, and the first thing that has it.
     """
     found = {key: "" for key in data if _is_physics(key)}
-    for kind in ("circle", "wall", "segment", "polygon", "pocket"):
+    for kind in ("circle", "wall", "segment", "polygon", "arc", "pocket"):
         rows: object = data.get(kind)
         for row in rows if _few(rows) and _are_tables(rows) else []:
             for key in row:
@@ -442,7 +453,7 @@ def _data(scene: Scene) -> dict[str, Any]:
     """The scene's keys and values, once it is sure that a file can hold them."""
     data = scene.data()
     _check_table("", data)
-    for kind in ("circle", "wall", "segment", "polygon", "pocket"):
+    for kind in ("circle", "wall", "segment", "polygon", "arc", "pocket"):
         rows: list[dict[str, Any]] = data.get(kind, [])
         for row in rows:
             label = f"{kind} {cut(row['id'])}: "

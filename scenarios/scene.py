@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import ELASTIC, TiePolicy, checked_restitution, checked_truth, positive_count, positive_time
-from .things import Circle, Pocket, Polygon, Segment, Wall
+from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
+
+if TYPE_CHECKING:
+    from .arcs import ArcSide
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
 
-THINGS = frozenset({"circles", "walls", "pockets", "segments", "polygons"})
+THINGS = frozenset({"circles", "walls", "pockets", "segments", "polygons", "arcs"})
 
 
 @dataclass(frozen=True)
@@ -38,9 +41,10 @@ class Scene:
         description, source: what the scene shows and where it comes from.
         segments: straight segments, after the walls in that order.
         polygons: solid polygons, after the segments in that order.
+        arcs: parts of circles, after the polygons in that order.
         restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
-        surfaces: the same scene as engines see it: segments and polygons as faces and ends; itself without.
+        surfaces: the same scene as engines see it: faces, sides and ends of segments, polygons and arcs.
 
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
@@ -66,6 +70,7 @@ class Scene:
     segments: tuple[Segment, ...] = ()
     polygons: tuple[Polygon, ...] = ()
     restitution: Quantity = ELASTIC
+    arcs: tuple[Arc, ...] = ()
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -85,6 +90,7 @@ class Scene:
         segments: Iterable[Segment] = (),
         polygons: Iterable[Polygon] = (),
         restitution: QuantityLike = 1,
+        arcs: Iterable[Arc] = (),
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
@@ -92,6 +98,7 @@ class Scene:
         put(self, "pockets", tuple(_named(pockets, "p")))
         put(self, "segments", tuple(_named(segments, "s")))
         put(self, "polygons", tuple(_named(polygons, "g")))
+        put(self, "arcs", tuple(_named(arcs, "a")))
         self._settle(
             name=name,
             tie_policy=tie_policy,
@@ -106,14 +113,23 @@ class Scene:
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
-        if self.segments or self.polygons:
+        if self.segments or self.polygons or self.arcs:
             from .surfaces import check_surfaces
 
             outer, inner = check_surfaces(self.circles, self.walls, self.segments, self.polygons, self._ends)
             n = len(self.circles)
+            if self.arcs:
+                from .arcs import check_arcs
+
+                thing = len(self.ids) - len(self.arcs)
+                side = n + len(self._ends) + len(self.surfaces.walls)
+                with_arcs, with_sides = check_arcs(self.circles, self.arcs, self._ends)
+                outer += [(i, thing + k) for i, k in with_arcs]
+                inner += [(i, n + k if is_end else side + k) for i, k, is_end in with_sides]
             inner += [(i, j if j < n else j + len(self._ends)) for i, j in touching]
             touching = tuple(sorted([*touching, *outer]))
-            put(self, "_lowered_touching", tuple(sorted(inner)))
+            put(self, "_lowered_touching", tuple(sorted(set(inner))))
+            vars(self).pop("surfaces", None)
         put(self, "touching", touching)
 
     def _settle(
@@ -158,7 +174,7 @@ class Scene:
         if len(self.circles) > MAX_CIRCLES:
             raise SceneError(f"the scene has {len(self.circles)} circles; at most {MAX_CIRCLES}")
         seen: set[str | None] = set()
-        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments, *self.polygons):
+        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments, *self.polygons, *self.arcs):
             if thing.id in seen:
                 raise SceneError(f"id {thing.id!r} is used twice; give everything an id of its own")
             seen.add(thing.id)
@@ -178,29 +194,30 @@ class Scene:
 
     @kept
     def ids(self) -> tuple[str, ...]:
-        """Ids of the circles, then of the walls, the segments and the polygons: the scene order."""
-        return tuple(str(thing.id) for thing in (*self.circles, *self.walls, *self.segments, *self.polygons))
+        """Ids of the circles, then of the walls, the segments, the polygons and the arcs: the scene order."""
+        things = (*self.circles, *self.walls, *self.segments, *self.polygons, *self.arcs, *self.arc_sides)
+        return tuple(str(thing.id) for thing in things)
 
     @kept
     def _ends(self) -> tuple[Circle, ...]:
-        """The ends of segments and the corners of polygons, as fixed circles."""
+        """The ends of segments and arcs and the corners of polygons, as fixed circles."""
         from .surfaces import ends_of
 
-        return ends_of(self.segments, self.polygons, any(circle.r.sign() == 0 for circle in self.circles))
+        return ends_of(self.segments, self.polygons, any(circle.r.sign() == 0 for circle in self.circles), self.arcs)
 
     @kept
     def surfaces(self) -> Scene:
         """The same scene as engines see it: segments and polygons as faces, after the walls, and ends, after circles.
 
-        Itself where it has neither.
+        Arcs are the two sides of each. Itself where it has none of them.
         """
-        if not self.segments and not self.polygons:
+        if not self.segments and not self.polygons and not self.arcs:
             return self
         from .surfaces import faces_of
 
         found = copy(self)
         kept_values = vars(found)
-        for name in ("_hash", "ids", "surfaces", "faces", "_ends"):
+        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides"):
             kept_values.pop(name, None)
         kept_values["ends"] = range(len(self.circles), len(self.circles) + len(self._ends))
         kept_values["two_sided"] = range(len(self.walls), len(self.walls) + 2 * len(self.segments))
@@ -209,7 +226,12 @@ class Scene:
         put(found, "walls", (*self.walls, *faces_of(self.segments, self.polygons)))
         put(found, "segments", ())
         put(found, "polygons", ())
-        put(found, "touching", kept_values["_lowered_touching"])
+        if self.arcs:
+            from .arcs import arc_sides
+
+            kept_values["arc_sides"] = tuple(arc_sides(self.arcs))
+            put(found, "arcs", ())
+        put(found, "touching", kept_values.get("_lowered_touching", ()))
         return found
 
     @kept
@@ -224,6 +246,11 @@ class Scene:
             next((k for k, wall in enumerate(self.walls) if wall.is_face), len(self.walls)),
             len(self.walls),
         )
+
+    @kept
+    def arc_sides(self) -> tuple[ArcSide, ...]:
+        """The sides of arcs, two of each, the hollow one second: none but in `surfaces`."""
+        return ()
 
     @kept
     def two_sided(self) -> range:
@@ -280,6 +307,12 @@ class Scene:
             for polygon, row in zip(self.polygons, data["polygon"], strict=True):
                 if polygon.r.sign() != 0:
                     row["r"] = polygon.r.text()
+        if self.arcs:
+            data["arc"] = [
+                {**_texts(a, ("x", "y", "r")), "full": True} if a.full else
+                _texts(a, ("x", "y", "r", "x0", "y0", "x1", "y1"))
+                for a in self.arcs
+            ]  # fmt: skip
         if self.pockets:
             data["pocket"] = [_texts(p, ("x", "y", "r")) for p in self.pockets]
         return data
@@ -296,6 +329,7 @@ class Scene:
             "wall": len(self.walls),
             "segment": len(self.segments),
             "polygon": len(self.polygons),
+            "arc": len(self.arcs),
             "pocket": len(self.pockets),
         }
         told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
@@ -306,7 +340,7 @@ class Scene:
         """Its name, and of how many things it is made."""
         kinds = (
             *(("circle", self.circles), ("wall", self.walls), ("segment", self.segments)),
-            *(("polygon", self.polygons), ("pocket", self.pockets)),
+            *(("polygon", self.polygons), ("arc", self.arcs), ("pocket", self.pockets)),
         )
         made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
         return f"{self.name}: {', '.join(made)}"
@@ -322,7 +356,7 @@ class Scene:
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment, Polygon)
+Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment, Polygon, Arc)
 
 
 def _named(things: Iterable[Thing], letter: str) -> list[Thing]:

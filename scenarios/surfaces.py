@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
-from .things import FIXED, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
+from .things import FIXED, Arc, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -65,7 +65,9 @@ def sides_of(polygon: Polygon) -> list[Segment]:
     return [Segment(*a, *b, id=polygon.id, r=polygon.r) for a, b in polygon.sides()]
 
 
-def ends_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = (), points: bool = False) -> tuple[Circle, ...]:
+def ends_of(
+    segments: Sequence[Segment], polygons: Sequence[Polygon] = (), points: bool = False, arcs: Sequence[Arc] = ()
+) -> tuple[Circle, ...]:
     """The ends as fixed circles, with the greatest r there, each named by the first thing that has that.
 
     Args:
@@ -90,6 +92,9 @@ def ends_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = (), point
             turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
             if turn.sign() < 0 or (points and polygon.r.sign() == 0):
                 take(b, polygon.r, polygon.id)
+    for arc in arcs:
+        for place in arc.ends:
+            take(place, ZERO, arc.id)
     return tuple(Circle(*place, r=r, m=FIXED, id=name, point=r.sign() == 0) for place, (r, name) in found.items())
 
 

@@ -1,4 +1,4 @@
-"""Circles, walls, segments, polygons and pockets: frozen, exact, checked each by itself."""
+"""Circles, walls, segments, polygons, arcs and pockets: frozen, exact, checked each by itself."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from math import inf, nextafter
 from typing import Any, Literal, TypeAlias, cast
 
 from .errors import SceneError, cut
+from .lazy import kept
 from .numbers.parsing import is_sympy
 from .numbers.quantity import ZERO, Quantity, QuantityLike
 from .settings import checked_truth
@@ -391,6 +392,106 @@ def box_of(points: Sequence[Point]) -> Box:
 def boxes_meet(a: Box, b: Box) -> bool:
     """Whether two boxes have a point in common."""
     return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
+
+
+_ONE = Quantity.of(1)
+
+
+@dataclass(frozen=True, init=False)
+class Arc:
+    """The part of a circle counter-clockwise from one direction to another, hard on both sides; `full` for all of it.
+
+    Attributes:
+        x, y, r: the circle.
+        x0, y0, x1, y1: points in whose directions, seen from its centre, the arc begins and ends; they need not lie on
+            the circle. Those of a full circle are its centre.
+        full: whether it is the whole circle.
+
+    Raises:
+        SceneError: for a radius that is not positive, and for directions that are missing, one, or none.
+
+    >>> arc = Arc(0, 0, 5, 3, 4, -1, 0, id="bow")
+    >>> [[place.text() for place in point] for point in arc.ends]
+    [['3', '4'], ['-5', '0']]
+    """
+
+    x: Quantity
+    y: Quantity
+    r: Quantity
+    x0: Quantity
+    y0: Quantity
+    x1: Quantity
+    y1: Quantity
+    id: str | None
+    full: bool
+
+    def __init__(
+        self,
+        x: QuantityLike,
+        y: QuantityLike,
+        r: QuantityLike,
+        x0: QuantityLike | None = None,
+        y0: QuantityLike | None = None,
+        x1: QuantityLike | None = None,
+        y1: QuantityLike | None = None,
+        id: str | None = None,
+        full: bool = False,
+    ) -> None:
+        _checked_id("arc", id)
+        put, label = object.__setattr__, _label("arc", id)
+        put(self, "id", id)
+        put(self, "full", checked_truth(f"{label}: full", full))
+        for key, value in (("x", x), ("y", y), ("r", r)):
+            put(self, key, _exact("arc", id, key, value))
+        if self.r.sign() <= 0:
+            raise SceneError(f"{label}: r = {self.r.brief()}: a radius must be positive")
+        points = (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1))
+        missing = [key for key, value in points if value is None]
+        if self.full:
+            if len(missing) < len(points):
+                raise SceneError(f"{label}: full = true has no ends; leave out x0, y0, x1 and y1, or full")
+            points = (("x0", self.x), ("y0", self.y), ("x1", self.x), ("y1", self.y))
+        elif missing:
+            raise SceneError(f"{label}: {missing[0]} is missing; write where it begins and ends, or full = true")
+        for key, value in points:
+            put(self, key, _exact("arc", id, key, ZERO if value is None else value))
+        if self.full:
+            return
+        for point in ("0", "1"):
+            if getattr(self, f"x{point}") == self.x and getattr(self, f"y{point}") == self.y:
+                where = f"({self.x.brief()}, {self.y.brief()})"
+                raise SceneError(f"{label}: x{point}, y{point} is its centre {where}; write a point in its direction")
+        e0, e1 = self.directions
+        if e0 == e1:
+            raise SceneError(f"{label}: begins and ends in one direction; write full = true for all of the circle")
+
+    @kept
+    def directions(self) -> tuple[Point, Point]:
+        """Unit vectors from the centre to where it begins and ends; of a full circle both (1, 0)."""
+        if self.full:
+            return (_ONE, ZERO), (_ONE, ZERO)
+        found: list[Point] = []
+        for px, py in ((self.x0, self.y0), (self.x1, self.y1)):
+            dx, dy = px - self.x, py - self.y
+            length = (dx * dx + dy * dy).sqrt()
+            found.append((dx / length, dy / length))
+        return found[0], found[1]
+
+    @property
+    def ends(self) -> tuple[Point, ...]:
+        """Where it begins and ends; nothing for a full circle."""
+        if self.full:
+            return ()
+        return tuple((self.x + self.r * ex, self.y + self.r * ey) for ex, ey in self.directions)
+
+    @kept
+    def chord(self) -> tuple[Quantity, Quantity, Quantity]:
+        """(nx, ny, h): a direction e of length 1 is within the arc where n.e > h; (0, 0, -1) for a full circle."""
+        if self.full:
+            return ZERO, ZERO, -_ONE
+        (ax, ay), (bx, by) = self.directions
+        nx, ny = by - ay, ax - bx
+        return nx, ny, nx * ax + ny * ay
 
 
 @dataclass(frozen=True)

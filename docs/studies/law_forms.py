@@ -16,7 +16,7 @@ x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
 gap, approach, root, cross, scale, square = symbols("gap, approach, root, cross, scale, square")
 ux, uy, speed = symbols("ux, uy, speed")
-along, slide = symbols("along, slide")
+along, slide, edge = symbols("along, slide, edge")
 share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, wait, mx, my, weight, turn, push, shift = symbols("e, tau, wait, mx, my, weight, turn, push, shift")
@@ -105,6 +105,17 @@ FORMS = (
 
         The mean of the two of `derivation.pair_times`, which are equal where the discriminant is 0.""",
         ("pair_nearest_time(Q(-8), Q(-2), Q(0))", "Fraction(2, 1)"),
+    ),
+    StableForm(
+        "pair_last_time",
+        (approach, root, square),
+        (),
+        ((root - approach) / square,),
+        """Time until what is within a circle, or comes to be, leaves it: the hollow side of an arc is met then.
+
+        Equals the later of `derivation.pair_times`; `root` is the square root of `pair_discriminant`,
+        `square` |v|^2. Right after a bounce from within, root is -d.v, and this is -2 d.v / |v|^2.""",
+        ("pair_last_time(Q(-8), Q(4), Q(4))", "Fraction(3, 1)"),
     ),
     StableForm(
         "pair_meeting",
@@ -252,6 +263,17 @@ FORMS = (
         `along` and `slide` are `face_along` of its place and velocity, `gap` is `wall_gap`, `approach`
         `wall_approach`. Equals what `derivation.wall_times` gives, freed from the division.""",
         ("face_foot(Q(4), Q(1), Q(8), Q(-4))", "Fraction(24, 1)"),
+    ),
+    StableForm(
+        "arc_range",
+        (dx, dy, nx, ny, edge),
+        (),
+        (-(nx * dx + ny * dy) - edge,),
+        """How far a circle at an arc is beyond the arc's chord, moved out to its centre: positive within the range.
+
+        d leads from the circle to the arc's centre; n is the chord's normal, away from that; `edge` is n.e |R|, with e
+        the direction of an end and |R| as far as the centres are apart at the contact: n.(D - e |R|), with D = -d.""",
+        ("arc_range(Q(-3), Q(-4), Q(1), Q(1), Q(5))", "Fraction(2, 1)"),
     ),
     StableForm(
         "speed_change",

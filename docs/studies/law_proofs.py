@@ -142,6 +142,38 @@ def _pair_meeting(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...
     )
 
 
+def _last_meeting(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """With the other sign of the root: the later time of touch, d after a flight of that duration, and the impulse."""
+    approach, cross = formulas["pair_approach"](*_d, *_v), _d[0] * _v[1] - _d[1] * _v[0]
+    square = _v[0] ** 2 + _v[1] ** 2
+    root = sqrt(formulas["pair_discriminant"](*_d, *_v, _radii))
+    wait, *there = formulas["pair_meeting"](approach, cross, square, -root, *_v)
+    masses = (1 / a_m, Integer(0))
+    strength = formulas["pair_strength"](-root, _radii, *masses)
+    impulse = formulas["pair_impulse"](*there, *_v, _radii, *masses)
+    return (
+        wait - pair_times()[1],
+        formulas["pair_last_time"](approach, root, square) - wait,
+        *(ours - (d + wait * v) for ours, d, v in zip(there, _d, _v, strict=True)),
+        *(strength * d - j for d, j in zip(there, impulse, strict=True)),
+    )
+
+
+def _arc_range(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """The height of where two circles touch over the chord of an arc of the second, from an end in direction e."""
+    root = sqrt(formulas["pair_discriminant"](*_d, *_v, _radii))
+    found: list[Expr] = []
+    for wait, signed in zip(pair_times(), (root, -root), strict=True):
+        approach, cross = formulas["pair_approach"](*_d, *_v), _d[0] * _v[1] - _d[1] * _v[0]
+        there = formulas["pair_meeting"](approach, cross, _v[0] ** 2 + _v[1] ** 2, signed, *_v)[1:]
+        nx, ny, ex, ey = _normal[0], _normal[1], x1, y1
+        height = sum(
+            -n * (d + wait * v) - n * e * _radii for n, d, v, e in zip((nx, ny), _d, _v, (ex, ey), strict=True)
+        )
+        found.append(formulas["arc_range"](*there, nx, ny, (nx * ex + ny * ey) * _radii) - height)
+    return tuple(found)
+
+
 def _head_on(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """For d = b_x u and v = t u, with u of length 1 and t > 0, the meeting with d x v = 0 and the root R |v|."""
     length = sqrt(a_vx**2 + a_vy**2)
@@ -293,6 +325,8 @@ PROOFS = (
     Proof("time until two circles touch", pair_times, _pair_times),
     Proof("time until two circles graze", pair_times, _pair_nearest),
     Proof("where two circles touch, and the impulse there", pair_times, _pair_meeting),
+    Proof("where a circle meets an arc from within", pair_times, _last_meeting),
+    Proof("the range of an arc", pair_times, _arc_range),
     Proof("two circles meet head on", pair_times, _head_on),
     Proof("two circles approach", pair_instant_speed, _pair_speed),
     Proof("velocities after two circles collide", pair_velocities, _pair_velocities),

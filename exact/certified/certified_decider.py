@@ -16,11 +16,11 @@ from ..numbers import ball
 from ..numbers.ball import Known, field_ball, field_text
 from ..numbers.system import BudgetSpent, Undecided
 from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of
+from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_arc, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
-from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
+from ..simulation.prediction import Arrival, ArrivalQueue, arc_contact, touching_at_start
 from .cascade import Cascade, Grounds, InBalls, TieRule
 from .filtered import QUICK_BITS, FilteredPredictor
 
@@ -226,14 +226,19 @@ class CertifiedMeetings:
         """
         link = arrival.link
         self._plan["doubtful settled"] += 1
+        if is_arc(link):
+            disc = arc_contact(link, lambda question: self._judge.decide(question).sign)
+            return None if disc is None or disc < 0 else self._arrived(arrival, disc)
         if self._judge.decide(Approach(link)).sign >= 0:
             return None
         if self._misses(link):
             return None
         disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
-        if disc < 0:
-            return None
-        time = self._meeting(link, disc)
+        return None if disc < 0 else self._arrived(arrival, disc)
+
+    def _arrived(self, arrival: Arrival[arb], disc: int) -> Arrival[arb]:
+        """An arrival that comes."""
+        time = self._meeting(arrival.link, disc)
         low, high = ball.double_bounds(time)
         return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
 
@@ -325,6 +330,14 @@ class CertifiedMeetings:
         ball.use_bits(self._state.bits)
         if is_flat(link) and link.wall in self.predictor.faces:
             self._unsure_face(link)
+            return
+        if is_arc(link):
+            disc = arc_contact(link, self._sign)
+            ball.use_bits(self._state.bits)
+            if disc is None:
+                self.predictor.push_doubtful(link)
+            elif disc >= 0:
+                self.predictor.push(self._meeting(link, disc), link, disc == 0)
             return
         approach = self._sign(Approach(link))
         if approach is not None and approach >= 0:

@@ -91,6 +91,19 @@ def pair_nearest_time(approach: N, vx: N, vy: N) -> N:
     return -approach / (vx * vx + vy * vy)
 
 
+def pair_last_time(approach: N, root: N, square: N) -> N:
+    """Time until what is within a circle, or comes to be, leaves it: the hollow side of an arc is met then.
+
+    Equals the later of `derivation.pair_times`; `root` is the square root of `pair_discriminant`,
+    `square` |v|^2. Right after a bounce from within, root is -d.v, and this is -2 d.v / |v|^2.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_last_time(Q(-8), Q(4), Q(4))
+    Fraction(3, 1)
+    """
+    return (root - approach) / square
+
+
 def pair_meeting(approach: N, cross: N, square: N, root: N, vx: N, vy: N) -> tuple[N, N, N]:
     """Time until two circles that approach touch, and their d then, which no time enters.
 
@@ -256,6 +269,19 @@ def face_foot(along: N, slide: N, gap: N, approach: N) -> N:
     Fraction(24, 1)
     """
     return slide * gap - along * approach
+
+
+def arc_range(dx: N, dy: N, nx: N, ny: N, edge: N) -> N:
+    """How far a circle at an arc is beyond the arc's chord, moved out to its centre: positive within the range.
+
+    d leads from the circle to the arc's centre; n is the chord's normal, away from that; `edge` is n.e |R|, with e
+    the direction of an end and |R| as far as the centres are apart at the contact: n.(D - e |R|), with D = -d.
+
+    >>> from fractions import Fraction as Q
+    >>> arc_range(Q(-3), Q(-4), Q(1), Q(1), Q(5))
+    Fraction(2, 1)
+    """
+    return -dx * nx - dy * ny - edge
 
 
 def speed_change(approach: N) -> N:

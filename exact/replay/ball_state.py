@@ -21,7 +21,7 @@ from ..laws.formulas import (
     wall_mirror,
 )
 from ..numbers import ball
-from .contact import AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_flat, is_pair, new_flight
+from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
 from .state import ReplayState
 
 # -- A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
@@ -106,7 +106,8 @@ class BallState(ReplayState[arb]):
             strength = strength * self.share
         jx, jy = strength * dx, strength * dy
         self.push(a, -jx, -jy)
-        self.push(b, jx, jy)
+        if is_pair(link):
+            self.push(b, jx, jy)
 
     def forget_contact(self) -> None:
         """After an instant reached in another system: clocks are the instant itself, and no d is known beforehand."""
@@ -121,7 +122,7 @@ class BallState(ReplayState[arb]):
         """Takes over the numbers of the same state, computed again; the bodies stay the same objects."""
         for mine, new in zip(self.bodies.values(), other.bodies.values(), strict=True):
             mine.become(new)
-        for mine, new in zip(self.pockets, other.pockets, strict=True):
+        for mine, new in zip((*self.pockets, *self.arcs), (*other.pockets, *other.arcs), strict=True):
             mine.become(new)
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
         self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
@@ -131,10 +132,19 @@ class BallState(ReplayState[arb]):
         """As `ReplayState.round_hit`, in the sharper form."""
         return self._meeting(link)[:2]
 
+    def arc_hit(self, link: AtArc) -> tuple[arb, arb]:
+        """As `ReplayState.arc_hit`, in the sharper form."""
+        return self._meeting(link)[:2]
+
+    def arc_span(self, link: AtArc, graze: bool) -> tuple[arb, arb]:
+        """As `ReplayState.arc_span`, in the sharper form."""
+        return super().arc_span(link, graze) if graze else self._meeting(link)[2:4]
+
     def _meeting(self, link: Round) -> tuple[arb, arb, arb, arb, arb | None]:
         """The clock and the time from it to the hit of two circles; their d at the hit; and -d.v at it.
 
-        Where they fly exactly head on, in the form that loses nothing (see `_head_on`), and d.v is left out.
+        Where they fly exactly head on, in the form that loses nothing (see `_head_on`), and d.v is left out. Of a hollow
+        side of an arc, which is met at the later zero, the root has the other sign.
         """
         t, dx, dy, vx, vy, reach = self.relation(link)
         cross = dx * vy - dy * vx
@@ -142,6 +152,8 @@ class BallState(ReplayState[arb]):
             return t, *self._head_on(dx, dy, vx, vy, reach), None
         square = vx * vx + vy * vy
         root = self.root(square * (reach * reach) - cross * cross)
+        if is_arc(link) and link.hollow:
+            root = -root
         return t, *pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy), root
 
     def _head_on(self, dx: arb, dy: arb, vx: arb, vy: arb, reach: arb) -> tuple[arb, arb, arb]:
@@ -425,6 +437,8 @@ class LoneContacts:
         Returns:
             How many bits of the instant are known.
         """
+        if is_arc(link):
+            return None
         self._known.at(bits)
         return self._bounce(link, bits, done + 1) if is_pair(link) else self._rebound(link, bits, done + 1)
 

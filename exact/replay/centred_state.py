@@ -11,7 +11,21 @@ from ...scenarios.scene import Scene
 from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import SPARE_BITS, BallState, LoneContacts, Oblique, Told, Unchanging
-from .contact import AtWall, Body, Flight, Landed, Link, Midpoints, Pair, Touch, can_push, is_flat, is_pair, new_flight
+from .contact import (
+    AtWall,
+    Body,
+    Flight,
+    Landed,
+    Link,
+    Midpoints,
+    Pair,
+    Touch,
+    can_push,
+    is_arc,
+    is_flat,
+    is_pair,
+    new_flight,
+)
 from .deviations import Carried, Deviations, Moved, Numbers, carry_pair, carry_wall, is_finite, numbers_of
 from .error_bounds import Collision, Spent
 
@@ -184,7 +198,7 @@ class CentredState(BallState):
 
     def _ordinary(self, link: Touch, bodies: tuple[int, ...]) -> bool:
         """Whether deviations may be carried to this contact."""
-        if not self.centred or self._break or len(self._movers) > MOST_MOVERS:
+        if is_arc(link) or not self.centred or self._break or len(self._movers) > MOST_MOVERS:
             self._break -= self._break > 0
             return False
         movers = self._movers_of(link)
@@ -278,6 +292,8 @@ class LoneCentred:
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """As `LoneContacts.strike`."""
         self.landed = None
+        if is_arc(link):
+            return None
         held = self._state.ready(link)
         if held is None:
             return None

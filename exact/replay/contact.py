@@ -1,4 +1,4 @@
-"""Circles as they fly, and contacts by index: two circles, a circle and a wall, a centre and the rim of a pocket."""
+"""Circles as they fly, and contacts by index: of two circles, of one with a wall, an arc, or the rim of a pocket."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
 """A body whose flight is new, what that is known around, and its doubles; None where they do not tell it."""
 
 
-# -- Contacts by index, typed: two circles, a circle and a wall, the centre of a circle and the rim of a pocket.
+# -- Contacts by index, typed: two circles, a circle and a wall, or an arc, the centre of a circle and a pocket's rim.
 #
 # Each kind knows which circles it is between, which formulas of a state are its own, and what else sets it apart; what
 # works with contacts asks them, and `KINDS` lists them. Of each kind:
@@ -247,6 +247,70 @@ class AtWall(NamedTuple):
         return state.wall_arms(self)
 
 
+class AtArc(NamedTuple):
+    """A circle and one side of an arc: the outside, or the hollow one, whose index is odd."""
+
+    circle: int
+    arc: int
+    kind: str = "arc"
+
+    pushes = True
+    flat = False
+    rank = 3
+
+    @property
+    def circles(self) -> tuple[int, ...]:
+        """The circle."""
+        return (self.circle,)
+
+    @property
+    def hollow(self) -> bool:
+        """Whether it is met from within."""
+        return self.arc % 2 == 1
+
+    @property
+    def other_side(self) -> AtArc:
+        """The same circle with the other side."""
+        return AtArc(self.circle, self.arc ^ 1)
+
+    def ends(self, state: Bodies[N]) -> tuple[Body[N], Body[N]]:
+        """The circle, and that of the arc."""
+        return state.bodies[self.circle], state.arcs[self.arc]
+
+    def later(self, state: Formulas[N]) -> Body[N]:
+        """The circle."""
+        return state.bodies[self.circle]
+
+    def gap(self, state: Formulas[N]) -> N:
+        """See `Flights.round_gap`; within a hollow side it falls as |d| grows."""
+        return -state.round_gap(self) if self.hollow else state.round_gap(self)
+
+    def approach(self, state: Formulas[N]) -> N:
+        """See `Flights.round_approach`."""
+        return -state.round_approach(self) if self.hollow else state.round_approach(self)
+
+    def closing(self, state: Formulas[N]) -> N:
+        """See `State.round_closing`."""
+        return -state.round_closing(self) if self.hollow else state.round_closing(self)
+
+    def hit(self, state: Formulas[N]) -> tuple[N, N]:
+        """See `Flights.arc_hit`."""
+        return state.arc_hit(self)
+
+    def parts(self, state: Formulas[N]) -> tuple[N, N, N]:
+        """See `Flights.round_parts`; a hollow side is met at the later zero."""
+        p, q, d = state.round_parts(self)
+        return (p, -q, d) if self.hollow else (p, q, d)
+
+    def bounce(self, state: Formulas[N]) -> None:
+        """See `State.bounce_arc`."""
+        state.bounce_arc(self)
+
+    def arms(self, state: Formulas[N]) -> list[tuple[int, N, N]]:
+        """See `State.arc_arms`."""
+        return state.arc_arms(self)
+
+
 class Entry(NamedTuple):
     """The centre of a circle and the rim of a pocket."""
 
@@ -273,16 +337,16 @@ class Entry(NamedTuple):
         return state.bodies[self.circle]
 
 
-Touch: TypeAlias = Pair | AtWall
+Touch: TypeAlias = Pair | AtWall | AtArc
 """A contact through which an impulse can pass."""
 
-Round: TypeAlias = Pair | Entry
-"""A contact whose gap is |d|^2 - R^2."""
+Round: TypeAlias = Pair | AtArc | Entry
+"""A contact whose gap is |d|^2 - R^2; of a hollow side, less that."""
 
-Link: TypeAlias = Pair | AtWall | Entry
+Link: TypeAlias = Pair | AtWall | AtArc | Entry
 """Any of them."""
 
-KINDS: Mapping[str, Callable[[int, int], Link]] = {"": Pair, "wall": AtWall, "pocket": Entry}
+KINDS: Mapping[str, Callable[[int, int], Link]] = {"": Pair, "wall": AtWall, "arc": AtArc, "pocket": Entry}
 """How each kind is written beside its two indices, and what makes it."""
 
 
@@ -294,6 +358,11 @@ def can_push(link: Link | None) -> TypeIs[Touch]:
 def is_flat(link: Link) -> TypeIs[AtWall]:
     """Whether the gap of a contact is linear in time."""
     return link.flat
+
+
+def is_arc(link: Link) -> TypeIs[AtArc]:
+    """Whether a contact is with a side of an arc."""
+    return link.rank == AtArc.rank
 
 
 def is_pair(link: Link) -> TypeIs[Pair]:
@@ -308,6 +377,8 @@ class Bodies(Protocol[N]):
     def bodies(self) -> Mapping[int, Body[N]]: ...
     @property
     def pockets(self) -> Sequence[Body[N]]: ...
+    @property
+    def arcs(self) -> Sequence[Body[N]]: ...
 
 
 class Formulas(Bodies[N], Protocol[N]):
@@ -323,15 +394,18 @@ class Formulas(Bodies[N], Protocol[N]):
     def round_closing(self, link: Round) -> N: ...
     def round_hit(self, link: Round) -> tuple[N, N]: ...
     def wall_hit(self, link: AtWall) -> tuple[N, N]: ...
+    def arc_hit(self, link: AtArc) -> tuple[N, N]: ...
     def round_parts(self, link: Round) -> tuple[N, N, N]: ...
     def bounce_pair(self, link: Pair) -> None: ...
     def bounce_wall(self, link: AtWall) -> None: ...
+    def bounce_arc(self, link: AtArc) -> None: ...
     def pair_arms(self, link: Pair) -> list[tuple[int, N, N]]: ...
     def wall_arms(self, link: AtWall) -> list[tuple[int, N, N]]: ...
+    def arc_arms(self, link: AtArc) -> list[tuple[int, N, N]]: ...
 
 
 def scene_order(link: Link) -> tuple[int, int, int]:
-    """What contacts are sorted by: their first circle; then its pairs, walls and rims, each by index.
+    """What contacts are sorted by: their first circle; then its pairs, walls, rims and arcs, each by index.
 
     >>> sorted([AtWall(0, 0), Pair(1, 2), Pair(0, 3)], key=scene_order)
     [Pair(a=0, b=3), AtWall(circle=0, wall=0, kind='wall'), Pair(a=1, b=2)]
@@ -340,14 +414,15 @@ def scene_order(link: Link) -> tuple[int, int, int]:
 
 
 def touch_of(scene: Scene, i: int, j: int) -> Touch:
-    """A contact by places in `scene.ids`, where walls come after the circles; in either order.
+    """A contact by places in `scene.ids`, where walls come after the circles, then sides of arcs; in either order.
 
     >>> from truebreak.scenarios import Circle, Wall
     >>> touch_of(Scene([Circle(0, 0), Circle(3, 0)], [Wall(9, 0, 9, 1)]), 1, 2)
     AtWall(circle=1, wall=0, kind='wall')
     """
     first, second, n = min(i, j), max(i, j), len(scene.circles)
-    return Pair(first, second) if second < n else AtWall(first, second - n)
+    arc = second - n - len(scene.walls)
+    return Pair(first, second) if second < n else AtWall(first, second - n) if arc < 0 else AtArc(first, arc)
 
 
 def part_at(
@@ -398,6 +473,8 @@ def _parts_at(scene: Scene, circle: int, number: int, x: float, y: float) -> Ite
 
 def places_of(scene: Scene, link: Touch) -> tuple[int, int]:
     """A contact by places in `scene.ids`, as `touch_of` reads them."""
+    if is_arc(link):
+        return link[0], len(scene.circles) + len(scene.walls) + link[1]
     return link[0], len(scene.circles) + link[1] if link.flat else link[1]
 
 

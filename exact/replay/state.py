@@ -12,6 +12,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
+    arc_range,
     damped,
     face_along,
     face_foot,
@@ -20,6 +21,7 @@ from ..laws.formulas import (
     pair_gap,
     pair_hit_time,
     pair_impulse,
+    pair_last_time,
     pair_nearest_time,
     speed_change,
     wall_approach,
@@ -28,7 +30,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtWall, Body, Entry, Flight, Link, Pair, Round, Touch
+from .contact import AtArc, AtWall, Body, Entry, Flight, Link, Pair, Round, Touch
 
 # -- The event log: what happened, as steps without decisions, and which of them a number rests on.
 #
@@ -226,6 +228,7 @@ class Flights(Generic[N]):
     Attributes:
         bodies: the circles, by index.
         pockets: the pockets, as bodies at rest.
+        arcs: the sides of arcs, as bodies at rest: a hollow one has its radius below zero.
         sides: on which side of each wall each circle lies.
         share: (1 + e) / 2 with the scene's restitution e, the part of an elastic impulse that there is; None for e = 1.
     """
@@ -241,6 +244,7 @@ class Flights(Generic[N]):
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
+        self.arcs = [self._arc(k) for k in range(len(scene.arc_sides))]
         self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
         self.sides = Sides(scene)
 
@@ -260,6 +264,11 @@ class Flights(Generic[N]):
         pocket, zero = self.scene.pockets[k], self.zero
         flight = Flight(self.constant(pocket.x), self.constant(pocket.y), zero, zero, zero, zero, rest=True)
         return Body(k, flight, self.constant(pocket.r), zero, is_pocket=True)
+
+    def _arc(self, k: int) -> Body[N]:
+        side, zero = self.scene.arc_sides[k], self.zero
+        flight = Flight(self.constant(side.x), self.constant(side.y), zero, zero, zero, zero, rest=True)
+        return Body(k, flight, self.constant(side.r), zero)
 
     # -- what the steps need
 
@@ -300,7 +309,7 @@ class Flights(Generic[N]):
         """The sum of two radii; for a pocket its own, as a centre enters it."""
         return b.r if b.is_pocket else a.r + b.r
 
-    # -- two circles, or a centre and a pocket
+    # -- two circles, a circle and an arc, or a centre and a pocket
 
     def round_gap(self, link: Round) -> N:
         """|d|^2 - R^2 at the later clock; in enclosures, whose clocks may stand beside it, at the instant."""
@@ -338,6 +347,32 @@ class Flights(Generic[N]):
         a = vx * vx + vy * vy
         disc = pair_discriminant(dx, dy, vx, vy, reach)
         return t - pair_approach(dx, dy, vx, vy) / a, -(self.one / a), disc
+
+    # -- a circle and an arc
+
+    def arc_hit(self, link: AtArc) -> tuple[N, N]:
+        """As `round_hit`; a hollow side is met at the later zero of the gap."""
+        if not link.hollow:
+            return self.round_hit(link)
+        t, dx, dy, vx, vy, reach = self.relation(link)
+        root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
+        return t, pair_last_time(pair_approach(dx, dy, vx, vy), root, vx * vx + vy * vy)
+
+    def arc_span(self, link: AtArc, graze: bool) -> tuple[N, N]:
+        """d where a circle meets the circle of an arc, or, `graze`, is nearest to it."""
+        pair = self.relation(link)
+        _, wait = self.graze(link) if graze else self.arc_hit(link)
+        return advance(pair.dx, pair.vx, wait), advance(pair.dy, pair.vy, wait)
+
+    def arc_chord(self, link: AtArc) -> tuple[N, N, N]:
+        """The normal of an arc's chord, and n.e |R|, as `formulas.arc_range` takes them."""
+        side, reach = self.scene.arc_sides[link.arc], self.reach(*link.ends(self))
+        nx, ny, h = self.constant(side.nx), self.constant(side.ny), self.constant(side.h)
+        return nx, ny, h * (-reach if link.hollow else reach)
+
+    def within_arc(self, link: AtArc, dx: N, dy: N) -> N:
+        """Whether d, as long as the centres are apart at a contact, leads to within an arc's range: positive there."""
+        return self.one if self.scene.arc_sides[link.arc].full else arc_range(dx, dy, *self.arc_chord(link))
 
     # -- a circle and a wall
 
@@ -512,6 +547,15 @@ class ReplayState(Flights[N]):
         vx, vy = (wx, wy) if self.share is None else (damped(vx, wx, self.share), damped(vy, wy, self.share))
         body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest)
 
+    def bounce_arc(self, link: AtArc) -> None:
+        """The bounce of a circle off an arc, as off a fixed circle."""
+        dx, dy = self.span(link)
+        a, b = link.ends(self)
+        jx, jy = pair_impulse(dx, dy, -a.flight.vx, -a.flight.vy, self.reach(a, b), a.w, b.w)
+        if self.share is not None:
+            jx, jy = jx * self.share, jy * self.share
+        self.push(a, -jx, -jy)
+
     def push(self, body: Body[N], jx: N, jy: N) -> None:
         """Gives a circle an impulse; a fixed one takes none."""
         if self.scene.circles[body.index].fixed:
@@ -540,6 +584,11 @@ class ReplayState(Flights[N]):
         """As `pair_arms`."""
         line = self.line(link.circle, link.wall)
         return [(link.circle, line.nx, line.ny)]
+
+    def arc_arms(self, link: AtArc) -> list[tuple[int, N, N]]:
+        """As `pair_arms`: away from the outside, towards the middle from within."""
+        dx, dy = self.span(link)
+        return [(link.circle, dx, dy) if link.hollow else (link.circle, -dx, -dy)]
 
     def contact_system(self, links: Sequence[Touch]) -> tuple[list[list[N]], list[N]]:
         """The matrix by which impulses change separation speeds, and those speeds now.

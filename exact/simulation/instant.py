@@ -12,7 +12,19 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N, Undecided
 from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim
-from ..replay.contact import AtWall, Entry, Link, Touch, can_push, contact_of, is_flat, is_pair, name_of, scene_order
+from ..replay.contact import (
+    AtWall,
+    Entry,
+    Link,
+    Touch,
+    can_push,
+    contact_of,
+    is_arc,
+    is_flat,
+    is_pair,
+    name_of,
+    scene_order,
+)
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .policies import Lasting, Policy, Rounds, components, settle
@@ -244,8 +256,19 @@ class Resolver(Generic[N, K]):
 
     def _lasts(self, link: Touch) -> bool:
         """Whether two at gap zero that neither approach nor part stay there: nothing but straight flight together
-        keeps two circles at gap zero, and any flight along a wall does."""
-        return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0
+        keeps two circles at gap zero, and any flight along a wall does.
+
+        Raises:
+            Undecided: for a flight along the inside of an arc.
+        """
+        if link.flat or self.decider.ask(RelativeSpeed(link)) == 0:
+            return True
+        if is_arc(link) and link.hollow:
+            who = name_of(self.scene, link)
+            raise Undecided(
+                f"{who} touch from within, and the flight is along the arc, which no straight one can follow"
+            )
+        return False
 
     def _coupled(self, rounds: Rounds) -> bool:
         """Whether the order of an instant's impulses could matter; where that is not known, it could."""

@@ -1,0 +1,147 @@
+"""What a circle meets of arcs: the outside and the hollow inside of part of a circle, and the two ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from .errors import SceneError
+from .neighbours import shown_amount
+from .numbers.quantity import Quantity
+from .things import Arc, Circle, Point
+
+# -- An arc is the part of a circle of radius r about (x, y) that lies between two directions e0 and e1 of length 1,
+# counter-clockwise from the first; it has no thickness. With D the way from (x, y) to the centre of a disc of radius
+# rho, the point of the arc that is nearest to the disc's centre is r D / |D| where that is on the arc, and one of its
+# two ends where it is not: of a full circle, and of a part of any length. So the disc meets
+#
+# - the outside, where it comes to |D| = r + rho from above, with D within the range;
+# - the inside, where it comes to |D| = r - rho from below, with D within the range; it has one only where rho < r;
+# - an end, as a fixed circle of radius 0: it owns what is at the very bounds of the range, which is open.
+#
+# The range is one sign. The arc is what of its circle lies beyond the chord through its ends: with u = e1 - e0 and
+# n = (u_y, -u_x), a direction e is within it exactly where n.e > n.e0, be it less than a half-turn, more, or just that.
+# At a contact |D| is known, it is R = r + rho or r - rho, so that e = D / R and the sign is that of n.D - (n.e0) R.
+#
+# An inside has the radius -r, as hollow mirrors have: the sum of the radii of the two is then -R, and its square root
+# of the discriminant has its sign, which makes the earlier zero of the gap the later one.
+
+
+@dataclass(frozen=True)
+class ArcSide:
+    """One side of an arc, as engines see it.
+
+    Attributes:
+        x, y: the circle's centre.
+        r: its radius, negative for the hollow side.
+        nx, ny, h: see `Arc.chord`.
+        id: the arc's.
+        full: whether there is no range.
+    """
+
+    x: Quantity
+    y: Quantity
+    r: Quantity
+    nx: Quantity
+    ny: Quantity
+    h: Quantity
+    id: str | None
+    full: bool
+
+
+def arc_sides(arcs: Iterable[Arc]) -> Iterator[ArcSide]:
+    """The outside and the inside of each arc, in this order: an odd index is a hollow side.
+
+    >>> [side.r.text() for side in arc_sides([Arc(0, 0, 2, full=True)])]
+    ['2', '-2']
+    """
+    for arc in arcs:
+        for r in (arc.r, -arc.r):
+            yield ArcSide(arc.x, arc.y, r, *arc.chord, id=arc.id, full=arc.full)
+
+
+def check_arcs(
+    circles: Sequence[Circle], arcs: Sequence[Arc], ends: Sequence[Circle]
+) -> tuple[list[tuple[int, int]], list[tuple[int, int, bool]]]:
+    """Refuses arcs that lie on each other, and circles that lie across an arc or fit it all along.
+
+    Args:
+        ends: of the scene, as `surfaces.ends_of` gives them.
+
+    Returns:
+        The pairs at gap zero: circles with arcs, by index; circles with a side of an arc or, where that is so, with an
+        end, by index among each.
+
+    Raises:
+        SceneError: naming both, and the remedy.
+
+    >>> check_arcs([Circle(2, 0), Circle(0, 0)], [Arc(0, 0, 3, full=True)], [])
+    ([(0, 0)], [(0, 1, False)])
+    """
+    for k, arc in enumerate(arcs):
+        for other in arcs[:k]:
+            if _overlap(arc, other):
+                raise SceneError(f"arc {arc.id!r}: lies on arc {other.id!r}; make them one")
+    places = {(end.x, end.y): k for k, end in enumerate(ends)}
+    outer: list[tuple[int, int]] = []
+    inner: list[tuple[int, int, bool]] = []
+    for i, circle in enumerate(circles):
+        if circle.fixed:
+            continue
+        for k, arc in enumerate(arcs):
+            if circle.r == arc.r and not arc.full:
+                told = f"circle {circle.id!r}: r = {circle.r.brief()} is that of arc {arc.id!r}"
+                raise SceneError(f"{told}, which it fits all along, with no one normal; change one of them")
+            part = _touched(circle, arc)
+            if part is not None:
+                outer.append((i, k))
+                inner.append((i, 2 * k + part, False) if isinstance(part, int) else (i, places[part], True))
+    return outer, inner
+
+
+def _touched(circle: Circle, arc: Arc) -> int | Point | None:
+    """The side that a circle touches, 0 or 1 for the hollow one, or the end; None where they are apart.
+
+    Raises:
+        SceneError: where they overlap.
+    """
+    dx, dy = circle.x - arc.x, circle.y - arc.y
+    square = dx * dx + dy * dy
+    away = square.sqrt()
+    part: int | Point
+    nx, ny, h = arc.chord
+    if arc.full or (away.sign() > 0 and (nx * dx + ny * dy - h * away).sign() > 0):
+        gap = away - arc.r
+        part, distance = (0, gap) if gap.sign() > 0 else (1, -gap)
+    elif away.sign() == 0:
+        part, distance = 1, arc.r
+    else:
+        near = [((circle.x - x) * (circle.x - x) + (circle.y - y) * (circle.y - y), (x, y)) for x, y in arc.ends]
+        first, second = near
+        nearest = first if (second[0] - first[0]).sign() >= 0 else second
+        part, distance = nearest[1], nearest[0].sqrt()
+    if distance.sign() == 0:
+        raise SceneError(f"circle {circle.id!r}: its centre lies on arc {arc.id!r}; move it to one side")
+    apart = distance - circle.r
+    if apart.sign() < 0:
+        overlap = shown_amount(-apart)
+        told = f"circle {circle.id!r}: lies across arc {arc.id!r}, by {overlap} at time 0"
+        raise SceneError(f"{told}; move it, or reduce r")
+    return part if apart.sign() == 0 else None
+
+
+def _overlap(a: Arc, b: Arc) -> bool:
+    """Whether two arcs are of one circle and have more than points in common.
+
+    Either one of them begins within the other, or they begin in one direction.
+    """
+    if (a.x, a.y, a.r) != (b.x, b.y, b.r):
+        return False
+    if a.full or b.full:
+        return True
+    return a.directions[0] == b.directions[0] or _begins_within(a, b) or _begins_within(b, a)
+
+
+def _begins_within(a: Arc, b: Arc) -> bool:
+    (ex, ey), (nx, ny, h) = a.directions[0], b.chord
+    return (nx * ex + ny * ey - h).sign() > 0
