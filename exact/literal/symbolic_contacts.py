@@ -148,6 +148,37 @@ class Bar(Line):
         return sign(foot) > 0 and sign(normal(ux**2 + uy**2 - foot)) > 0
 
 
+@dataclass(frozen=True)
+class Bow(Line):
+    """An arc without its ends, which are its two points: its circle, whether it is all of that, the side at hand."""
+
+    x: Any
+    y: Any
+    r: Any
+    full: bool
+    within: bool = False
+
+    @property
+    def disc(self) -> Disc:
+        """All of its circle."""
+        return Disc(self.x, self.y, Integer(0), Integer(0), self.r, None)
+
+    def distances(self, a: Disc) -> list[Any]:
+        """The squares of the distances of a circle's centre from the arc's at which the two touch."""
+        inside = [(self.r - a.r) ** 2] if sign(normal(self.r - a.r)) > 0 else []
+        return [(self.r + a.r) ** 2, *inside]
+
+    def beside(self, a: Disc, time: Any) -> bool:
+        """Whether a circle's centre lies in a direction strictly between those of the ends, so much later."""
+        if self.full:
+            return True
+        ux, uy, wx, wy = self.x0 - self.x, self.y0 - self.y, self.x1 - self.x, self.y1 - self.y
+        dx, dy = a.x + a.vx * time - self.x, a.y + a.vy * time - self.y
+        after, before = sign(normal(ux * dy - uy * dx)) > 0, sign(normal(dx * wy - dy * wx)) > 0
+        turn = sign(normal(ux * wy - uy * wx))
+        return (after and before) if turn > 0 else (after or before) if turn < 0 else after
+
+
 def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     """All real times from now at which two things would just touch, not ordered, negative ones too.
 
@@ -158,6 +189,9 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     if isinstance(b, Bar):
         line = Line(b.x0, b.y0, b.x1, b.y1)
         return [time for time in touch_times(replace(a, r=a.r + b.r), line) if b.beside(a, time)]
+    if isinstance(b, Bow):
+        sides = (a, replace(a, r=-a.r)) if sign(normal(b.r - a.r)) > 0 else (a,)
+        return [time for side in sides for time in touch_times(side, b.disc) if b.beside(a, time)]
     found = [
         solution.value(_at(a, b)) for solution in _solutions("wall touched" if isinstance(b, Line) else "pair touched")
     ]
@@ -166,6 +200,8 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
 
 def approach_sign(a: Disc, b: Disc | Line) -> int:
     """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
+    if isinstance(b, Bow):
+        return approach_sign(a, b.disc) * (-1 if b.within else 1)
     (solution,) = _solutions("wall speed" if isinstance(b, Line) else "pair speed")
     return solution.sign(_at(a, b)) or 0
 
@@ -176,6 +212,8 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
     Raises:
         ValueError: where the law has no value, as for two points at one place.
     """
+    if isinstance(b, Bow):
+        return velocities_after(a, b.disc)
     solutions = _solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
     values = [solution.value(_at(a, b)) for solution in solutions]
     found = tuple(value for value in values if value is not None)
@@ -255,6 +293,12 @@ class Touching:
         if j < n:
             return a, self.discs[j]
         line = self.lines[j - n]
+        if isinstance(line, Bow):
+            dx, dy = a.x - line.x, a.y - line.y
+            if sign(a.r) == 0:  # a point is on the side from which it came
+                out = self.came[pair][i].vx * dx + self.came[pair][i].vy * dy
+                return a, replace(line, within=sign(normal(out)) > 0)
+            return a, replace(line, within=sign(normal(dx**2 + dy**2 - line.r**2)) < 0)
         if sign(a.r) == 0 and not (isinstance(line, Bar) and sign(line.r)):
             a = replace(a, x=self.came[pair][i].x, y=self.came[pair][i].y)
         return a, line
@@ -277,6 +321,9 @@ class Touching:
         """
         a, b = self.things(pair)
         i, j = pair
+        if isinstance(b, Bow):
+            dx, dy = a.x - b.x, a.y - b.y
+            return {i: (-dx, -dy) if b.within else (dx, dy)}
         if isinstance(b, Line):
             nx, ny = b.y0 - b.y1, b.x1 - b.x0
             side = sign(normal(nx * (a.x - b.x0) + ny * (a.y - b.y0)))

@@ -16,7 +16,7 @@ from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import ends_of, sides_of
-from ...scenarios.things import Circle
+from ...scenarios.things import Arc, Circle
 from ...scenarios.trajectory import (
     Contact,
     Event,
@@ -31,6 +31,7 @@ from ...scenarios.trajectory import (
 )
 from .symbolic_contacts import (
     Bar,
+    Bow,
     Collided,
     Disc,
     Indices,
@@ -182,12 +183,16 @@ class _Run:
     def __post_init__(self) -> None:
         scene = self.scene
         points = any(circle.r.sign() == 0 for circle in scene.circles)
-        ends = ends_of(scene.segments, scene.polygons, points)
+        ends = ends_of(scene.segments, scene.polygons, points, scene.arcs)
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
         bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in segments)
-        self.lines = (*(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in scene.walls), *bars)
+        self.lines = (
+            *(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in scene.walls),
+            *bars,
+            *map(_bow, scene.arcs),
+        )
         n = len(self.discs)
         pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
         self.pairs = sorted(
@@ -196,7 +201,7 @@ class _Run:
             if any(k < n and self.discs[k].m is not None for k in pair)
             and not all(k < self.real and self.discs[k].r == 0 for k in pair)
         )
-        things = (*scene.circles, *ends, *scene.walls, *segments)
+        things = (*scene.circles, *ends, *scene.walls, *segments, *scene.arcs)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
         self.e = normal(scene.restitution.sympy())
@@ -291,12 +296,19 @@ class _Run:
             n = len(self.discs)
             b = self.lines[j - n] if j >= n else self.discs[j]
             self.plan["predictions"] += 1
-            times = [] if touches else [time for time in touch_times(self.discs[i], b) if sign(time) >= 0]
+            least = 1 if isinstance(b, Bow) else 0  # what leaves an arc to within comes to it again
+            times = touch_times(self.discs[i], b) if least or not touches else []
+            times = [time for time in times if sign(time) >= (least if touches else 0)]
             found = _smallest(times)
             self.hits[pair] = None if found is None else normal(self.now + found)
-        elif touches:
+        elif touches and not (pair[1] >= len(self.discs) and self._still_to_come(pair)):
             self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
         return self.hits[pair]
+
+    def _still_to_come(self, pair: Indices) -> bool:
+        """Whether what touches now was found to touch again, later on the same flight."""
+        hit = self.hits[pair]
+        return isinstance(self.lines[pair[1] - len(self.discs)], Bow) and hit is not None and sign(hit - self.now) > 0
 
     def _move(self, time: Any) -> None:
         duration = normal(time - self.now)
@@ -333,6 +345,12 @@ class _Run:
         w = self.lines[j - n]
         ux, uy = w.x1 - w.x0, w.y1 - w.y0
         reach = a.r
+        if isinstance(w, Bow):
+            if not w.beside(a, ZERO):
+                return Integer(1)
+            far = (a.x - w.x) ** 2 + (a.y - w.y) ** 2
+            gaps = [normal(far - square) for square in w.distances(a)]
+            return next((gap for gap in gaps if sign(gap) == 0), gaps[0])
         if isinstance(w, Bar):
             if not w.beside(a, ZERO):
                 return Integer(1)  # its ends are other things
@@ -377,6 +395,12 @@ class _Run:
 def _disc(circle: Circle) -> Disc:
     x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
     return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
+
+
+def _bow(arc: Arc) -> Bow:
+    ends = arc.ends or ((arc.x, arc.y), (arc.x, arc.y))
+    numbers = (*ends[0], *ends[1], arc.x, arc.y, arc.r)
+    return Bow(*(normal(q.sympy()) for q in numbers), full=arc.full)
 
 
 def _smallest(times: Sequence[Any]) -> Any:

@@ -143,7 +143,7 @@ class BallState(ReplayState[arb]):
     def _meeting(self, link: Round) -> tuple[arb, arb, arb, arb, arb | None]:
         """The clock and the time from it to the hit of two circles; their d at the hit; and -d.v at it.
 
-        Where they fly exactly head on, in the form that loses nothing (see `_head_on`), and d.v is left out. Of a hollow
+        Where they fly exactly head on, in the form that loses nothing (see `_head_on`), d.v is left out. Of a hollow
         side of an arc, which is met at the later zero, the root has the other sign.
         """
         t, dx, dy, vx, vy, reach = self.relation(link)
