@@ -152,9 +152,14 @@ class PymunkEngine(Declared):
         With a reversal, and no limit from the caller, the run lasts to twice the time of the reversal.
 
         Raises:
-            SceneError: for a limit that is not above zero, for pockets that capture, which pymunk has no
-                notion of, and as `build_space`.
+            SceneError: for a limit that is not above zero, for pockets that capture, and arcs, which pymunk
+                has no notion of, and as `build_space`.
         """
+        if scene.arcs:
+            raise SceneError(
+                f"{scene.name!r}: has arcs, and engine 'pymunk' has no such shape; use another engine, or a chain "
+                "of segments, which is another scene"
+            )
         if scene.capture and scene.pockets:
             raise SceneError(
                 f"{scene.name!r}: capture = true: engine 'pymunk' cannot take circles out of play; "

@@ -96,5 +96,5 @@ class ArcReferee(Referee):
 
     def clear(self) -> bool:
         return super().clear() and all(
-            bow.away(disc.x, disc.y) > disc.r - SAME for disc in self.discs for bow in self.bows
+            bow.away(disc.x, disc.y) > disc.r - SAME for disc in self.discs if disc.w for bow in self.bows
         )

@@ -54,6 +54,30 @@ def _stadium(rng: Random) -> Scene:
     return Scene([Circle(x, y, r=rho, vx=vx, vy=vy, id="c0", point=rho.sign() == 0)], segments=bars, arcs=bows)
 
 
+def _corner(rng: Random) -> Scene:
+    """A disc that comes to two sides at once: in the corner of a lemon, between two bulges, of a bow and a wall."""
+    kind, v, rho = rng.choice(("lemon", "bulges", "wall")), rng.choice((1, 2, -1)), rng.choice(("1/2", "1/4", "3/4"))
+    discs = [Circle(0, 0, r=rho, vx=v, id="c0", m=rng.choice(("1", "2")))]
+    if rng.random() < 0.4:
+        discs.append(Circle(-2, rng.choice(("0", "1/3")), r="1/4", vx=rng.choice((3, 1)), vy=0, id="c1"))
+    if kind == "lemon":
+        bows = [Arc(0, -3, 5, 4, 0, -4, 0, id="up"), Arc(0, 3, 5, -4, 0, 4, 0, id="down")]
+        return Scene(discs, arcs=bows)
+    if kind == "bulges":
+        full = rng.random() < 0.5
+        ends = () if full else (3, 0, 5, 0)
+        low = () if full else (5, 0, 3, 0)
+        return Scene(
+            discs, BOX, arcs=[Arc(4, 1, 1, *ends, id="up", full=full), Arc(4, -1, 1, *low, id="down", full=full)]
+        )
+    wait = rng.choice((1, 2))
+    bow, reach = Arc(0, -8, 5, 5, -8, -5, -8, id="bow"), 5 - Quantity.of(rho)
+    x = ((reach - rho) * (reach + rho)).sqrt()  # where it touches the wall and the bow
+    start = x - wait, -8 + Quantity.of(rho) + wait
+    discs = [Circle(*start, r=rho, vx=1, vy=-1, id="c0")]
+    return Scene(discs, BOX[:1], arcs=[bow])
+
+
 def scene_of(seed: int) -> Scene | None:
     """The scene of a seed; None where what it draws is refused."""
     rng = Random(seed)
@@ -61,6 +85,8 @@ def scene_of(seed: int) -> Scene | None:
         if rng.random() < 0.12:
             scene = _stadium(rng)
             return None if all(c.at_rest for c in scene.circles) else scene
+        if rng.random() < 0.07:
+            return _corner(rng)
         fine = rng.random() < 0.4
         arcs: list[Arc] = []
         for k in range(rng.choice((1, 1, 2, 2, 3))):
@@ -70,7 +96,9 @@ def scene_of(seed: int) -> Scene | None:
             bow = rng.choice(arcs)
             ends = bow.ends or ((bow.x, bow.y),)
             (ex, ey), thick = rng.choice(ends), rng.choice(("0", "0", "1/4"))
-            along = (bow.y - ey, ex - bow.x) if rng.random() < 0.5 else (Quantity.of(rng.randint(-3, 3)), Quantity.of(2))
+            along = (
+                (bow.y - ey, ex - bow.x) if rng.random() < 0.5 else (Quantity.of(rng.randint(-3, 3)), Quantity.of(2))
+            )
             bars.append(Segment(ex, ey, ex + along[0], ey + along[1], id="s0", r=thick))
         discs: list[Circle] = []
         for k in range(rng.choice((1, 1, 1, 2, 2, 3))):

@@ -1,0 +1,398 @@
+"""Arcs: against a referee in angles and distances, the laws that hold of them, and faults that must be found."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from fractions import Fraction
+from random import Random
+
+import pytest
+from arc_referee import ArcReferee
+from arc_scenes import scene_of
+from flint import arb
+from mpmath import mp, mpf, sqrt
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import filtered
+from truebreak.exact.certified.filtered import DoubleFilter, FloatArc
+from truebreak.exact.literal.symbolic_engine import SymbolicEngine
+from truebreak.exact.replay import state as states
+from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.contact import AtArc, Body, Flight
+from truebreak.exact.simulation import prediction
+from truebreak.exact.simulation.prediction import Predictor
+from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, arcs, surfaces
+from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
+
+UNTIL, EVENTS = 20, 10
+SEEDS = range(260)
+ALONG = "touch from within, and the flight is along the arc"
+
+
+def differs(scene: Scene) -> str:
+    """How the exact engine and the referee part; empty where they agree."""
+    run = ExactEngine().run(scene, until=UNTIL, events=EVENTS)
+    referee = ArcReferee(scene)
+    try:
+        told = referee.run(mpf(UNTIL), EVENTS)
+    except AssertionError:  # from there on it is in the arc
+        return "" if ALONG in run.stop.message else run.stop.message or "the referee fell"
+    for mine, theirs in zip(told.events, run.events, strict=False):
+        if abs(mpf(theirs.time.digits(80)) - mine.time) > mpf(10) ** -50:
+            return f"event {theirs.index} at {float(theirs.time)}, not {float(mine.time)}"
+        names = {tuple(pair) for pair in theirs.contacts}
+        if not mine.approaching <= names <= mine.touching:
+            return f"event {theirs.index}: {names}, not {mine.approaching}"
+    if "no normal" in run.stop.message or told.blunt is not None:
+        return "" if "no normal" in run.stop.message and told.blunt is not None else "a corner"
+    if not run.certified:
+        return run.stop.message
+    if len(told.events) != len(run.events):
+        return f"{len(run.events)} events, not {len(told.events)}"
+    for circle, disc in zip(run.final.circles, told.discs, strict=True):
+        pairs = zip((circle.x, circle.y, circle.vx, circle.vy), (disc.x, disc.y, disc.vx, disc.vy), strict=True)
+        if any(abs(mpf(a.digits(70)) - b) > mpf(10) ** -45 for a, b in pairs):
+            return f"{circle.id} ends elsewhere"
+    return ""
+
+
+def test_scenes_agree_with_the_referee():
+    scenes = [(seed, scene) for seed in SEEDS if (scene := scene_of(seed)) is not None]
+    assert len(scenes) > 150
+    assert {seed: told for seed, scene in scenes if (told := differs(scene))} == {}
+
+
+def _outer_zero(monkeypatch):
+    """The inside is met at the zero at which the path comes in, in doubles, balls and exact numbers."""
+    _changed(monkeypatch, DoubleFilter, "arcs", "ahead + depth) / speed", "ahead - depth) / speed")
+    monkeypatch.setattr(states.Flights, "arc_hit", lambda self, link: self.round_hit(link))
+    monkeypatch.setattr(BallState, "arc_hit", states.Flights.round_hit)
+    monkeypatch.setattr(prediction, "pair_last_time", lambda b, root, square: (-root - b) / square)
+
+
+def _wrong_range(monkeypatch):
+    """What is on the other side of the chord."""
+    known = arcs.arc_sides
+
+    def turned(of):
+        for side in known(of):
+            yield arcs.ArcSide(side.x, side.y, side.r, -side.nx, -side.ny, -side.h, side.id, side.full)
+
+    monkeypatch.setattr(arcs, "arc_sides", turned)
+
+
+def _sum_within(monkeypatch):
+    """r + rho for r - rho inside."""
+    known = states.Flights.reach
+
+    def added(self, a, b):
+        return a.r - b.r if not b.is_pocket and b.r < self.zero else known(self, a, b)
+
+    monkeypatch.setattr(states.Flights, "reach", added)
+    monkeypatch.setattr(DoubleFilter, "arcs", lambda self, a, sides: ([], [side.side for side in sides]))
+    monkeypatch.setattr(filtered.FilteredPredictor, "arc_numbers", Predictor.arc_numbers)
+
+
+def _normal_turned(monkeypatch):
+    """The impulse of several contacts at one instant pushes out of the arc from within."""
+    known = states.ReplayState.arc_arms
+    monkeypatch.setattr(
+        states.ReplayState, "arc_arms", lambda self, link: [(i, -x, -y) for i, x, y in known(self, link)]
+    )
+
+
+def _closing_turned(monkeypatch):
+    monkeypatch.setattr(AtArc, "closing", lambda self, state: state.round_closing(self))
+
+
+def _end_forgotten(monkeypatch):
+    known = surfaces.ends_of
+    monkeypatch.setattr(surfaces, "ends_of", lambda *of: known(*of)[:-1])
+
+
+def _one_arc_no_more(monkeypatch):
+    """After a bounce from within, the same arc is not looked for again."""
+    known = Predictor.arcs_of
+    monkeypatch.setattr(
+        Predictor, "arcs_of", lambda self, a, standing: [k for k in known(self, a, standing) if k not in standing]
+    )
+
+
+def _no_range_in_doubles(monkeypatch):
+    _changed(monkeypatch, DoubleFilter, "arcs", "if not full:", "if False:")
+
+
+def _no_range_in_balls(monkeypatch):
+    monkeypatch.setattr(DoubleFilter, "arcs", lambda self, a, sides: ([], [side.side for side in sides]))
+    monkeypatch.setattr(prediction, "arc_range", lambda *of: of[0] * 0 + 1)
+    monkeypatch.setattr(states.Flights, "within_arc", lambda self, *_: self.one)
+
+
+def _range_at_the_arc(monkeypatch):
+    """The chord is not moved out, or in, to where the circle's centre is."""
+    known = filtered.FilteredPredictor.arc_numbers
+
+    def fixed(self, link):
+        x, y, reach, r, nx, ny, edge = known(self, link)
+        return x, y, reach, r, nx, ny, edge * abs(r) / abs(reach)
+
+    monkeypatch.setattr(filtered.FilteredPredictor, "arc_numbers", fixed)
+
+
+def _changed(monkeypatch, owner, name, right, wrong):
+    source = inspect.getsource(getattr(owner, name))
+    faulty = source.replace(right, wrong)
+    assert faulty != source
+    scope = dict(vars(filtered))
+    exec(textwrap.dedent(faulty), scope)
+    monkeypatch.setattr(owner, name, scope[name])
+
+
+FAULTS = {
+    "the zero at which the path comes in": _outer_zero,
+    "the range on the wrong side of the chord": _wrong_range,
+    "r + rho within": _sum_within,
+    "the normal the other way": _normal_turned,
+    "what nears is what parts": _closing_turned,
+    "an end that is not met": _end_forgotten,
+    "the same arc never again": _one_arc_no_more,
+    "no range in doubles": _no_range_in_doubles,
+    "no range in balls": _no_range_in_balls,
+    "the chord where the arc is": _range_at_the_arc,
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_planted_faults_are_found(fault, monkeypatch):
+    FAULTS[fault](monkeypatch)
+    for seed in SEEDS:
+        scene = scene_of(seed)
+        if scene is None:
+            continue
+        try:
+            told = differs(scene)
+        except (AssertionError, KeyError, IndexError, ValueError):
+            told = "it fell"
+        if told:
+            return
+    raise AssertionError(f"nothing finds {fault}")
+
+
+# -- The bounds of the filter in doubles: right beside an end, with numbers that are off by all that is granted.
+
+GRANTED = Fraction(1, 2**52)
+
+
+def _near_an_end(rng: Random):
+    """A flight and a side of an arc in doubles, that is met within some units in the last place of an end."""
+    x, y, vx, vy = (rng.uniform(-4, 4) for _ in range(4))
+    wait, r, hollow = rng.uniform(0.1, 3), rng.uniform(0.5, 3), rng.random() < 0.5
+    angle = rng.uniform(0, 6.3)
+    ex, ey = float(mp.cos(angle)), float(mp.sin(angle))
+    towards = vx * ex + vy * ey
+    if abs(vx) + abs(vy) < 0.2 or (towards < 0.05 if hollow else towards > -0.05):
+        return None
+    cx, cy = x + vx * wait - r * ex, y + vy * wait - r * ey
+    nx, ny = rng.uniform(-2, 2), rng.uniform(-2, 2)
+    off = rng.choice((-1, 1)) * 2.0 ** -rng.randint(24, 58)
+    return (x, y, vx, vy, rng.uniform(0, 2)), (cx, cy, -r if hollow else r, nx, ny, (nx * ex + ny * ey) * r + off)
+
+
+def _truth(rng: Random, numbers):
+    """Numbers that doubles tell, off by up to what is granted, in many digits."""
+    return [mpf(value) * (1 + rng.choice((-1, 1, 0)) * mpf(2) ** -52) for value in numbers]
+
+
+def _wrong_filter(seed: int) -> int:
+    """How often the filter says what is not so; that it says anything is asserted too."""
+    mp.dps = 80
+    rng, wrong, told = Random(seed), 0, 0
+    zero = arb(0)
+    for _ in range(3000):
+        drawn = _near_an_end(rng)
+        if drawn is None:
+            continue
+        (x, y, vx, vy, t), (cx, cy, reach, nx, ny, edge) = drawn
+        body = Body(0, Flight(zero, zero, zero, zero, zero, zero), zero, zero)
+        check = DoubleFilter()
+        check.take(body, (x, y, vx, vy, t, 0.0))
+        found, unclear = check.arcs(body, [FloatArc(3, cx, cy, reach, nx, ny, edge, abs(nx) + abs(ny), False)])
+        bx, by, bvx, bvy, bt = _truth(rng, (x, y, vx, vy, t))
+        fx, fy, fr, fnx, fny, fedge = _truth(rng, (cx, cy, reach, nx, ny, edge))
+        dx, dy = bx - fx, by - fy
+        a, b, c = bvx**2 + bvy**2, dx * bvx + dy * bvy, dx**2 + dy**2 - fr**2
+        meets, when = False, None
+        if b * b > a * c:
+            when = (-b + (sqrt(b * b - a * c) if reach < 0 else -sqrt(b * b - a * c))) / a
+            meets = when > 0 and fnx * (dx + bvx * when) + fny * (dy + bvy * when) > fedge
+        told += not unclear
+        if found:
+            low, high, _ = found[0]
+            wrong += not (meets and low <= bt + when <= high)
+        elif not unclear:
+            wrong += meets
+    assert told > 400
+    return wrong
+
+
+def test_the_filter_is_never_wrong_beside_an_end():
+    assert sum(map(_wrong_filter, range(3))) == 0
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("blur = 2.0 * blur + 64 * UNIT *", "blur = 2.0**-14 * blur + 2.0**-14 * UNIT *"),
+        ("off_time = 2.0 * off_wait + 8 * UNIT", "off_time = 2.0**-14 * off_wait + 2.0**-14 * UNIT"),
+    ],
+)
+def test_a_bound_that_is_too_small_is_found(monkeypatch, right, wrong):
+    _changed(monkeypatch, DoubleFilter, "arcs", right, wrong)
+    assert sum(map(_wrong_filter, range(3))) > 0
+
+
+# -- Laws and words.
+
+
+@pytest.mark.parametrize("seed", range(0, 120, 3))
+def test_an_arc_in_two_parts_is_the_same_arc(seed):
+    """Cut anywhere but where something is hit: the joint is smooth, and pushes no more than the arc did."""
+    scene = scene_of(seed)
+    if scene is None or all(arc.full for arc in scene.arcs):
+        return
+    parts: list[Arc] = []
+    for arc in scene.arcs:
+        (ax, ay), (bx, by) = arc.directions
+        mx, my = by - ay, ax - bx  # away from the chord: the middle of the arc
+        if arc.full or (mx.sign() == 0 and my.sign() == 0):
+            parts.append(arc)
+            continue
+        mx, my = mx + my / 97, my - mx / 97
+        cut = arc.x + mx, arc.y + my
+        parts.append(Arc(arc.x, arc.y, arc.r, arc.x0, arc.y0, *cut, id=f"{arc.id}-"))
+        parts.append(Arc(arc.x, arc.y, arc.r, *cut, arc.x1, arc.y1, id=f"{arc.id}+"))
+    runs = [ExactEngine().run(each, until=UNTIL, events=6) for each in (scene, scene.with_changes(arcs=parts))]
+    if any(not run.certified for run in runs):
+        return
+    times = [[event.time.digits(30) for event in run.events] for run in runs]
+    assert times[0] == times[1]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_intervals_never_say_what_is_not_so(seed):
+    scene = scene_of(seed)
+    if scene is not None:
+        exact, wide = (engine.run(scene, until=UNTIL, events=6) for engine in (ExactEngine(), IntervalEngine()))
+        told = [event.contacts for event in wide.events]
+        assert told == [event.contacts for event in exact.events][: len(told)]
+
+
+def test_sympy_agrees_by_its_own_way():
+    compared = 0
+    for seed in (8, 10, 26, 33, 56, 68, 127, 139):
+        scene = scene_of(seed)
+        if scene is not None and len(scene.circles) < 2:
+            runs = [engine.run(scene, until=UNTIL, events=2) for engine in (ExactEngine(), SymbolicEngine())]
+            first, second = ([(e.contacts, float(e.time)) for e in run.events] for run in runs)
+            assert [names for names, _ in first] == [names for names, _ in second]
+            assert [time for _, time in first] == pytest.approx([time for _, time in second])
+            compared += bool(first)
+    assert compared > 3
+
+
+TABLE = Scene(
+    [Circle("1/10", "1/7", r="1/5", vx=1, vy="2/3", id="c")],
+    arcs=[Arc(1, 0, 1, 1, -1, 1, 1, id="east"), Arc(-1, 0, 1, -1, 1, -1, -1, id="west")],
+    segments=[Segment(-1, -1, 1, -1, id="low"), Segment(1, 1, -1, 1, id="high")],
+)
+
+
+@pytest.mark.parametrize("engine", [DoubleEngine(), SingleEngine(), QuadEngine(), RoundedEngine(bits=40)])
+def test_engines_of_finite_precision_follow_arcs(engine):
+    exact, run = ExactEngine().run(TABLE, events=8), engine.run(TABLE, events=8)
+    assert [event.contacts for event in run.events] == [event.contacts for event in exact.events]
+    assert [float(e.time) for e in run.events] == pytest.approx([float(e.time) for e in exact.events], rel=1e-3)
+
+
+def test_pymunk_has_no_arcs_and_says_so():
+    with pytest.raises(SceneError, match="arc"):
+        PymunkEngine().run(TABLE, events=3)
+
+
+def test_the_way_back_is_the_way_out():
+    run = ExactEngine().run(TABLE.with_changes(reverse_after=9))
+    out = run.reversal.after
+    assert [e.contacts for e in run.events[:out]] == [e.contacts for e in reversed(run.events[out:])]
+    assert (run.final["c"].x.text(), run.final["c"].y.text()) == ("1/10", "1/7")
+
+
+def test_a_chord_from_within_is_rational():
+    """3-4-5: after the first bounce every time is rational, and so is every place."""
+    scene = Scene([Circle(0, -3, r=0, vx=1, point=True, id="p")], arcs=[Arc(0, 0, 5, full=True, id="ring")])
+    run = ExactEngine().run(scene, events=40)
+    assert [event.time.text() for event in run.events[:3]] == ["4", "12", "20"]
+    assert run.events[39].time.text() == "316"
+    assert "/" in run.final["p"].x.text()
+
+
+def test_a_flight_along_the_inside_stops_by_name():
+    scene = Scene([Circle(0, -2, r=1, vx=1, id="c")], arcs=[Arc(0, 0, 3, full=True, id="ring")])
+    for engine in (ExactEngine(), DoubleEngine()):
+        run = engine.run(scene, until=9)
+        assert not run.events
+        assert f"c and ring {ALONG}" in run.stop.message
+
+
+def test_a_smooth_joint_pushes_once():
+    """Where a side of a stadium goes over into a half-circle, a disc hits the end that they share, and that alone."""
+    scene = TABLE.with_changes(circles=[Circle(0, 0, r="1/5", vx=5, vy=4, id="c")])
+    for engine in (ExactEngine(), DoubleEngine()):
+        run = engine.run(scene, until="3/10")
+        assert len(run.events) == 1
+        assert len(run.events[0].contacts) == 1
+        assert (float(run.final["c"].vx), float(run.final["c"].vy)) == pytest.approx((5, -4))
+
+
+def test_files_keep_arcs():
+    ring, bow = Arc(0, 0, 9, full=True, id="ring"), Arc(0, 0, "sqrt(2)", 1, 1, -1, 1, id="bow")
+    scene = Scene([Circle(0, 5)], arcs=[ring, bow])
+    text = dump_toml(scene)
+    assert loads_toml(text).digest == loads_json(dump_json(scene)).digest == scene.digest
+    assert text.count("[[arc]]") == 2
+    assert text.count("full = true") == 1
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        (lambda: Arc(0, 0, 0, full=True, id="a"), "arc 'a': r = 0: a radius must be positive"),
+        (lambda: Arc(0, 0, 1, id="a"), "x0 is missing; write where it begins and ends, or full = true"),
+        (lambda: Arc(0, 0, 1, 1, 0, 0, 1, full=True, id="a"), "has no ends; leave out"),
+        (lambda: Arc(0, 0, 1, 2, 0, 3, 0, id="a"), "in one direction; write full = true"),
+        (lambda: Arc(1, 2, 1, 2, 0, 1, 2, id="a"), "x1, y1 is its centre (1, 2)"),
+        (lambda: Scene([Circle(0, 0)], arcs=[Arc(0, 0, "1/2", full=True)]), "lies across arc 'a1', by 1/2"),
+        (lambda: Scene([Circle(0, 5)], arcs=[Arc(0, 0, 3, 1, 0, 0, 1), Arc(0, 0, 3, 1, 1, 0, 1)]), "make them one"),
+        (lambda: Scene([Circle(0, 5)], arcs=[Arc(0, 0, 1, 1, 0, 0, 1)]), "which it fits all along"),
+        (lambda: Scene([Circle(3, 4, r=0, point=True)], arcs=[Arc(0, 0, 5, full=True)]), "centre lies on arc"),
+        (lambda: loads_toml('[[arc]]\nid="a"\nx=0\ny=0\nr=1\nx0=1\ny0=0\nx1=1'), "y1 is missing"),
+        (lambda: loads_toml('[[arc]]\nid="a"\nx=0\ny=0\nr=1\nfull="yes"'), "is not true or false"),
+    ],
+)  # fmt: skip
+def test_bad_input_has_one_line(made, says):
+    with pytest.raises(SceneError) as error:
+        made()
+    assert says in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("x", "part"), [("4", "outside"), ("2", "within")])
+def test_what_touches_at_the_start_is_known(x, part):
+    scene = Scene(
+        [Circle(x, 0, r=1, vx=1 if part == "within" else -1, id="c")], arcs=[Arc(0, 0, 3, 1, -1, 1, 1, id="a")]
+    )
+    assert scene.touching == ((0, 1),)
+    run = ExactEngine().run(scene, until=1)
+    assert [(float(event.time), event.contacts) for event in run.events] == [(0.0, (("c", "a"),))]
+    assert run.final["c"].vx.text() == ("-1" if part == "within" else "1")
