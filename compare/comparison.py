@@ -385,6 +385,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     reference = study.reference
     if reference.scene.segments or reference.scene.polygons:
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
+    if reference.scene.arcs:
+        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet at arcs")
     plain = reference.scene.elastic and len(reference.scene.circles) <= MOST_CIRCLES
     if not plain or study.truth.rounds_input:
         return found
@@ -434,6 +436,7 @@ def explained(
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     new = "with polygons" if study.scene.polygons else "" if study.scene.elastic else "whose restitution is below 1"
+    new = "with arcs" if study.scene.arcs else new
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

@@ -11,7 +11,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from .things import Circle, Pocket, Polygon, Segment, Wall
+    from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
 
     pass
 
@@ -39,6 +39,8 @@ class Pictured(Protocol):
     def segments(self) -> tuple[Segment, ...]: ...
     @property
     def polygons(self) -> tuple[Polygon, ...]: ...
+    @property
+    def arcs(self) -> tuple[Arc, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,9 @@ def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
     for points, r in map(polygon_outline, scene.polygons):
         xs += [x + side for x, _ in points for side in (-r, r)]
         ys += [y + side for _, y in points for side in (-r, r)]
+    for points in map(arc_line, scene.arcs):
+        xs += [x for x, _ in points]
+        ys += [y for _, y in points]
     width, height = max(xs) - min(xs), max(ys) - min(ys)
     room = MARGIN * max(width, height, 1e-9)
     width, height = (
@@ -121,6 +126,27 @@ def segment_line(segment: Segment) -> tuple[float, float, float, float, float]:
 def polygon_outline(polygon: Polygon) -> tuple[list[tuple[float, float]], float]:
     """A polygon's points and the radius of its corners as doubles."""
     return [(float(x), float(y)) for x, y in polygon.points], float(polygon.r)
+
+
+ARC_STEP = math.pi / 90
+"""Most of a turn from one point of a drawn arc to the next: their chord misses the arc by 0.00015 of its radius."""
+
+
+def arc_line(arc: Arc) -> list[tuple[float, float]]:
+    """Points along an arc, close enough for a picture, both ends among them.
+
+    >>> len(arc_line(Arc(0, 0, 1, full=True)))
+    181
+    """
+    x, y, r = float(arc.x), float(arc.y), float(arc.r)
+    start, turn = 0.0, math.tau
+    if not arc.full:
+        (ax, ay), (bx, by) = arc.directions
+        start, end = (math.atan2(float(dy), float(dx)) for dx, dy in ((ax, ay), (bx, by)))
+        turn = (end - start) % math.tau
+    count = max(2, math.ceil(turn / ARC_STEP))
+    angles = [start + turn * k / count for k in range(count + 1)]
+    return [(x + r * math.cos(angle), y + r * math.sin(angle)) for angle in angles]
 
 
 def _nearest(
@@ -219,6 +245,7 @@ def draw(
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
     parts += [_solid(view, *polygon_outline(p), p.id in names, str(p.id)) for p in scene.polygons]
     parts += [_segment(view, segment_line(s), s.id in names, str(s.id)) for s in scene.segments]
+    parts += [_curve(view, arc_line(a), a.id in names, str(a.id)) for a in scene.arcs]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
     labels: list[str] = []
@@ -264,6 +291,13 @@ def _segment(view: View, line: tuple[float, float, float, float, float], marked:
         f'<line class="wall{" marked" if marked else ""}" x1="{view.x(x0):.2f}" y1="{view.y(y0):.2f}" '
         f'x2="{view.x(x1):.2f}" y2="{view.y(y1):.2f}"{wide}><title>{escape(name)}</title></line>'
     )
+
+
+def _curve(view: View, points: Sequence[tuple[float, float]], marked: bool, name: str) -> str:
+    """An arc as wide as a wall is drawn."""
+    path = " ".join(f"{view.x(x):.2f},{view.y(y):.2f}" for x, y in points)
+    style = f'class="wall{" marked" if marked else ""}" fill="none"'
+    return f'<polyline {style} points="{path}"><title>{escape(name)}</title></polyline>'
 
 
 def _solid(view: View, points: Sequence[tuple[float, float]], r: float, marked: bool, name: str) -> str:

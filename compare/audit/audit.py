@@ -189,6 +189,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.polygons:
         return Audit(None, "polygons are not audited yet")
+    if run.scene.arcs:
+        return Audit(None, "arcs are not audited yet")
     if not run.scene.elastic:
         return Audit(None, "a restitution below 1 is not audited yet")
     if engine.step is not None:

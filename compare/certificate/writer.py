@@ -69,6 +69,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     """
     if trajectory.scene.polygons:
         raise CertificateError("the scene has polygons, which certificates do not know yet; write segments")
+    if trajectory.scene.arcs:
+        raise CertificateError("the scene has arcs, which certificates do not know yet")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:

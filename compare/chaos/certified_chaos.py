@@ -106,6 +106,8 @@ def chaos(
               for e in names]  # fmt: skip
     if scene.polygons and chosen:
         raise SceneError(f"{scene.name!r}: has polygons, where no horizon is predicted yet; write --engines none")
+    if scene.arcs and chosen:
+        raise SceneError(f"{scene.name!r}: has arcs, where no horizon is predicted yet; write --engines none")
     reference = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
     struck = mapped(reference, len(reference.events))
     rough = [[in_doubles(impact) for impact in event] for event in struck]

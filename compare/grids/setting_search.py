@@ -78,6 +78,8 @@ class Instance:
             try:
                 if reference.scene.polygons:
                     raise NoTangentMap("nothing is predicted yet in scenes with polygons")
+                if reference.scene.arcs:
+                    raise NoTangentMap("nothing is predicted yet in scenes with arcs")
                 self.curves[model] = Forecaster(reference, impacts(reference, len(reference.events))).curve(model)
             except NoTangentMap:
                 self.curves[model] = None

@@ -369,7 +369,7 @@ def python_of(scene: Scene, engines: Sequence[str], events: int) -> str:
     """
     data = scene.data()
     kinds = {"circle": ("Circle", "circles"), "wall": ("Wall", "walls"), "segment": ("Segment", "segments")}
-    kinds |= {"pocket": ("Pocket", "pockets"), "polygon": ("Polygon", "polygons")}
+    kinds |= {"pocket": ("Pocket", "pockets"), "polygon": ("Polygon", "polygons"), "arc": ("Arc", "arcs")}
     used = [kind for kind in kinds if data.get(kind)]
     lines = ["from truebreak.compare import compare"]
     lines += [f"from truebreak.scenarios import {', '.join(sorted([*(kinds[kind][0] for kind in used), 'Scene']))}", ""]

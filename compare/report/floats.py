@@ -55,6 +55,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
 def _check_exported(scene: Scene) -> None:
     if scene.polygons:
         raise SceneError(f"{scene.name!r}: has polygons, which are not exported in doubles yet; leave out --floats")
+    if scene.arcs:
+        raise SceneError(f"{scene.name!r}: has arcs, which are not exported in doubles yet; leave out --floats")
 
 
 def floats_csv(scene: Scene) -> str:

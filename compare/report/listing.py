@@ -121,6 +121,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
         ("wall", ("id", "x0", "y0", "x1", "y1")),
         ("segment", ("id", "x0", "y0", "x1", "y1", "r")),
         ("polygon", ("id", "points", "r")),
+        ("arc", ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")),
         ("pocket", ("id", "x", "y", "r")),
     ):
         rows = data.get(kind)

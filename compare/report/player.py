@@ -10,7 +10,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.pictures import DrawnDisc, polygon_outline, segment_line, view_of, wall_line
+from ...scenarios.pictures import DrawnDisc, arc_line, polygon_outline, segment_line, view_of, wall_line
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import rows_of
 from ..picture import instant_of, names_of
@@ -115,6 +115,7 @@ def played(
         "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
         "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
         **({"segments": [segment_line(s) for s in scene.segments]} if scene.segments else {}),
+        **({"arcs": [arc_line(a) for a in scene.arcs]} if scene.arcs else {}),
         **({"polygons": [polygon_outline(p) for p in scene.polygons]} if scene.polygons else {}),
         "view": _view(scene, truth["knots"]),
         "begin": begin,

@@ -113,6 +113,8 @@ def shadow(
         raise SceneError(f"{scene.name!r}: has polygons, of which no shadow is looked for yet; take walls")
     if scene.segments:
         raise SceneError(f"{scene.name!r}: has segments, of which no shadow is looked for yet; take walls")
+    if scene.arcs:
+        raise SceneError(f"{scene.name!r}: has arcs, of which no shadow is looked for yet; take walls")
     if not scene.elastic:
         raise SceneError(f"{scene.name!r}: has a restitution below 1, of which no shadow is looked for yet")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)

@@ -15,7 +15,7 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import Pair, Touch, is_flat, name_of
+from ...exact.replay.contact import Pair, Touch, is_arc, is_flat, is_pair, name_of
 from ...exact.replay.state import Go, Kick
 from ...scenarios.numbers.quantity import Quantity
 
@@ -168,7 +168,11 @@ def check_start(scene: Scene) -> None:
         a = scene.circles[i]
         if i not in free and j not in free:
             continue
-        if j >= len(scene.circles):
+        beyond = len(scene.circles) + len(scene.walls)
+        if j >= beyond:
+            side = scene.arc_sides[j - beyond]
+            closing = side.r * ((a.x - side.x) * a.vx + (a.y - side.y) * a.vy)
+        elif j >= len(scene.circles):
             nx, ny = scene.walls[j - len(scene.circles)].normal
             closing = nx * a.vx + ny * a.vy
         else:
@@ -191,6 +195,7 @@ def check_sizes(scene: Scene) -> None:
     """
     scene = scene.surfaces
     ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
+    ends += [value for side in scene.arc_sides for value in (side.x, side.y, side.r)]
     flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
     if not all(_held(value) for value in (*ends, *flights)):
         raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
@@ -362,9 +367,12 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
             if not together:
                 speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue
+        if is_arc(link):
+            j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
+            speeds[j] = state.zero, state.zero
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
-        reach = state.reach(a, b)
-        if j in state.scene.ends:
+        reach = -state.reach(a, b) if is_arc(link) and link.hollow else state.reach(a, b)
+        if is_pair(link) and j in state.scene.ends:
             _check_corner(state, link, dx, dy)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
         if together:
@@ -381,6 +389,13 @@ def _check_corner(state: BallState, link: Pair, dx: arb, dy: arb) -> None:
         NoTangentMap: naming the two.
     """
     end = state.scene.circles[link.b]
+    for side in state.scene.arc_sides:
+        rx, ry = end.x - side.x, end.y - side.y
+        if side.id is not None and (rx * rx + ry * ry - side.r * side.r).sign() == 0:
+            across = dx * state.constant(ry) - dy * state.constant(rx)
+            if not (across > 0 or across < 0):
+                who = name_of(state.scene, link)
+                raise NoTangentMap(f"{who} meet where an end becomes an arc: nearby they meet the one or the other")
     for k in state.scene.faces:
         face = state.scene.walls[k]
         if face.id is not None and _starts_at(face, end):
@@ -402,6 +417,8 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     scene = trajectory.scene
     if scene.polygons:
         raise NoTangentMap("of polygons only runs of the exact engine distinguish faces from corners")
+    if scene.arcs:
+        raise NoTangentMap("of arcs only runs of the exact engine distinguish sides from ends")
     if scene.segments:
         raise NoTangentMap("of segments only runs of the exact engine distinguish faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}

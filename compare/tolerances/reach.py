@@ -235,6 +235,8 @@ class ErrorWalk:
             )
         if run.scene.polygons:
             raise SceneError(f"{run.scene.name!r}: has polygons, where what rounding may do is not bounded yet")
+        if run.scene.arcs:
+            raise SceneError(f"{run.scene.name!r}: has arcs, where what rounding may do is not bounded yet; take walls")
         if not run.scene.elastic:
             raise SceneError(
                 f"{run.scene.name!r}: has a restitution below 1, where what rounding may do is not bounded yet"

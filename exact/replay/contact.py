@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from math import inf
+from math import hypot, inf
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias
 
 from ...scenarios.scene import Scene
@@ -428,10 +428,10 @@ def touch_of(scene: Scene, i: int, j: int) -> Touch:
 def part_at(
     scene: Scene, circle: int, number: int, x: float, y: float, taken: Collection[Touch] = frozenset[Touch]()
 ) -> Touch:
-    """What a circle at (x, y), of which doubles tell enough, touches of a segment or polygon: its nearest part.
+    """What a circle at (x, y), of which doubles tell enough, touches of a segment, polygon or arc: its nearest part.
 
     Args:
-        number: which segment, or, after all of them, which polygon.
+        number: which segment, or, after all of them, which polygon, then which arc.
         taken: what it touches of it, too, in a concave corner: the nearest of the others is wanted.
 
     >>> from truebreak.scenarios import Circle, Segment
@@ -446,6 +446,9 @@ def part_at(
 def _parts_at(scene: Scene, circle: int, number: int, x: float, y: float) -> Iterator[tuple[float, Touch]]:
     """Of each side of a segment or polygon what is nearest to a circle, and the square of how far that is."""
     whole, count = scene.surfaces, len(scene.segments)
+    if number >= count + len(scene.polygons):
+        yield from _parts_of_arc(scene, circle, number - count - len(scene.polygons), x, y)
+        return
     face = whole.faces.start + 2 * min(number, count)
     if number < count:
         segment = scene.segments[number]
@@ -469,6 +472,20 @@ def _parts_at(scene: Scene, circle: int, number: int, x: float, y: float) -> Ite
             yield away, AtWall(circle, face + (ux * (y - y0) - uy * (x - x0) < 0.0))
         else:
             yield away, AtWall(circle, face + k)
+
+
+def _parts_of_arc(scene: Scene, circle: int, number: int, x: float, y: float) -> Iterator[tuple[float, Touch]]:
+    """Of an arc the side, or the ends, that a circle is beside, and the square of how far that is."""
+    arc, whole = scene.arcs[number], scene.surfaces
+    nx, ny, h = map(float, arc.chord)
+    dx, dy = x - float(arc.x), y - float(arc.y)
+    far, r = hypot(dx, dy), float(arc.r)
+    if arc.full or nx * dx + ny * dy > h * far:
+        yield (far - r) ** 2, AtArc(circle, 2 * number + (far < r))
+        return
+    for place in arc.ends:
+        end = next(e for e in whole.ends if (whole.circles[e].x, whole.circles[e].y) == place)
+        yield (x - float(place[0])) ** 2 + (y - float(place[1])) ** 2, Pair(circle, end)
 
 
 def places_of(scene: Scene, link: Touch) -> tuple[int, int]:
