@@ -133,7 +133,7 @@ class PartsNear(Generic[N]):
         >>> near = PartsNear(Scene([Circle(5, 5)], polygons=[nook]), DOUBLES)
         >>> push = lambda dx, dy: near.pushing(0, 1, 1.0, 1.0, -1.0, -2.0, (dx, dy))
         >>> push(2.0, 0.0), push(0.0, 4.0), len(push(2.0, 4.0))
-        ([AtWall(circle=0, wall=4, kind='wall')], [AtWall(circle=0, wall=3, kind='wall')], 2)
+        ([AtWall(circle=0, wall=2, kind='wall')], [AtWall(circle=0, wall=3, kind='wall')], 2)
         """
         nearest = self.part(circle, thing, x, y, vx, vy)
         found, size = self._near(circle, thing, x, y, vx, vy)
