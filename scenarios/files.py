@@ -148,11 +148,10 @@ def _polygon(label: str, row: dict[str, Any]) -> Polygon:
 
 def _arc(label: str, row: dict[str, Any]) -> Arc:
     _check_keys(label, row, ARC)
-    full = _truth(f"{label}: full", row.get("full", False))
-    ends = ("x0", "y0", "x1", "y1")
-    if full:
-        return Arc(id=row["id"], full=True, **_numbers(label, row, required=("x", "y", "r"), others=ends))
-    return Arc(id=row["id"], **_numbers(label, row, required=("x", "y", "r", *ends)))
+    full, ends = _truth(f"{label}: full", row.get("full", False)), ("x0", "y0", "x1", "y1")
+    numbers = _numbers(label, row, required=("x", "y", "r", *(() if full else ends)), others=ends if full else ())
+    x, y, r = (numbers[key] for key in ("x", "y", "r"))
+    return Arc(x, y, r, *(numbers.get(key) for key in ends), id=row["id"], full=full)
 
 
 def _pocket(label: str, row: dict[str, Any]) -> Pocket:

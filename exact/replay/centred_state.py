@@ -176,6 +176,7 @@ class CentredState(BallState):
         if is_flat(link):
             return held.mirror(held.face(self, link), movers[0])
         assert pending.hit is not None
+        assert is_pair(link)
         return held.meet(link, movers, pending.hit)
 
     def forget_contact(self) -> None:

@@ -261,7 +261,7 @@ class Resolver(Generic[N, K]):
         Raises:
             Undecided: for a flight along the inside of an arc.
         """
-        if link.flat or self.decider.ask(RelativeSpeed(link)) == 0:
+        if is_flat(link) or self.decider.ask(RelativeSpeed(link)) == 0:
             return True
         if is_arc(link) and link.hollow:
             who = name_of(self.scene, link)
