@@ -13,10 +13,11 @@ from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undeci
 from ..exact.question import Approach, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, NamedContacts, is_arc, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
+from ..exact.simulation.arc_meetings import arc_contact
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
-from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, arc_contact
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late

@@ -19,10 +19,12 @@ from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Ques
 from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_arc, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
+from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
-from ..simulation.prediction import Arrival, ArrivalQueue, arc_contact, touching_at_start
+from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
 from .cascade import Cascade, Grounds, InBalls, TieRule
 from .filtered import QUICK_BITS, FilteredPredictor
+from .filtered_arcs import ArcPredictor
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -186,12 +188,14 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        self.predictor = FilteredPredictor(scene, state, queue, plan, self._unsure)
+        self.predictor = (ArcPredictor if scene.arc_sides else FilteredPredictor)(
+            scene, state, queue, plan, self._unsure
+        )
         self.slides = self.predictor.slides
         self._state = state
         self._plan = plan
         self._precision = precision
-        self._balls = balls
+        self._sign = balls.sign
         self._judge = judge
         self._grazes = grazes
         self._work = work
@@ -228,17 +232,13 @@ class CertifiedMeetings:
         self._plan["doubtful settled"] += 1
         if is_arc(link):
             disc = arc_contact(link, lambda question: self._judge.decide(question).sign)
-            return None if disc is None or disc < 0 else self._arrived(arrival, disc)
-        if self._judge.decide(Approach(link)).sign >= 0:
+        elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
-        if self._misses(link):
+        else:
+            disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
+        if disc is None or disc < 0:
             return None
-        disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
-        return None if disc < 0 else self._arrived(arrival, disc)
-
-    def _arrived(self, arrival: Arrival[arb], disc: int) -> Arrival[arb]:
-        """An arrival that comes."""
-        time = self._meeting(arrival.link, disc)
+        time = self._meeting(link, disc)
         low, high = ball.double_bounds(time)
         return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
 
@@ -254,7 +254,7 @@ class CertifiedMeetings:
             self._state.sync(moment.link.circles)
             try:
                 t, wait = moment.wait(self._state.balls)
-                if t + wait > self._begun(moment.link):
+                if t + wait > moment.link.later(self._state.balls).flight.instant:
                     return t + wait
             except ZeroDivisionError:
                 pass
@@ -314,13 +314,6 @@ class CertifiedMeetings:
             self._grazes(link)
         return self.time(Moment(link, disc == 0))
 
-    def _begun(self, link: Link) -> arb:
-        """The instant from which on the flights of two hold."""
-        return link.later(self._state.balls).flight.instant
-
-    def _sign(self, question: Question) -> int | None:
-        return self._balls.sign(question)
-
     def _unsure(self, link: Link) -> None:
         """A prediction that short balls could not decide: full balls, and proofs where they leave it open.
 
@@ -332,12 +325,7 @@ class CertifiedMeetings:
             self._unsure_face(link)
             return
         if is_arc(link):
-            disc = arc_contact(link, self._sign)
-            ball.use_bits(self._state.bits)
-            if disc is None:
-                self.predictor.push_doubtful(link)
-            elif disc >= 0:
-                self.predictor.push(self._meeting(link, disc), link, disc == 0)
+            self._push(link, arc_contact(link, self._sign))
             return
         approach = self._sign(Approach(link))
         if approach is not None and approach >= 0:
@@ -354,12 +342,14 @@ class CertifiedMeetings:
             who, when = self._judge.name(link), self._precision.where()
             raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
         disc = 1 if is_flat(link) else self._sign(Discriminant(link))
-        if disc is not None and disc < 0:
-            return
+        self._push(link, None if approach is None and (disc is None or disc >= 0) else disc)
+
+    def _push(self, link: Link, disc: int | None) -> None:
+        """Queues a hit (1), a graze (0) or what may be one (None); nothing for a miss (-1)."""
         ball.use_bits(self._state.bits)
-        if approach is None or disc is None:
+        if disc is None:
             self.predictor.push_doubtful(link)
-        else:
+        elif disc >= 0:
             self.predictor.push(self._meeting(link, disc), link, disc == 0)
 
 

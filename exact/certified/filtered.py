@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf, isfinite, nan, sqrt
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from flint import arb
 
@@ -13,7 +13,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers import ball
-from ..replay.contact import FAINT, AtArc, Body, Doubles, Entry, Landed, Link
+from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
 from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor, link_of
@@ -71,21 +71,6 @@ def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> Fl
     if not (sharp and size < BIG and 1 / BIG < norm < BIG):
         norm = size = inf
     return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
-
-
-class FloatArc(NamedTuple):
-    """A side of an arc as circles of one radius meet it, in doubles: which it is, its centre, R, the normal of its
-    chord, n.e |R| (see `formulas.arc_range`), and the normal's 1-norm, infinite where doubles do not tell all that."""
-
-    side: int
-    x: float
-    y: float
-    reach: float
-    nx: float
-    ny: float
-    edge: float
-    norm: float
-    full: bool
 
 
 PairBounds: TypeAlias = tuple[float, float, float, float, float]
@@ -150,7 +135,7 @@ class DoubleFilter:
             body.f = None
             return
         if place > self.largest or speed > self.fastest or ft > self.latest:
-            self._widen(place, speed, ft)
+            self.widen(place, speed, ft)
         body.f = (fx, fy, fvx, fvy, ft, late)
 
     def _stand(self, t: arb, beside: arb | None) -> None:
@@ -163,7 +148,7 @@ class DoubleFilter:
         told = t.rel_accuracy_bits() > ACCURATE_BITS and plain
         self._at, self._late = ft if told else nan, late
 
-    def _widen(self, place: float, speed: float, time: float) -> None:
+    def widen(self, place: float, speed: float, time: float) -> None:
         """Has the bounds cover what goes beyond them; clocks, which always do, by an eighth more than that."""
         self.largest = max(self.largest, place)
         self.fastest = max(self.fastest, speed)
@@ -337,72 +322,6 @@ class DoubleFilter:
                 unclear.append(k)
         return found, unclear
 
-    def arcs(self, a: Body[arb], sides: Sequence[FloatArc]) -> tuple[list[tuple[float, float, int]], list[int]]:
-        """Which of several sides of arcs a circle hits: bounds of the time, and the side; the unclear.
-
-        The bounds are those of `pairs`, with a circle at rest whose place is among what S bounds. The two times at
-        which the path is at R lie `depth` before and after it is nearest to the centre; each is off by as much. One
-        that surely lies before the instant at which the flight begins is none: so is the first of a circle that is
-        within R, or flies away. Where the circle is at that time is off by what d is, by what v is over the wait, and
-        by what the wait is, times v; products and sums are rounded by 16u of them, twice taken.
-        """
-        fa = a.f
-        found: list[tuple[float, float, int]] = []
-        unclear: list[int] = []
-        if fa is None:
-            return found, [side.side for side in sides]
-        for _, x, y, *_ in sides:
-            place = max(abs(x), abs(y))
-            if place > self.largest:
-                self._widen(place, 0.0, 0.0)
-        near, slack, *_ = self.pair_bounds
-        ax, ay, avx, avy, now, late = fa
-        vx, vy = -avx, -avy
-        square, wide = vx * vx + vy * vy, abs(vx) + abs(vy)
-        loose = 6.0 * slack * wide
-        for k, x, y, reach, nx, ny, edge, norm, full in sides:
-            dx, dy = x - ax, y - ay
-            approach, cross = dx * vx + dy * vy, abs(dx * vy - dy * vx)
-            off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
-            if not (square > 100.0 * loose and norm < BIG):
-                unclear.append(k)
-                continue
-            if cross > off and (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP:
-                continue
-            room = (square - loose) * (reach * reach) * ROUND_DOWN
-            if (cross + off) * (cross + off) > room:
-                unclear.append(k)
-                continue
-            speed = sqrt(square)
-            doubt = loose / square + 8 * UNIT
-            passing = cross / speed
-            depth = sqrt(reach * reach - passing * passing)
-            ahead = -approach / speed
-            off /= speed
-            off_passing = off + passing * doubt
-            off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth
-            wait = (ahead - depth if reach > 0.0 else ahead + depth) / speed
-            off_wait = (off + off_depth + (abs(ahead) + depth) * (doubt + 4 * UNIT)) / speed + abs(wait) * doubt
-            time = now + wait
-            off_time = 2.0 * off_wait + 8 * UNIT * (now + abs(wait))
-            if wait < -(off_time + late):
-                continue
-            if not (wait > off_time + late) or not isfinite(time):
-                unclear.append(k)
-                continue
-            if not full:
-                px, py = dx + vx * wait, dy + vy * wait
-                within = -(nx * px + ny * py) - edge
-                blur = norm * (near + wait * slack + wide * off_time)
-                blur = 2.0 * blur + 64 * UNIT * (norm * (abs(dx) + abs(dy) + wide * wait) + abs(edge))
-                if within < -blur:
-                    continue
-                if not within > blur:
-                    unclear.append(k)
-                    continue
-            found.append((time - off_time, time + off_time, k))
-        return found, unclear
-
     def walls(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
@@ -481,8 +400,6 @@ class FilteredPredictor(Predictor[arb]):
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
-        self._arc_rows: dict[tuple[int, int], tuple[arb, arb, arb, arb, arb, arb, arb]] = {}
-        self._float_arcs: dict[tuple[int, int], FloatArc] = {}
         self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
@@ -573,9 +490,9 @@ class FilteredPredictor(Predictor[arb]):
         if self.faces:
             for a in moved:
                 self.meet_faces(a, standing)
-        if self.arcs:
+        if self.arcs.count:
             for a in moved:
-                self.meet_arcs(a, standing)
+                self.arcs.meet(a, standing, self)
         plan = self.plan
         plan["walls predicted"] += len(moved) * self.wall_count
         plan["pairs predicted"] += outlook.pairs
@@ -632,46 +549,6 @@ class FilteredPredictor(Predictor[arb]):
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
         self._meet(a, self._face_table(a), standing)
-
-    def meet_arcs(self, a: Body[arb], standing: Collection[Link]) -> None:
-        """See `Predictor.meet_arcs`."""
-        links = self.arcs_of(a, standing)
-        found, unclear = self.filter.arcs(a, [self._float_arc(a, link) for link in links])
-        for low, high, k in found:
-            self.queue.push(low, high, None, AtArc(a.index, k))
-        if unclear:
-            self.plan["unclear in doubles"] += len(unclear)
-            self.prepare()
-            for k in unclear:
-                self.arc(a, AtArc(a.index, k))
-
-    def arc_numbers(self, link: AtArc) -> tuple[arb, arb, arb, arb, arb, arb, arb]:
-        """See `Predictor.arc_numbers`; short balls, the same for all circles of one radius."""
-        key = self.refinable.bodies[link.circle].kind, link.arc
-        found = self._arc_rows.get(key)
-        if found is None:
-            side, radius = self.scene.arc_sides[link.arc], self.scene.circles[link.circle].r
-            reach = radius + side.r
-            with ball.precision(QUICK_BITS):
-                numbers = (side.x, side.y, reach, side.r, side.nx, side.ny, side.h * abs(reach))
-                x, y, far, r, nx, ny, edge = (ball.constant(number) for number in numbers)
-                found = self._arc_rows[key] = x, y, far, r, nx, ny, edge
-        return found
-
-    def _float_arc(self, a: Body[arb], link: AtArc) -> FloatArc:
-        """A side of an arc in doubles; nothing is clear where these do not tell it to a few roundings."""
-        key = a.kind, link.arc
-        found = self._float_arcs.get(key)
-        if found is None:
-            with ball.precision(QUICK_BITS):
-                numbers = self.arc_numbers(link)
-            x, y, reach, _, nx, ny, edge = (float(number) for number in numbers)
-            sharp = all(number.is_zero() or number.rel_accuracy_bits() > ACCURATE_BITS for number in numbers)
-            plain = all(number == 0.0 or TINY < abs(number) < BIG for number in (x, y, reach, nx, ny, edge))
-            norm = abs(nx) + abs(ny) if sharp and plain and reach != 0.0 else inf
-            full = self.scene.arc_sides[link.arc].full
-            found = self._float_arcs[key] = FloatArc(link.arc, x, y, reach, nx, ny, edge, norm, full)
-        return found
 
     def _face_table(self, a: Body[arb]) -> list[FloatLine]:
         """All faces as seen from a circle."""

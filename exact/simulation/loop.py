@@ -17,7 +17,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
 from ..question import Closing
-from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push
+from ..replay.contact import AtArc, AtWall, Body, Link, Pair, Touch, can_push
 from .decider import Decider, History, K, Limits, Ordinary
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Policy, policy_for
@@ -25,7 +25,7 @@ from .prediction import rims_at_start, touching_at_start
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
-Found: TypeAlias = Instant | Pair | AtWall
+Found: TypeAlias = Instant | Pair | AtWall | AtArc
 """What was gathered for one instant; of a contact alone, the contact."""
 
 

@@ -13,37 +13,21 @@ from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
 from ..laws.formulas import (
     advance,
-    arc_range,
     face_along,
     face_foot,
     pair_approach,
     pair_discriminant,
     pair_gap,
     pair_hit_time,
-    pair_last_time,
     wall_approach,
     wall_gap,
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from ..question import Approach, Discriminant, Gap, Question, Within
-from ..replay.contact import (
-    AtArc,
-    AtWall,
-    Body,
-    Entry,
-    Link,
-    Pair,
-    Round,
-    Touch,
-    can_push,
-    is_arc,
-    is_flat,
-    is_pair,
-    touch_of,
-)
+from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_arc, is_flat, is_pair, touch_of
 from ..replay.state import ReplayState
 from . import cells as crowding
+from .arc_meetings import ArcSides
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
 # -- The queue of predicted arrivals: earliest lower bound first, stale ones dropped when they come up.
@@ -446,13 +430,12 @@ class Predictor(Generic[M]):
         self._count = len(scene.circles)
         self.faces = scene.faces
         self.two_sided = scene.two_sided
-        self.arcs = range(len(scene.arc_sides))
+        self.arcs: ArcSides[M] = ArcSides(scene, state)
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(
             i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0 and i not in scene.ends
         )
-        self._fits: dict[int, list[AtArc]] = {}
         self._begun = False
         self._crowd: Crowd[M] | None = None
         self.few = False
@@ -512,7 +495,7 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST or self.arcs:
+        if self._count < crowding.FEWEST or self.arcs.count:
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
@@ -543,8 +526,8 @@ class Predictor(Generic[M]):
                 self.walls(a, every, standing)
                 if self.faces:
                     self.meet_faces(a, standing)
-                if self.arcs:
-                    self.meet_arcs(a, standing)
+                if self.arcs.count:
+                    self.arcs.meet(a, standing, self)
         if flying:
             self.plan["walls predicted"] += flying * self.wall_count
 
@@ -661,75 +644,6 @@ class Predictor(Generic[M]):
         first = self.two_sided.start
         return AtWall(link.circle, first + ((link.wall - first) ^ 1))
 
-    def meet_arcs(self, a: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with all arcs."""
-        for link in self.arcs_of(a, standing):
-            self.arc(a, link)
-
-    def arcs_of(self, a: Body[M], standing: Collection[Link]) -> list[AtArc]:
-        """The sides of arcs that a circle may meet before its flight changes.
-
-        From the outside it leaves for good; from the inside the other side is out of the way, but the same one may be
-        next. A side that is no wider than the circle is not met at all.
-        """
-        radius, sides = self.scene.circles[a.index].r, self.scene.arc_sides
-        fits = self._fits.get(a.index)
-        if fits is None:
-            found = (AtArc(a.index, k) for k in self.arcs)
-            fits = [link for link in found if not link.hollow or (radius + sides[link.arc].r).sign() < 0]
-            self._fits[a.index] = fits
-        if not standing:
-            return fits
-        outside = [link for link in fits if link.other_side not in standing]
-        return [link for link in outside if link.hollow or link not in standing]
-
-    def arc_numbers(self, link: AtArc) -> tuple[M, M, M, M, M, M, M]:
-        """Of a side of an arc as a circle meets it: its centre, R, its radius, and as `formulas.arc_range` takes it."""
-        state = self.state
-        a, b = link.ends(state)
-        return b.flight.x, b.flight.y, state.reach(a, b), b.r, *state.arc_chord(link)
-
-    def arc(self, a: Body[M], link: AtArc) -> None:
-        """Queues the next hit of a, which has a new flight, with a side of an arc.
-
-        The outside is met where the path comes to R from beyond, the inside where it leaves what is within R; that is
-        the first and the last time that it is at R.
-        """
-        cx, cy, reach, radius, nx, ny, edge = self.arc_numbers(link)
-        ax, ay, avx, avy, at = a.q
-        zero, late = self.zero, a.flight.late
-        dx, dy, vx, vy = cx - ax, cy - ay, -avx, -avy
-        disc = pair_discriminant(dx, dy, vx, vy, reach)
-        if disc < zero:
-            return
-        gx, gy = (dx, dy) if late is None else (advance(dx, vx, late), advance(dy, vy, late))
-        approach, gap = pair_approach(gx, gy, vx, vy), pair_gap(gx, gy, reach)
-        if link.hollow:
-            if gap >= zero and approach >= zero and pair_gap(gx, gy, radius) >= zero:
-                return
-            ahead = gap < zero or approach < zero
-        else:
-            if approach >= zero or (gap <= zero and pair_gap(gx, gy, radius) <= zero):
-                return
-            ahead = gap > zero and approach < zero
-        if disc > zero and ahead:
-            root, approach = self.root(disc), pair_approach(dx, dy, vx, vy)
-            if link.hollow:
-                wait = pair_last_time(approach, root, vx * vx + vy * vy)
-            else:
-                wait = pair_hit_time(pair_gap(dx, dy, reach), approach, root)
-            if self.scene.arc_sides[link.arc].full:
-                self.push(at + wait, link)
-                return
-            within = arc_range(advance(dx, vx, wait), advance(dy, vy, wait), nx, ny, edge)
-            if within < zero:
-                return
-            if within > zero:
-                self.push(at + wait, link)
-                return
-        self.unsure(link)
-        self.prepare()
-
     def push(self, time: M, link: Link, graze: bool = False) -> None:
         """Queues a meeting that is certain to come if nothing else does first."""
         low, high = self.bounds(time)
@@ -740,36 +654,6 @@ class Predictor(Generic[M]):
         low = earliest_possible(self.state, link, self.bounds)
         if low < inf:
             self.queue.push_doubtful(low, link)
-
-
-def arc_contact(link: AtArc, sign: Callable[[Question], int | None]) -> int | None:
-    """Whether a circle meets a side of an arc, its flight as it is: 1, or 0 for a graze; -1: it does not.
-
-    Args:
-        sign: the sign of a question; None where it is not known.
-
-    Returns:
-        None where a sign that is needed is not known.
-    """
-    disc = sign(Discriminant(link))
-    if disc is not None and (disc < 0 or (disc == 0 and link.hollow)):
-        return -1
-    approach, gap = sign(Approach(link)), sign(Gap(link))
-    if link.hollow:
-        ahead = gap is not None and gap > 0, approach is not None and approach > 0
-        if gap is not None and approach is not None and not any(ahead):
-            return -1
-        known = any(ahead)
-    else:
-        if (approach is not None and approach >= 0) or (gap is not None and gap <= 0):
-            return -1
-        known = approach is not None and gap is not None
-    if disc is None:
-        return None
-    within = sign(Within(link, graze=disc == 0))
-    if within is not None and within <= 0:
-        return -1
-    return disc if known and within is not None else None
 
 
 def link_of(a: Body[M], b: Body[M]) -> Round:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import textwrap
 from fractions import Fraction
 from random import Random
 
@@ -14,14 +13,15 @@ from flint import arb
 from mpmath import mp, mpf, sqrt
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import filtered
-from truebreak.exact.certified.filtered import DoubleFilter, FloatArc
+from truebreak.exact.certified import filtered_arcs
+from truebreak.exact.certified.filtered import DoubleFilter
+from truebreak.exact.certified.filtered_arcs import FloatArc, ShortArcSides
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import state as states
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.contact import AtArc, Body, Flight
-from truebreak.exact.simulation import prediction
-from truebreak.exact.simulation.prediction import Predictor
+from truebreak.exact.simulation import arc_meetings
+from truebreak.exact.simulation.arc_meetings import ArcSides
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, arcs, surfaces
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
@@ -66,10 +66,10 @@ def test_scenes_agree_with_the_referee():
 
 def _outer_zero(monkeypatch):
     """The inside is met at the zero at which the path comes in, in doubles, balls and exact numbers."""
-    _changed(monkeypatch, DoubleFilter, "arcs", "ahead + depth) / speed", "ahead - depth) / speed")
+    _changed(monkeypatch, "ahead + depth) / speed", "ahead - depth) / speed")
     monkeypatch.setattr(states.Flights, "arc_hit", lambda self, link: self.round_hit(link))
     monkeypatch.setattr(BallState, "arc_hit", states.Flights.round_hit)
-    monkeypatch.setattr(prediction, "pair_last_time", lambda b, root, square: (-root - b) / square)
+    monkeypatch.setattr(arc_meetings, "pair_last_time", lambda b, root, square: (-root - b) / square)
 
 
 def _wrong_range(monkeypatch):
@@ -91,8 +91,8 @@ def _sum_within(monkeypatch):
         return a.r - b.r if not b.is_pocket and b.r < self.zero else known(self, a, b)
 
     monkeypatch.setattr(states.Flights, "reach", added)
-    monkeypatch.setattr(DoubleFilter, "arcs", lambda self, a, sides: ([], [side.side for side in sides]))
-    monkeypatch.setattr(filtered.FilteredPredictor, "arc_numbers", Predictor.arc_numbers)
+    monkeypatch.setattr(filtered_arcs, "arcs_in_doubles", lambda _, a, sides: ([], [side.side for side in sides]))
+    monkeypatch.setattr(ShortArcSides, "numbers", ArcSides.numbers)
 
 
 def _normal_turned(monkeypatch):
@@ -114,40 +114,40 @@ def _end_forgotten(monkeypatch):
 
 def _one_arc_no_more(monkeypatch):
     """After a bounce from within, the same arc is not looked for again."""
-    known = Predictor.arcs_of
+    known = ArcSides.of
     monkeypatch.setattr(
-        Predictor, "arcs_of", lambda self, a, standing: [k for k in known(self, a, standing) if k not in standing]
+        ArcSides, "of", lambda self, a, standing: [k for k in known(self, a, standing) if k not in standing]
     )
 
 
 def _no_range_in_doubles(monkeypatch):
-    _changed(monkeypatch, DoubleFilter, "arcs", "if not full:", "if False:")
+    _changed(monkeypatch, "if not full:", "if False:")
 
 
 def _no_range_in_balls(monkeypatch):
-    monkeypatch.setattr(DoubleFilter, "arcs", lambda self, a, sides: ([], [side.side for side in sides]))
-    monkeypatch.setattr(prediction, "arc_range", lambda *of: of[0] * 0 + 1)
+    monkeypatch.setattr(filtered_arcs, "arcs_in_doubles", lambda _, a, sides: ([], [side.side for side in sides]))
+    monkeypatch.setattr(arc_meetings, "arc_range", lambda *of: of[0] * 0 + 1)
     monkeypatch.setattr(states.Flights, "within_arc", lambda self, *_: self.one)
 
 
 def _range_at_the_arc(monkeypatch):
     """The chord is not moved out, or in, to where the circle's centre is."""
-    known = filtered.FilteredPredictor.arc_numbers
+    known = ShortArcSides.numbers
 
     def fixed(self, link):
         x, y, reach, r, nx, ny, edge = known(self, link)
         return x, y, reach, r, nx, ny, edge * abs(r) / abs(reach)
 
-    monkeypatch.setattr(filtered.FilteredPredictor, "arc_numbers", fixed)
+    monkeypatch.setattr(ShortArcSides, "numbers", fixed)
 
 
-def _changed(monkeypatch, owner, name, right, wrong):
-    source = inspect.getsource(getattr(owner, name))
+def _changed(monkeypatch, right, wrong):
+    source = inspect.getsource(filtered_arcs.arcs_in_doubles)
     faulty = source.replace(right, wrong)
     assert faulty != source
-    scope = dict(vars(filtered))
-    exec(textwrap.dedent(faulty), scope)
-    monkeypatch.setattr(owner, name, scope[name])
+    scope = dict(vars(filtered_arcs))
+    exec(faulty, scope)
+    monkeypatch.setattr(filtered_arcs, "arcs_in_doubles", scope["arcs_in_doubles"])
 
 
 FAULTS = {
@@ -218,7 +218,9 @@ def _wrong_filter(seed: int) -> int:
         body = Body(0, Flight(zero, zero, zero, zero, zero, zero), zero, zero)
         check = DoubleFilter()
         check.take(body, (x, y, vx, vy, t, 0.0))
-        found, unclear = check.arcs(body, [FloatArc(3, cx, cy, reach, nx, ny, edge, abs(nx) + abs(ny), False)])
+        found, unclear = filtered_arcs.arcs_in_doubles(
+            check, body, [FloatArc(3, cx, cy, reach, nx, ny, edge, abs(nx) + abs(ny), False)]
+        )
         bx, by, bvx, bvy, bt = _truth(rng, (x, y, vx, vy, t))
         fx, fy, fr, fnx, fny, fedge = _truth(rng, (cx, cy, reach, nx, ny, edge))
         dx, dy = bx - fx, by - fy
@@ -249,7 +251,7 @@ def test_the_filter_is_never_wrong_beside_an_end():
     ],
 )
 def test_a_bound_that_is_too_small_is_found(monkeypatch, right, wrong):
-    _changed(monkeypatch, DoubleFilter, "arcs", right, wrong)
+    _changed(monkeypatch, right, wrong)
     assert sum(map(_wrong_filter, range(3))) > 0
 
 

@@ -1,0 +1,182 @@
+"""Predictions of the exact engine at arcs: in doubles beyond a bound on their rounding, else in short balls."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from math import inf, isfinite, sqrt
+from typing import NamedTuple, TypeAlias
+
+from flint import arb
+
+from ...scenarios.scene import Scene
+from ..numbers import ball
+from ..replay.contact import AtArc, Body, Link
+from ..replay.refinable import RefinableState
+from ..replay.state import ReplayState
+from ..simulation.arc_meetings import ArcSides, Predicting
+from ..simulation.prediction import ArrivalQueue
+from .filtered import (
+    ACCURATE_BITS,
+    BIG,
+    QUICK_BITS,
+    ROUND_DOWN,
+    ROUND_UP,
+    TINY,
+    UNIT,
+    DoubleFilter,
+    FilteredPredictor,
+)
+
+
+class FloatArc(NamedTuple):
+    """A side of an arc as circles of one radius meet it, in doubles: which it is, its centre, R, the normal of its
+    chord, n.e |R| (see `formulas.arc_range`), and the normal's 1-norm, infinite where doubles do not tell all that."""
+
+    side: int
+    x: float
+    y: float
+    reach: float
+    nx: float
+    ny: float
+    edge: float
+    norm: float
+    full: bool
+
+
+def arcs_in_doubles(
+    known: DoubleFilter, a: Body[arb], sides: Sequence[FloatArc]
+) -> tuple[list[tuple[float, float, int]], list[int]]:
+    """Which of several sides of arcs a circle hits: bounds of the time, and the side; the unclear.
+
+    The bounds are those of `pairs`, with a circle at rest whose place is among what S bounds. The two times at
+    which the path is at R lie `depth` before and after it is nearest to the centre; each is off by as much. One
+    that surely lies before the instant at which the flight begins is none: so is the first of a circle that is
+    within R, or flies away. Where the circle is at that time is off by what d is, by what v is over the wait, and
+    by what the wait is, times v; products and sums are rounded by 16u of them, twice taken.
+    """
+    fa = a.f
+    found: list[tuple[float, float, int]] = []
+    unclear: list[int] = []
+    if fa is None:
+        return found, [side.side for side in sides]
+    for _, x, y, *_ in sides:
+        place = max(abs(x), abs(y))
+        if place > known.largest:
+            known.widen(place, 0.0, 0.0)
+    near, slack, *_ = known.pair_bounds
+    ax, ay, avx, avy, now, late = fa
+    vx, vy = -avx, -avy
+    square, wide = vx * vx + vy * vy, abs(vx) + abs(vy)
+    loose = 6.0 * slack * wide
+    for k, x, y, reach, nx, ny, edge, norm, full in sides:
+        dx, dy = x - ax, y - ay
+        approach, cross = dx * vx + dy * vy, abs(dx * vy - dy * vx)
+        off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
+        if not (square > 100.0 * loose and norm < BIG):
+            unclear.append(k)
+            continue
+        if cross > off and (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP:
+            continue
+        room = (square - loose) * (reach * reach) * ROUND_DOWN
+        if (cross + off) * (cross + off) > room:
+            unclear.append(k)
+            continue
+        speed = sqrt(square)
+        doubt = loose / square + 8 * UNIT
+        passing = cross / speed
+        depth = sqrt(reach * reach - passing * passing)
+        ahead = -approach / speed
+        off /= speed
+        off_passing = off + passing * doubt
+        off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth
+        wait = (ahead - depth if reach > 0.0 else ahead + depth) / speed
+        off_wait = (off + off_depth + (abs(ahead) + depth) * (doubt + 4 * UNIT)) / speed + abs(wait) * doubt
+        time = now + wait
+        off_time = 2.0 * off_wait + 8 * UNIT * (now + abs(wait))
+        if wait < -(off_time + late):
+            continue
+        if not (wait > off_time + late) or not isfinite(time):
+            unclear.append(k)
+            continue
+        if not full:
+            px, py = dx + vx * wait, dy + vy * wait
+            within = -(nx * px + ny * py) - edge
+            blur = norm * (near + wait * slack + wide * off_time)
+            blur = 2.0 * blur + 64 * UNIT * (norm * (abs(dx) + abs(dy) + wide * wait) + abs(edge))
+            if within < -blur:
+                continue
+            if not within > blur:
+                unclear.append(k)
+                continue
+        found.append((time - off_time, time + off_time, k))
+    return found, unclear
+
+
+SideNumbers: TypeAlias = tuple[arb, arb, arb, arb, arb, arb, arb]
+"""See `ArcSides.numbers`."""
+
+
+class ShortArcSides(ArcSides[arb]):
+    """The sides of arcs in short balls: the same for all circles of one radius."""
+
+    def __init__(self, scene: Scene, state: ReplayState[arb], of: FilteredPredictor) -> None:
+        super().__init__(scene, state)
+        self._filter, self._queue, self._plan = of.filter, of.queue, of.plan
+        self._known: dict[tuple[int, int], SideNumbers] = {}
+        self._doubles: dict[tuple[int, int], FloatArc] = {}
+
+    def meet(self, a: Body[arb], standing: Collection[Link], predictor: Predicting[arb]) -> None:
+        """See `ArcSides.meet`."""
+        found, unclear = arcs_in_doubles(self._filter, a, [self._in_doubles(a, k) for k in self.of(a, standing)])
+        for low, high, k in found:
+            self._queue.push(low, high, None, AtArc(a.index, k))
+        if unclear:
+            self._plan["unclear in doubles"] += len(unclear)
+            predictor.prepare()
+            for k in unclear:
+                self.meet_one(a, AtArc(a.index, k), predictor)
+
+    def _in_doubles(self, a: Body[arb], link: AtArc) -> FloatArc:
+        key = a.kind, link.arc
+        found = self._doubles.get(key)
+        if found is None:
+            found = self._doubles[key] = self.in_doubles(link)
+        return found
+
+    def numbers(self, link: AtArc) -> SideNumbers:
+        """See `ArcSides.numbers`."""
+        key = self.state.bodies[link.circle].kind, link.arc
+        found = self._known.get(key)
+        if found is None:
+            side = self.scene.arc_sides[link.arc]
+            reach = self.scene.circles[link.circle].r + side.r
+            with ball.precision(QUICK_BITS):
+                exact = (side.x, side.y, reach, side.r, side.nx, side.ny, side.h * abs(reach))
+                x, y, far, r, nx, ny, edge = (ball.constant(number) for number in exact)
+            found = self._known[key] = x, y, far, r, nx, ny, edge
+        return found
+
+    def in_doubles(self, link: AtArc) -> FloatArc:
+        """A side in doubles; nothing is clear where these do not tell it to a few roundings."""
+        numbers = self.numbers(link)
+        x, y, reach, _, nx, ny, edge = (float(number) for number in numbers)
+        sharp = all(number.is_zero() or number.rel_accuracy_bits() > ACCURATE_BITS for number in numbers)
+        plain = all(number == 0.0 or TINY < abs(number) < BIG for number in (x, y, reach, nx, ny, edge))
+        norm = abs(nx) + abs(ny) if sharp and plain and reach != 0.0 else inf
+        return FloatArc(link.arc, x, y, reach, nx, ny, edge, norm, self.scene.arc_sides[link.arc].full)
+
+
+class ArcPredictor(FilteredPredictor):
+    """Predictions in doubles, then in short balls, of scenes with arcs. See `FilteredPredictor`."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        refinable: RefinableState,
+        queue: ArrivalQueue[arb],
+        plan: Counter[str],
+        unsure: Callable[[Link], None],
+    ) -> None:
+        super().__init__(scene, refinable, queue, plan, unsure)
+        self.arcs = ShortArcSides(scene, refinable.balls, self)

@@ -1,0 +1,158 @@
+"""When a circle meets an arc next: the outside as its path comes to it, the inside as it leaves what is within."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import Generic, Protocol
+
+from ...scenarios.scene import Scene
+from ..laws.formulas import (
+    advance,
+    arc_range,
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    pair_last_time,
+)
+from ..numbers.system import M
+from ..question import Approach, Discriminant, Gap, Question, Within
+from ..replay.contact import AtArc, Body, Link
+from ..replay.state import ReplayState
+
+# -- The two sides of an arc of radius r are two circles about its middle, of R = r + rho and R = r - rho, for a circle
+# of radius rho whose centre flies straight. It is outside of R, or comes to be within it at the first zero of the gap
+# |D|^2 - R^2, and leaves it at the second. It meets the outside at the first, if that is to come: D shrinks to R there.
+# It meets the inside at the second, if that is to come, wherever it is before: within R; or beyond, where it has to
+# come in by the opening first, or meets something else before. Either counts only where D points to the arc then.
+#
+# Right after a contact the zero at 0 is not looked for. After one with the outside there is none to come: what flies
+# away from R goes on doing so, and does not come to be within it. After one with the inside the gap's other zero is at
+# -2 d.v / |v|^2, rational in the state; the outside is not met: beyond the second zero, there is none.
+
+
+def arc_contact(link: AtArc, sign: Callable[[Question], int | None]) -> int | None:
+    """Whether a circle meets a side of an arc, its flight as it is: 1, or 0 for a graze; -1: it does not.
+
+    Args:
+        sign: the sign of a question; None where it is not known.
+
+    Returns:
+        None where a sign that is needed is not known.
+    """
+    disc = sign(Discriminant(link))
+    if disc is not None and (disc < 0 or (disc == 0 and link.hollow)):
+        return -1
+    approach, gap = sign(Approach(link)), sign(Gap(link))
+    if link.hollow:
+        ahead = gap is not None and gap > 0, approach is not None and approach > 0
+        if gap is not None and approach is not None and not any(ahead):
+            return -1
+        known = any(ahead)
+    else:
+        if (approach is not None and approach >= 0) or (gap is not None and gap <= 0):
+            return -1
+        known = approach is not None and gap is not None
+    if disc is None:
+        return None
+    within = sign(Within(link, graze=disc == 0))
+    if within is not None and within <= 0:
+        return -1
+    return disc if known and within is not None else None
+
+
+class Predicting(Protocol[M]):
+    """What queues meetings: see `Predictor`."""
+
+    @property
+    def root(self) -> Callable[[M], M]: ...
+    @property
+    def unsure(self) -> Callable[[Link], None]: ...
+    def prepare(self) -> None: ...
+    def push(self, time: M, link: Link, graze: bool = False) -> None: ...
+
+
+class ArcSides(Generic[M]):
+    """The sides of arcs as circles meet them, in one number system.
+
+    Args:
+        scene: what runs.
+        state: its state.
+
+    Attributes:
+        count: how many there are.
+    """
+
+    def __init__(self, scene: Scene, state: ReplayState[M]) -> None:
+        self.scene = scene
+        self.state = state
+        self.count = len(scene.arc_sides)
+        self._fits: dict[int, list[AtArc]] = {}
+
+    def of(self, a: Body[M], standing: Collection[Link]) -> list[AtArc]:
+        """Those that a circle may meet before its flight changes.
+
+        A side within which the circle has no room is not met at all.
+        """
+        fits = self._fits.get(a.index)
+        if fits is None:
+            radius, sides = self.scene.circles[a.index].r, self.scene.arc_sides
+            found = (AtArc(a.index, k) for k in range(self.count))
+            fits = [link for link in found if not link.hollow or (radius + sides[link.arc].r).sign() < 0]
+            self._fits[a.index] = fits
+        if not standing:
+            return fits
+        others = [link for link in fits if link.other_side not in standing]
+        return [link for link in others if link.hollow or link not in standing]
+
+    def numbers(self, link: AtArc) -> tuple[M, M, M, M, M, M, M]:
+        """Of a side as a circle meets it: its middle, R, its radius, and as `formulas.arc_range` takes it."""
+        a, b = link.ends(self.state)
+        return b.flight.x, b.flight.y, self.state.reach(a, b), b.r, *self.state.arc_chord(link)
+
+    def meet(self, a: Body[M], standing: Collection[Link], predictor: Predicting[M]) -> None:
+        """Queues the next hits of a circle with all of them."""
+        for link in self.of(a, standing):
+            self.meet_one(a, link, predictor)
+
+    def meet_one(self, a: Body[M], link: AtArc, predictor: Predicting[M]) -> None:
+        """Queues the next hit of a, which has a new flight, with a side."""
+        met, time = self.hit(a, link, predictor.root)
+        if met is None:
+            predictor.unsure(link)
+            predictor.prepare()
+        elif time is not None:
+            predictor.push(time, link)
+
+    def hit(self, a: Body[M], link: AtArc, root: Callable[[M], M]) -> tuple[bool | None, M | None]:
+        """Whether a, which has a new flight, hits a side, and when; None where that is not plain."""
+        cx, cy, reach, radius, nx, ny, edge = self.numbers(link)
+        ax, ay, avx, avy, at = a.q
+        zero, late = self.state.zero, a.flight.late
+        dx, dy, vx, vy = cx - ax, cy - ay, -avx, -avy
+        disc = pair_discriminant(dx, dy, vx, vy, reach)
+        if disc < zero:
+            return False, None
+        gx, gy = (dx, dy) if late is None else (advance(dx, vx, late), advance(dy, vy, late))
+        approach, gap = pair_approach(gx, gy, vx, vy), pair_gap(gx, gy, reach)
+        if link.hollow:
+            if gap >= zero and approach >= zero and pair_gap(gx, gy, radius) >= zero:
+                return False, None
+            ahead = gap < zero or approach < zero
+        else:
+            if approach >= zero or (gap <= zero and pair_gap(gx, gy, radius) <= zero):
+                return False, None
+            ahead = gap > zero and approach < zero
+        if not (disc > zero and ahead):
+            return None, None
+        far, approach = root(disc), pair_approach(dx, dy, vx, vy)
+        if link.hollow:
+            wait = pair_last_time(approach, far, vx * vx + vy * vy)
+        else:
+            wait = pair_hit_time(pair_gap(dx, dy, reach), approach, far)
+        if self.scene.arc_sides[link.arc].full:
+            return True, at + wait
+        within = arc_range(advance(dx, vx, wait), advance(dy, vy, wait), nx, ny, edge)
+        if within < zero:
+            return False, None
+        return (True, at + wait) if within > zero else (None, None)
