@@ -27,7 +27,7 @@ from .diagnosis import CauseName, Experiment
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
-    from .budget import Account
+    from .budget import Account, Contribution
     from .decision import OwnFlight
     from .laboratory import Laboratory
 
@@ -198,7 +198,7 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
 
 def _resolved_otherwise(lab: Laboratory, together: Sequence[Contact]) -> Experiment:
     policy = lab.study.scene.tie_policy
-    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
+    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow the tie policy {policy}"
     told = f"{len(together)} contacts fall on exactly one instant, the order of their impulses matters"
     return Experiment(CauseName["TIE"], f"{told}, and {lab.name} has another{own}", None, True)
 
@@ -407,16 +407,18 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
         parts.append(account.own)
     for part in parts:
-        flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        flips = flips and not part.late
-        earlier, free = None, ""
+        flips, earlier, free, does = _alone(lab, part), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
                 flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            if flips is None and not free:
+                flips = does = _given_does(lab) or None
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if part.late and lab.decision is not None and lab.decision.rival is not None:
             alone = f"{alone}: {lab.decision.rival.body} meets {lab.decision.rival.partner} first"
+        if does:
+            alone = f"run freely, the exact law on it has the contacts that {lab.name} has"
         if free:
             alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
@@ -459,6 +461,21 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         found = [row for row in found if row.cause is not cause or row.share is None]
         found.append(Experiment(cause, told, size, None, size / total if total else None))
     return found
+
+
+def _alone(lab: Laboratory, part: Contribution) -> bool | None:
+    """Whether a kind alone changes the decision as the engine has it; None where no run says so.
+
+    A hit that comes after what the other run has instead is as good as a miss.
+    """
+    assert lab.decision is not None
+    rival, hit = lab.decision.rival is not None, answer(lab.decision, lab.margin) == -1
+    if part.alone is None:
+        short = part.cause is not CauseName["INPUT"] and not (rival and hit and part.size > 0)
+        return False if short and _short(lab, part.size) else None
+    if rival and answer(lab.decision, part.alone) == -1 and part.late is not False:
+        return None if part.late is None else lab.as_engine(arb(1))
+    return lab.as_engine(part.alone)
 
 
 def _several_before(lab: Laboratory) -> bool:

@@ -194,7 +194,10 @@ TOUCH = 2.0**-30
 
 
 def account(said: Said) -> Iterator[Refutation]:
-    """Whether the account adds up, and is led by its largest share, of those that were not seen to be too little."""
+    """Whether the account adds up, and is led by its largest share, of those that were not seen to be too little.
+
+    Arithmetic that was seen to be too little as a whole does not lead by a part of itself, against which the rest acts.
+    """
     told = [s for s in said.shares if s.contribution is not None]
     if said.displacement is not None and told:
         total = math.fsum(s.contribution or 0.0 for s in told)
@@ -218,9 +221,8 @@ def account(said: Said) -> Iterator[Refutation]:
     for s in said.shares:
         by_kind[s.kind] += s.share or 0.0  # type: ignore[assignment]
     if said.closed and main in by_kind and main in ROUNDING:
-        top = max(
-            (kind for kind in by_kind if kind == main or kind not in said.refused), key=lambda kind: by_kind[kind]
-        )
+        little = said.refused | (OF_ARITHMETIC if ARITHMETIC in said.refused else set[str]())
+        top = max((kind for kind in by_kind if kind == main or kind not in little), key=lambda kind: by_kind[kind])
         if by_kind[top] > by_kind[main] * (1 + CLOSE):
             yield Refutation(main, "largest share", f"{top} has {by_kind[top]:.3g}, {main} {by_kind[main]:.3g}")
 
