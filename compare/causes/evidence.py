@@ -42,8 +42,9 @@ REORDERED = 2.0**16
 MOST_ROUNDED = 2.0**-10
 """Share of the largest size up to which that is said of engines of few bits."""
 
-ALIKE = 2.0**-12
-"""Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
+ALIKE, ALIKE_UNITS = 2.0**-12, 2.0**6
+"""Share of the largest speed by which velocities may differ that two resolutions of one instant have in common; and the
+same in units in the last place of the engine's numbers, where that is more."""
 
 DIGITS = 80
 """Digits of a number whose exact text is long."""
@@ -334,9 +335,10 @@ class OwnState:
             if any(event <= done or self.last + there.times[event] <= self.end - self.late for event in more):
                 return False
         speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
+        room = max(ALIKE, ALIKE_UNITS * 2.0**-lab.bits) * speed
         final = exact.after(done) if done >= 0 else exact.at(0)
         return all(
-            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= ALIKE * speed
+            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= room
             for name, (vx, vy) in self.left.items()
         )
 
@@ -406,8 +408,10 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         ]
     if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
         parts.append(account.own)
+    # where the rounded scene alone does not lead to the decision, sizes say nothing of what each kind does alone
+    grown = any(part.cause is CauseName["INPUT"] and part.alone is None and part.size for part in parts)
     for part in parts:
-        flips, earlier, free, does = _alone(lab, part), None, "", False
+        flips, earlier, free, does = _alone(lab, part, grown), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
                 flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
@@ -463,15 +467,18 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     return found
 
 
-def _alone(lab: Laboratory, part: Contribution) -> bool | None:
+def _alone(lab: Laboratory, part: Contribution, grown: bool) -> bool | None:
     """Whether a kind alone changes the decision as the engine has it; None where no run says so.
 
     A hit that comes after what the other run has instead is as good as a miss.
+
+    Args:
+        grown: whether contributions are integrals along the way, and no differences of runs.
     """
     assert lab.decision is not None
     rival, hit = lab.decision.rival is not None, answer(lab.decision, lab.margin) == -1
     if part.alone is None:
-        short = part.cause is not CauseName["INPUT"] and not (rival and hit and part.size > 0)
+        short = not grown and not (rival and hit and part.size > 0)
         return False if short and _short(lab, part.size) else None
     if rival and answer(lab.decision, part.alone) == -1 and part.late is not False:
         return None if part.late is None else lab.as_engine(arb(1))

@@ -342,18 +342,22 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         exact = decisions(runs.scene, reference, at.event, at)
         if at.candidate_event is not None:
             own = decisions(runs.scene, runs.candidate.trajectory, at.candidate_event, at)
+            walls = {str(wall.id) for wall in runs.scene.walls}  # which are where they were, whoever meets them
             moved = {
                 name
                 for name in (at.expected, at.got)
-                if _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
+                if name not in walls
+                and _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
             }  # one of the two has met something else meanwhile, in one of the runs
-            if at.got in {str(wall.id) for wall in runs.scene.walls}:
+            if at.got in walls:
                 moved |= {at.expected, at.got}  # whether the circle comes to the wall may be what was decided
             both = {
                 key: float(own[key] - exact[key])
                 for key in exact.keys() & own.keys()
                 if not any(key == f"gap to {name}" for name in moved) and not (moved and key == "time between")
             }
+            if runs.candidate.margin is not None and runs.candidate.margin.speed is None:
+                both = {key: by for key, by in both.items() if not key.startswith("speed")}  # a number of another kind
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
             told = [
