@@ -192,8 +192,8 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
         return [_resolved_otherwise(lab, together)]
     if laws is not None and laws.kept:
-        told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
-        return [Experiment(CauseName["IMPACTS"], told, None, True)]
+        told = f"{own} has other contacts, while each impulse keeps the law: rounding from there on chose"
+        return [Experiment(CauseName["ARITHMETIC"], told, None, True)]
     return [Experiment(cause, f"{own} has other contacts, under every policy that was tried")]
 
 
@@ -360,7 +360,7 @@ def _exact(value: Any) -> Quantity:
 
 def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     """The account of the displacement: what rounding the input, and each kind of error of the engine's own, add."""
-    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["IMPACTS"], CauseName["FLIGHTS"])
+    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["ARITHMETIC"], CauseName["FLIGHTS"])
     if any(row.suffices and row.cause in shown for row in rows):
         return []
     if lab.engine.bits is None and lab.engine.step is None:
