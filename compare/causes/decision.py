@@ -71,8 +71,8 @@ class DecidingNumber:
             `order`: the time of the second meeting less that of the first.
         first: the pairing whose hit is in question, or the meeting that comes first in the reference.
         second: for an order, the other meeting.
-        rival: for a hit that the reference does not have, the meeting that it has instead: where that comes first,
-            the hit changes nothing.
+        rival: for a hit that one of the two runs has, the meeting that the other has instead: a hit that comes after
+            that is as good as a miss.
     """
 
     kind: Literal["hit", "order"]
@@ -114,7 +114,7 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
     hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
     told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else None) for _, pairing in told]
+    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else got) for _, pairing in told]
     if expected is not None and got is not None:
         found.append(DecidingNumber("order", expected, got))
     return found
