@@ -135,6 +135,7 @@ ARC_STEP = math.pi / 90
 def arc_line(arc: Arc) -> list[tuple[float, float]]:
     """Points along an arc, close enough for a picture, both ends among them.
 
+    >>> from truebreak.scenarios import Arc
     >>> len(arc_line(Arc(0, 0, 1, full=True)))
     181
     """

@@ -188,9 +188,8 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        self.predictor = (ArcPredictor if scene.arc_sides else FilteredPredictor)(
-            scene, state, queue, plan, self._unsure
-        )
+        made = ArcPredictor if scene.arc_sides else FilteredPredictor
+        self.predictor = made(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state
         self._plan = plan
@@ -238,8 +237,7 @@ class CertifiedMeetings:
             disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
         if disc is None or disc < 0:
             return None
-        time = self._meeting(link, disc)
-        low, high = ball.double_bounds(time)
+        low, high = ball.double_bounds(time := self._meeting(link, disc))
         return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
 
     def time(self, moment: Moment) -> arb:
@@ -322,11 +320,9 @@ class CertifiedMeetings:
         self._plan["full predictions"] += 1
         ball.use_bits(self._state.bits)
         if is_flat(link) and link.wall in self.predictor.faces:
-            self._unsure_face(link)
-            return
+            return self._unsure_face(link)
         if is_arc(link):
-            self._push(link, arc_contact(link, self._sign))
-            return
+            return self._push(link, arc_contact(link, self._sign))
         approach = self._sign(Approach(link))
         if approach is not None and approach >= 0:
             return

@@ -490,7 +490,7 @@ class FilteredPredictor(Predictor[arb]):
         if self.faces:
             for a in moved:
                 self.meet_faces(a, standing)
-        if self.arcs.count:
+        if self.arcs is not None:
             for a in moved:
                 self.arcs.meet(a, standing, self)
         plan = self.plan

@@ -430,7 +430,7 @@ class Predictor(Generic[M]):
         self._count = len(scene.circles)
         self.faces = scene.faces
         self.two_sided = scene.two_sided
-        self.arcs: ArcSides[M] = ArcSides(scene, state)
+        self.arcs: ArcSides[M] | None = ArcSides(scene, state) if scene.arc_sides else None
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(
@@ -495,7 +495,7 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST or self.arcs.count:
+        if self._count < crowding.FEWEST or self.arcs is not None:
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
@@ -526,7 +526,7 @@ class Predictor(Generic[M]):
                 self.walls(a, every, standing)
                 if self.faces:
                     self.meet_faces(a, standing)
-                if self.arcs.count:
+                if self.arcs is not None:
                     self.arcs.meet(a, standing, self)
         if flying:
             self.plan["walls predicted"] += flying * self.wall_count
