@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from fractions import Fraction
 from random import Random
 
@@ -12,6 +13,16 @@ from arc_scenes import scene_of
 from flint import arb
 from mpmath import mp, mpf, sqrt
 
+from truebreak.compare import compare
+from truebreak.compare.audit.audit import audit_run
+from truebreak.compare.certificate import CertificateError, certificate_of
+from truebreak.compare.certificate.certified import difference
+from truebreak.compare.chaos.certified_chaos import chaos
+from truebreak.compare.foreign.impulses import Impacts
+from truebreak.compare.report.floats import floats_csv, floats_json
+from truebreak.compare.shadowing.shadows import shadow
+from truebreak.compare.tolerances.reach import reach_of
+from truebreak.compare.validation import unsupported
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import filtered_arcs
 from truebreak.exact.certified.filtered import DoubleFilter
@@ -24,6 +35,7 @@ from truebreak.exact.simulation import arc_meetings
 from truebreak.exact.simulation.arc_meetings import ArcSides
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, arcs, surfaces
+from truebreak.scenarios.engine import SCENE_KEYS
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 UNTIL, EVENTS = 20, 10
@@ -398,3 +410,70 @@ def test_what_touches_at_the_start_is_known(x, part):
     run = ExactEngine().run(scene, until=1)
     assert [(float(event.time), event.contacts) for event in run.events] == [(0.0, (("c", "a"),))]
     assert run.final["c"].vx.text() == ("-1" if part == "within" else "1")
+
+
+# -- What does not know arcs yet says so.
+
+
+LEMON = TABLE.with_changes(
+    segments=[], arcs=[Arc(0, -3, 5, 4, 0, -4, 0, id="up"), Arc(0, 3, 5, -4, 0, 4, 0, id="down")]
+)
+
+REFUSALS = {
+    "certificate": lambda: certificate_of(ExactEngine().run(TABLE, events=2)),
+    "shadow": lambda: shadow(LEMON, events=5),
+    "horizon": lambda: chaos(TABLE, ["double"], events=20),
+    "log": lambda: Impacts(TABLE),
+    "export": lambda: floats_json(TABLE),
+    "export as a table": lambda: floats_csv(TABLE),
+    "rounding": lambda: reach_of(ExactEngine().run(LEMON, events=3), None),
+}
+
+
+@pytest.mark.parametrize("what", REFUSALS)
+def test_what_does_not_know_arcs_says_so(what):
+    with pytest.raises((SceneError, CertificateError), match="has arcs") as error:
+        REFUSALS[what]()
+    assert "\n" not in str(error.value)
+
+
+def test_a_comparison_says_what_it_does_not_look_for():
+    found = compare(TABLE, ["double"], events=60)
+    (candidate,) = found.candidates
+    assert "arcs are not audited yet" in audit_run(candidate.trajectory, DoubleEngine()).reason
+    assert candidate.alignment.divergence is not None
+    assert "causes are not looked for yet in scenes with arcs" in candidate.diagnosis.finding
+
+
+def test_no_certificate_is_of_a_scene_with_arcs():
+    plain = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")])
+    block = certificate_of(ExactEngine().run(plain))["scene"]
+    assert difference(block, plain) is None
+    assert "it has no arcs" in difference(block, plain.with_changes(arcs=[Arc(0, 0, 99, full=True)]))
+
+
+def test_engines_follow_no_arcs_unless_they_say_so():
+    assert "arc" not in SCENE_KEYS
+    assert unsupported(PymunkEngine(), TABLE) == "arc"
+    assert unsupported(DoubleEngine(), TABLE) is None
+
+
+def test_exponents_of_a_stadium_and_of_a_ring():
+    """Benettin and Strelcyn, Phys. Rev. A 17, 773 (1978): .43 for radius 1 and straight sides of 2; a ring has none."""
+    point = Circle("1/10", "1/7", r=0, point=True, vx="3/5", vy="4/5", id="p")
+    rate = chaos(TABLE.with_changes(circles=[point]), [], events=3000).spectrum.per_time()
+    assert rate.low < 0.43 < rate.high
+    assert 0.38 < rate.value < 0.48
+    ring = Scene([Circle(0, -3, r=0, vx="3/5", vy="4/5", point=True)], arcs=[Arc(0, 0, 5, full=True)])
+    assert not chaos(ring, [], events=400).spectrum.chaotic
+
+
+def test_the_mean_chord_of_a_stadium():
+    """pi A / P, of Santalo's formula: for points, over 3,000 flights, within 3 standard errors of their blocks."""
+    point = Circle("1/10", "1/7", r=0, point=True, vx="3/5", vy="4/5", id="p")
+    run = ExactEngine().run(TABLE.with_changes(circles=[point]), events=3000)
+    times = [float(event.time) for event in run.events]
+    blocks = [(times[k + 99] - times[k]) / 99 for k in range(0, 2900, 100)]
+    mean = sum(blocks) / len(blocks)
+    error = (sum((b - mean) ** 2 for b in blocks) / len(blocks) / (len(blocks) - 1)) ** 0.5
+    assert abs(mean - math.pi * (math.pi + 4) / (2 * math.pi + 4)) < 3 * error
