@@ -29,10 +29,10 @@ from ..scenarios.numbers.tower_element import Element
 from ..scenarios.numbers.tower_ring import TowerLimit
 from ..scenarios.scene import Scene
 from ..scenarios.work import Work
-from .laws.formulas import advance
+from .laws.formulas import advance, fall_speed, sag
 from .numbers import ball
 from .numbers.ball import Known, NestedNumbers, known_ball, reduced
-from .numbers.double_pairs import advanced_pairs, pair_of
+from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
 from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
 from .replay.contact import Link
@@ -430,12 +430,32 @@ class Place:
     time: ExactValue | Quantity
 
     def __call__(self, state: ReplayState[N]) -> N:
-        flight = state.bodies[self.body].flight
+        flight, falling = state.bodies[self.body].flight, state.falling
         place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
-        if flight.rest:
+        if flight.rest and falling is None:
             return place
-        when = self.time.formula(state) if isinstance(self.time, ExactValue) else state.constant(self.time)
-        return advance(place, speed, when - flight.t)
+        when = _moment(self.time, state)
+        if falling is None:
+            return advance(place, speed, when - flight.t)
+        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, falling[self.axis], when)
+
+
+def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
+    return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
+
+
+@dataclass(frozen=True)
+class FallSpeed:
+    """Computes a component of a circle's velocity at a time under gravity: v = V + g t, where the frame has V."""
+
+    body: int
+    axis: int
+    time: ExactValue | Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        assert state.falling is not None
+        speed = Velocity(self.body, self.axis)(state)
+        return fall_speed(speed, state.falling[self.axis], _moment(self.time, state))
 
 
 class ExactMotion:
@@ -471,6 +491,17 @@ class ExactMotion:
     def _beside(self) -> dict[tuple[int, float], int]:
         """Which knot a circle is past, at times beside an event that were asked for."""
         return {}
+
+    @kept
+    def _halves(self) -> tuple[Known, Known] | None:
+        """Half of gravity: then knots are in the falling frame (see `Falling`)."""
+        g = self.log.scene.gravity
+        if g is None:
+            return None
+        hx, hy = ((part / 2).rational if part.rational is not None else (part / 2).ball(READ_BITS) for part in g)
+        assert hx is not None
+        assert hy is not None
+        return hx, hy
 
     @kept
     def _rough(self) -> list[list[float]]:
@@ -590,6 +621,18 @@ class ExactMotion:
 
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
+        if self._halves is not None:
+            speeds: list[ExactValue] = []
+            for axis, v in enumerate((vx, vy)):
+                near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
+                speed = OtherRun() if isinstance(where(axis), OtherRun) else FallSpeed(i, axis, time)
+                speeds.append(make(self.log, upto, bodies, speed, near))
+            near_x, near_y = (
+                ball.combined(_sunk, (near, half, near_time), READ_BITS)
+                for near, half in zip((near_x, near_y), self._halves, strict=True)
+            )
+            places = (make(self.log, upto, bodies, where(axis), near) for axis, near in enumerate((near_x, near_y)))
+            return (*places, *speeds)  # pyright: ignore[reportReturnType]
         return (
             make(self.log, upto, bodies, where(0), near_x),
             make(self.log, upto, bodies, where(1), near_y),
@@ -612,12 +655,20 @@ class ExactMotion:
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
+                if self._halves is not None:
+                    hx, hy = (pair_of(_ball(half)) for half in self._halves)
+                    result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
+                    result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
+                    continue
                 result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
                 result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
             else:
                 for row, time in enumerate(times):
                     t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]
                     then = fmpq(*float(time).as_integer_ratio())
+                    if self._halves is not None:
+                        result[row, i] = [float(value) for value in self._of_circle(i, Quantity.of(float(time)))]
+                        continue
                     near = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS), vx, vy)
                     result[row, i] = [_double(value) for value in near]
         return result
@@ -646,8 +697,21 @@ class ExactMotion:
         return told
 
     def _pairs(self, i: int, k: int) -> list[tuple[float, float]]:
-        """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits."""
-        return [pair_of(_ball(number)) for number in self.knots[i][k][:5]]
+        """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits.
+
+        Under gravity in true coordinates, at the knot.
+        """
+        t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
+        if self._halves is not None:
+            with ball.precision(READ_BITS):
+                hx, hy = map(_ball, self._halves)
+                x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)
+        return [pair_of(number) for number in (t, x, y, vx, vy)]
+
+
+def _sunk(x: N, half: N, time: N) -> N:
+    """The true coordinate, at a time, of what is at x in the falling frame."""
+    return x + half * time * time
 
 
 SMALL = 1e-140

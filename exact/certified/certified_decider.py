@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 from flint import arb
 
@@ -15,7 +15,7 @@ from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
 from ..numbers.ball import Known, field_ball, field_text
 from ..numbers.system import BudgetSpent, Undecided
-from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
@@ -109,7 +109,8 @@ class Precision:
             )
         self._history.plan["precision raised"] += 1
         given_up = any(many >= LONG_BITS and not in_set for many, in_set in self._history.rises)
-        centred = self._state.centred or (bits >= LONG_BITS and not given_up)
+        plain = self._state.balls.falling is None  # no set of deviations is carried to a wall that falls
+        centred = self._state.centred or (bits >= LONG_BITS and plain and not given_up)
         begun = centred and not self._state.centred
         if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
@@ -230,7 +231,7 @@ class CertifiedMeetings:
             return None
         if self._misses(link):
             return None
-        disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
+        disc = self._judge.decide(reached).sign if (reached := self._reached(link)) else 1
         if disc < 0:
             return None
         time = self._meeting(link, disc)
@@ -294,14 +295,27 @@ class CertifiedMeetings:
                 return
         if gap == 0:
             if not self._misses(link):
-                who, when = self._judge.name(link), self._precision.where()
-                raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+                self._overlap(link)
             return
         ball.use_bits(self._state.bits)
         if None in feet:
             doubtful(link)
         else:
             self.predictor.push(self._meeting(link, 1), link)
+
+    def _overlap(self, link: Link) -> NoReturn:
+        who, when = self._judge.name(link), self._precision.where()
+        raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+
+    def _pull(self, link: AtWall) -> int:
+        """See `Sides.pull`; 0 without gravity."""
+        return 0 if self.predictor.falling is None else self._state.balls.sides.pull(*link[:2])
+
+    def _reached(self, link: Link) -> Question | None:
+        """Whether two that approach meet at all; None where they always do."""
+        if is_flat(link):
+            return Arrives(link) if self._pull(link) else None
+        return Discriminant(link)
 
     def _meeting(self, link: Link, disc: int) -> arb:
         """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""
@@ -323,6 +337,11 @@ class CertifiedMeetings:
         """
         self._plan["full predictions"] += 1
         ball.use_bits(self._state.bits)
+        if is_flat(link) and self._pull(link) < 0:
+            if self._sign(Gap(link)) == -1:
+                self._overlap(link)
+            self.predictor.push(self._meeting(link, 1), link)
+            return
         if is_flat(link) and link.wall in self.predictor.faces:
             self._unsure_face(link)
             return
@@ -338,9 +357,8 @@ class CertifiedMeetings:
         if gap <= 0:
             if not link.pushes and gap < 0:
                 return
-            who, when = self._judge.name(link), self._precision.where()
-            raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
-        disc = 1 if is_flat(link) else self._sign(Discriminant(link))
+            self._overlap(link)
+        disc = self._sign(reached) if (reached := self._reached(link)) else 1
         if disc is not None and disc < 0:
             return
         ball.use_bits(self._state.bits)

@@ -226,7 +226,7 @@ class AtWall(NamedTuple):
         return state.wall_approach(self)
 
     def closing(self, state: Formulas[N]) -> N:
-        """See `Flights.wall_approach`: the same at every instant of a flight."""
+        """See `Flights.wall_approach`: without gravity the same at every instant of a flight."""
         return state.wall_approach(self)
 
     def hit(self, state: Formulas[N]) -> tuple[N, N]:
@@ -234,9 +234,8 @@ class AtWall(NamedTuple):
         return state.wall_hit(self)
 
     def parts(self, state: Formulas[N]) -> tuple[N, N, N]:
-        """The time itself: it needs no root."""
-        clock, wait = state.wall_hit(self)
-        return clock + wait, state.zero, state.zero
+        """See `Flights.wall_parts`."""
+        return state.wall_parts(self)
 
     def bounce(self, state: Formulas[N]) -> None:
         """See `State.bounce_wall`."""
@@ -324,6 +323,7 @@ class Formulas(Bodies[N], Protocol[N]):
     def round_hit(self, link: Round) -> tuple[N, N]: ...
     def wall_hit(self, link: AtWall) -> tuple[N, N]: ...
     def round_parts(self, link: Round) -> tuple[N, N, N]: ...
+    def wall_parts(self, link: AtWall) -> tuple[N, N, N]: ...
     def bounce_pair(self, link: Pair) -> None: ...
     def bounce_wall(self, link: AtWall) -> None: ...
     def pair_arms(self, link: Pair) -> list[tuple[int, N, N]]: ...

@@ -15,17 +15,22 @@ from ..laws.formulas import (
     advance,
     face_along,
     face_foot,
+    fall_discriminant,
+    fall_speed,
+    fall_time,
+    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
     pair_hit_time,
+    sag,
     wall_approach,
     wall_gap,
     wall_hit_time,
 )
 from ..numbers.system import M, N
 from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_flat, is_pair, touch_of
-from ..replay.state import ReplayState
+from ..replay.state import Fall, ReplayState
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
@@ -439,6 +444,7 @@ class Predictor(Generic[M]):
         self.few = False
         self.zero = state.zero
         self.root = state.root
+        self.falling = state.falling
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""
@@ -469,7 +475,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-            self.few = self._crowd is None and not self.state.pockets
+            self.few = self._crowd is None and not self.state.pockets and self.falling is None
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
@@ -493,7 +499,7 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST:
+        if self._count < crowding.FEWEST or self.falling is not None:  # cells stand, and flights are straight in them
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
@@ -519,7 +525,7 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest:
+            if not a.flight.rest or self.falling is not None:
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
@@ -558,7 +564,10 @@ class Predictor(Generic[M]):
         """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
-        if b.flight.rest:
+        if self.falling is not None and self.falling.bent:
+            bx, by, bvx, bvy = self.falling.flown(b.flight, at - bt)
+            dx, dy, vx, vy = bx - ax, by - ay, bvx - avx, bvy - avy
+        elif b.flight.rest:
             dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
         else:
             if bt is at:
@@ -587,6 +596,9 @@ class Predictor(Generic[M]):
 
     def wall(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a wall."""
+        if self.falling is not None and (pull := self.state.sides.pull(a.index, wall)):
+            self._fall(a, wall, pull, standing)
+            return
         x0, y0, nx, ny, offset = self.line(a, wall)
         ax, ay, avx, avy, at = a.q
         approach = wall_approach(avx, avy, nx, ny)
@@ -605,6 +617,44 @@ class Predictor(Generic[M]):
         else:
             self.unsure(link)
             self.prepare()
+
+    def _fall(self, a: Body[M], wall: int, pull: int, standing: Collection[Link]) -> None:
+        """As `wall`, where gravity pulls towards the wall (negative) or away from it (positive).
+
+        What stands at gap zero as the flight begins, and does not approach, comes back where it is pulled to; elsewhere
+        it never does. What is pulled towards a wall always comes; what is pulled away may miss it, or graze it.
+        """
+        x0, y0, nx, ny, offset = self.line(a, wall)
+        ax, ay, avx, avy, at = a.q
+        falling, zero, late, link = self.falling, self.zero, a.flight.late, AtWall(a.index, wall)
+        assert falling is not None
+        half = wall_approach(falling.hx, falling.hy, nx, ny)
+        fall = Fall(wall_gap(ax, ay, x0, y0, nx, ny, offset), wall_approach(avx, avy, nx, ny), half)
+        if not falling.bent:
+            fall = Fall(sag(fall.gap, zero, half, at), fall_speed(fall.approach, half, at), half)
+        gap, approach, _ = fall
+        still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
+        if link in standing:
+            if pull > 0:
+                return
+            if now > zero:
+                wait = fall_time_back(now, half, now)
+                self.push(at + wait if late is None else at + (late + wait), link)
+                return
+        elif pull > 0 and now >= zero:
+            return
+        else:
+            disc = fall_discriminant(gap, approach, half)
+            if pull > 0 and disc < zero:
+                return
+            if disc > zero and still > zero and (pull < 0 or now < zero):
+                root = self.root(disc)
+                early = approach < zero
+                wait = fall_time(gap, approach, root) if early else fall_time_back(approach, half, root)
+                self.push(at + wait, link)
+                return
+        self.unsure(link)
+        self.prepare()
 
     def face(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a face: from its own side, strictly between its ends.
@@ -647,7 +697,10 @@ class Predictor(Generic[M]):
 
     def push_doubtful(self, link: Link) -> None:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""
-        low = earliest_possible(self.state, link, self.bounds)
+        if self.falling is not None and is_flat(link):
+            low = self.bounds(link.later(self.state).flight.instant)[0]  # pulled there, it may come as late as it likes
+        else:
+            low = earliest_possible(self.state, link, self.bounds)
         if low < inf:
             self.queue.push_doubtful(low, link)
 
