@@ -154,7 +154,7 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
                 f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
             )
         stops = f"{name} stops after {counted(candidate.alignment.agreed, 'agreed event')}"
-        return f"{stops}, at t = {float(candidate.trajectory.final_time):.6g}: it cannot tell what comes next."
+        return f"{stops}, at t = {float(candidate.trajectory.final_time):.6g}: it cannot decide what comes next."
     first, other = _times(parted.got_time, parted.expected_time)
     agreed = candidate.alignment.agreed
     after = f"After {counted(agreed, 'agreed event')}" if agreed else "From the first event on"
@@ -414,8 +414,8 @@ def substitutes(comparison: Comparison, candidate: Candidate) -> tuple[Substitut
     >>> from truebreak.compare import compare
     >>> from truebreak.scenarios import catalogue
     >>> found = compare(catalogue.build("near-tie:k=20"), ["double"])
-    >>> [(one.engine, one.events_agreed, one.right) for one in substitutes(found, found.candidates[0])]
-    [('quad', 4, True), ('exact', 4, True)]
+    >>> sorted((one.engine, one.events_agreed, one.right) for one in substitutes(found, found.candidates[0]))
+    [('exact', 4, True), ('quad', 4, True)]
     """
     if candidate.verdict == "agree" and not candidate.lawless:
         return ()
@@ -444,7 +444,7 @@ def right_to(comparison: Comparison, alternative: Alternative) -> str:
 def cost_words(alternative: Alternative, candidate: Candidate) -> str:
     """What it costs beside an engine; empty where that is not known.
 
-    Processor time is told to one digit, as it was measured once.
+    Processor time is given to one digit, as it was measured once.
     """
     cost = alternative.cost(candidate)
     if cost is None:

@@ -34,7 +34,7 @@ def test_where_names_both_bodies_and_both_times() -> None:
 def test_a_missing_meeting_is_a_miss_and_a_stop_is_none() -> None:
     assert " miss disc " in answers(comparison("pinball")).where
     stopped = answers(comparison("undecided"))
-    assert "it cannot tell what comes next" in stopped.where
+    assert "it cannot decide what comes next" in stopped.where
     assert "up to there it is right" in stopped.so_what
 
 
