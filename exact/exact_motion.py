@@ -38,6 +38,7 @@ from .replay.centred_state import CentredState
 from .replay.contact import Link
 from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
 from .simulation.decider import Knot, Mark, PackedRecords
+from .simulation.endings import Accumulating
 from .simulation.loop import Tape
 
 if TYPE_CHECKING:
@@ -410,6 +411,14 @@ def time_zero(log: RunLog, zero: Known) -> ExactValue:
     return time_of(log, Mark(0, zero, 0, START))
 
 
+def ending_of(log: RunLog, last: Mark[Known] | None, bounces: Accumulating | None) -> ExactValue | None:
+    """When the bounces that ended a run have all happened; None where none did."""
+    if bounces is None:
+        return None
+    assert last is not None
+    return ExactValue(log, last.step, bounces.circles, bounces, arb.nan())
+
+
 # -- The motion of an exact run between its events.
 
 RunTime: TypeAlias = ExactValue | Quantity
@@ -495,7 +504,7 @@ class ExactMotion:
 
     @kept
     def _halves(self) -> tuple[Known, Known] | None:
-        """Half of gravity: then knots are in the falling frame (see `Falling`)."""
+        """Half of gravity: then knots are in the falling frame (see `Gravity`)."""
         g = self.log.scene.gravity
         if g is None:
             return None

@@ -217,7 +217,7 @@ class Discriminant(OfOne[Round]):
 
 
 class Arrives(OfOne[AtWall]):
-    """Does a circle that gravity pulls away from a wall reach it (positive), graze it (zero) or turn before (negative)?"""
+    """Does a circle that gravity pulls away from a wall hit (positive), graze (zero) or miss it (negative)?"""
 
     words = "whether {} hit, graze or miss"
 

@@ -8,6 +8,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
+from ..exact.laws.formulas import fall_speed, sag
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -73,6 +75,38 @@ class DoubleMotion:
         start = max((knots[0][0] for knots in self.knots), default=0.0)
         if not start <= time <= self.end:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
+
+
+@dataclass(frozen=True)
+class FallingMotion(DoubleMotion):
+    """The same under gravity: flights between knots are parabolas.
+
+    Attributes:
+        halves: half of gravity, along x and along y.
+
+    >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
+    >>> motion.state(1.0), motion.sample([2.0]).tolist()
+    ([(1.0, 6.0, 1.0, -4.0)], [[[2.0, 0.0, 1.0, -8.0]]])
+    """
+
+    halves: tuple[float, float] = (0.0, 0.0)
+
+    def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
+        """See `DoubleMotion.state`."""
+        t, (hx, hy) = float(time), self.halves
+        self._check(t)
+        rows: list[tuple[float, float, float, float]] = []
+        for knots in self.knots:
+            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
+            lag = t - t0
+            rows.append((sag(x, vx, hx, lag), sag(y, vy, hy, lag), fall_speed(vx, hx, lag), fall_speed(vy, hy, lag)))
+        return rows
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """See `DoubleMotion.sample`."""
+        import numpy as np
+
+        return np.array([self.state(time) for time in times], dtype=np.float64).reshape(len(times), len(self.knots), 4)
 
 
 @dataclass(frozen=True)

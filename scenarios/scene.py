@@ -11,7 +11,15 @@ from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
-from .settings import ELASTIC, TiePolicy, checked_gravity, checked_restitution, checked_truth, positive_count, positive_time
+from .settings import (
+    ELASTIC,
+    TiePolicy,
+    checked_gravity,
+    checked_restitution,
+    checked_truth,
+    positive_count,
+    positive_time,
+)
 from .things import Circle, Pocket, Polygon, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -45,8 +53,8 @@ class Scene:
 
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
-            restitution out of its range, and one below 1 together with a reversal; for gravity beside anything but walls
-            and circles that move.
+            restitution out of its range, and one below 1 together with a reversal; for gravity beside anything but
+            walls and circles that move.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id

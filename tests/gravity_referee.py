@@ -80,9 +80,7 @@ class GravityReferee:
         with workdps(DIGITS):
             self.g = [number(part) for part in scene.gravity or (Quantity.of(0), Quantity.of(0))]
             self.e = number(scene.restitution)
-            self.bodies = [
-                Body(*(number(q) for q in (c.x, c.y, c.vx, c.vy, c.r)), number(c.m)) for c in scene.circles
-            ]
+            self.bodies = [Body(*(number(q) for q in (c.x, c.y, c.vx, c.vy, c.r)), number(c.m)) for c in scene.circles]
             self.walls = [(str(w.id), [number(q) for q in (w.x0, w.y0, w.x1, w.y1)]) for w in scene.walls]
             self.sides = [[self._height(b, k) > 0 for k in range(len(self.walls))] for b in self.bodies]
 

@@ -20,6 +20,7 @@ from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
+from ..simulation.endings import Accumulating, Rows, true_rows
 from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
 from .cascade import Cascade, Grounds, InBalls, TieRule
 from .filtered import QUICK_BITS, FilteredPredictor
@@ -426,6 +427,14 @@ class CertifiedReading:
         if time is None:
             return ball.double_bounds(self._state.flip_time + self._state.flip_time)
         return ball.double_bounds(ball.constant(time))
+
+    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+        """In balls of full precision."""
+        ball.use_bits(self._state.bits)
+        self._state.sync(tuple(range(self._state.n)))
+        balls = self._state.balls
+        time = balls.bodies[link.circle].flight.instant
+        return time, Accumulating(link).wait(balls), true_rows(balls, time)
 
     def note(self) -> str:
         """The precision at work."""

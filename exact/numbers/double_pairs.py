@@ -60,7 +60,10 @@ def pair_of(value: arb) -> tuple[float, float]:
 
 
 def fallen_pairs(
-    x: NDArray[np.float64], v: NDArray[np.float64], half: tuple[float, float], since: NDArray[np.float64],
+    x: NDArray[np.float64],
+    v: NDArray[np.float64],
+    half: tuple[float, float],
+    since: NDArray[np.float64],
     times: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """x + v t + half t^2 and v + 2 half t as doubles, where t = times - since, and x, v, since and half are pairs.

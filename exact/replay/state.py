@@ -229,7 +229,7 @@ class Relation(NamedTuple, Generic[N]):
     reach: N
 
 
-class Falling(NamedTuple, Generic[N]):
+class Gravity(NamedTuple, Generic[N]):
     """Half of the gravity of a scene; and whether flights are kept in true coordinates, where they are parabolas.
 
     Else they are kept in the falling frame, X = x - g t^2 / 2 and V = v - g t, in which every flight is straight: so
@@ -240,13 +240,14 @@ class Falling(NamedTuple, Generic[N]):
     hy: N
     bent: bool
 
-    def flown(self, flight: Flight[N], lag: N) -> tuple[N, N, N, N]:
+    def flown(self, flight: tuple[N, N, N, N], lag: N) -> tuple[N, N, N, N]:
         """(x, y, vx, vy) after a time, in true coordinates."""
-        x, y, vx, vy, *_ = flight
-        return sag(x, vx, self.hx, lag), sag(y, vy, self.hy, lag), fall_speed(vx, self.hx, lag), fall_speed(vy, self.hy, lag)
+        x, y, vx, vy = flight
+        hx, hy, _ = self
+        return sag(x, vx, hx, lag), sag(y, vy, hy, lag), fall_speed(vx, hx, lag), fall_speed(vy, hy, lag)
 
 
-class Fall(NamedTuple, Generic[N]):
+class WallFall(NamedTuple, Generic[N]):
     """The gap of a circle and a wall under gravity at the circle's clock, how fast it grows, and half of n.g."""
 
     gap: N
@@ -271,7 +272,7 @@ class Flights(Generic[N]):
     """
 
     bends: ClassVar[bool] = False
-    """Whether flights under gravity are kept in true coordinates (see `Falling`)."""
+    """Whether flights under gravity are kept in true coordinates (see `Gravity`)."""
 
     def __init__(self, scene: Scene, numbers: Arithmetic[N], only: Iterable[int] | None = None) -> None:
         self.scene = scene
@@ -281,9 +282,9 @@ class Flights(Generic[N]):
         self.zero: N = constant(Quantity.of(0))
         self.one: N = constant(Quantity.of(1))
         self.share: N | None = None if scene.elastic else constant((scene.restitution + 1) / 2)
-        self.falling: Falling[N] | None = None
+        self.falling: Gravity[N] | None = None
         if scene.gravity is not None:
-            self.falling = Falling(constant(scene.gravity[0] / 2), constant(scene.gravity[1] / 2), self.bends)
+            self.falling = Gravity(constant(scene.gravity[0] / 2), constant(scene.gravity[1] / 2), self.bends)
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
@@ -339,12 +340,12 @@ class Flights(Generic[N]):
                 ax, ay = advance(ax, f.vx, lag), advance(ay, f.vy, lag)
         return Relation(t, bx - ax, by - ay, g.vx - f.vx, g.vy - f.vy, self.reach(a, b))
 
-    def _bent_relation(self, falling: Falling[N], a: Body[N], b: Body[N]) -> Relation[N]:
+    def _bent_relation(self, falling: Gravity[N], a: Body[N], b: Body[N]) -> Relation[N]:
         """As `relation`, in true coordinates, where velocities change too until the later of the clocks."""
         f, g = a.flight, b.flight
         t = f.t if f.last >= g.last else g.t
-        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f, t - f.t)
-        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g, t - g.t)
+        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f[:4], t - f.t)
+        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g[:4], t - g.t)
         return Relation(t, bx - ax, by - ay, bvx - avx, bvy - avy, self.reach(a, b))
 
     def later(self, link: Round) -> Body[N]:
@@ -451,15 +452,15 @@ class Flights(Generic[N]):
         assert self.falling is not None
         return fall_discriminant(*self.fall(self.falling, link))
 
-    def fall(self, falling: Falling[N], link: AtWall) -> Fall[N]:
+    def fall(self, falling: Gravity[N], link: AtWall) -> WallFall[N]:
         """A circle and a wall under gravity, at the circle's clock."""
         x, y, vx, vy, t, *_ = self.bodies[link.circle].flight
         line = self.line(*link[:2])
         half = wall_approach(falling.hx, falling.hy, line.nx, line.ny)
         gap, approach = self._wall_gap(link, x, y), wall_approach(vx, vy, line.nx, line.ny)
         if falling.bent:
-            return Fall(gap, approach, half)
-        return Fall(sag(gap, self.zero, half, t), fall_speed(approach, half, t), half)
+            return WallFall(gap, approach, half)
+        return WallFall(sag(gap, self.zero, half, t), fall_speed(approach, half, t), half)
 
     def surely_falls(self, speed: N) -> bool:
         """Whether a speed is surely below zero: of two forms of one number it chooses the one that is sharp there.
@@ -546,7 +547,7 @@ class ReplayState(Flights[N]):
             x, y, vx, vy, t, _, _, _, rest = body.flight
             if falls is not None and falls.bent:
                 if t is not clock:
-                    x, y, vx, vy = falls.flown(body.flight, lag if lag is not None and t is base else clock - t)
+                    x, y, vx, vy = falls.flown((x, y, vx, vy), lag if lag is not None and t is base else clock - t)
             elif not rest and t is not clock:
                 step = lag if lag is not None and t is base else clock - t
                 x, y = advance(x, vx, step), advance(y, vy, step)

@@ -21,6 +21,7 @@ from ..numbers.system import N
 from ..question import Decision, Question
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
 from ..replay.state import Step
+from .endings import Rows
 from .prediction import Arrival, ArrivalQueue
 
 # -- Where an event-driven run ends.
@@ -434,6 +435,13 @@ class Reading(Protocol[N, K]):
 
     def note(self) -> str:
         """What progress says beside the counts."""
+        ...
+
+    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+        """Under gravity, right after a bounce: when it was, how long its like go on alone, and where all circles are.
+
+        See `Accumulating` and `true_rows`.
+        """
         ...
 
 

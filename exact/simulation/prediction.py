@@ -30,7 +30,7 @@ from ..laws.formulas import (
 )
 from ..numbers.system import M, N
 from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_flat, is_pair, touch_of
-from ..replay.state import Fall, ReplayState
+from ..replay.state import ReplayState, WallFall
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
@@ -565,7 +565,7 @@ class Predictor(Generic[M]):
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
         if self.falling is not None and self.falling.bent:
-            bx, by, bvx, bvy = self.falling.flown(b.flight, at - bt)
+            bx, by, bvx, bvy = self.falling.flown((bx, by, bvx, bvy), at - bt)
             dx, dy, vx, vy = bx - ax, by - ay, bvx - avx, bvy - avy
         elif b.flight.rest:
             dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
@@ -629,9 +629,9 @@ class Predictor(Generic[M]):
         falling, zero, late, link = self.falling, self.zero, a.flight.late, AtWall(a.index, wall)
         assert falling is not None
         half = wall_approach(falling.hx, falling.hy, nx, ny)
-        fall = Fall(wall_gap(ax, ay, x0, y0, nx, ny, offset), wall_approach(avx, avy, nx, ny), half)
+        fall = WallFall(wall_gap(ax, ay, x0, y0, nx, ny, offset), wall_approach(avx, avy, nx, ny), half)
         if not falling.bent:
-            fall = Fall(sag(fall.gap, zero, half, at), fall_speed(fall.approach, half, at), half)
+            fall = WallFall(sag(fall.gap, zero, half, at), fall_speed(fall.approach, half, at), half)
         gap, approach, _ = fall
         still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
         if link in standing:

@@ -8,7 +8,10 @@ import pytest
 from gravity_referee import GravityReferee, TieMet
 from mpmath import mpf, workdps
 
-from truebreak.exact import ExactEngine
+from truebreak.exact import ExactEngine, exact_motion
+from truebreak.exact.replay import state
+from truebreak.exact.replay.state import Flights
+from truebreak.exact.simulation import prediction
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 
 UNTIL, EVENTS = 12, 14
@@ -51,8 +54,11 @@ def scene_of(seed: int) -> Scene | None:
     }
     try:
         return Scene(
-            discs, kinds[rng.choice(("floor", "box", "box", "wedge", "shaft"))],
-            gravity=rng.choice(PULLS), restitution=rng.choice(LOSSES), name=f"gravity {seed}",
+            discs,
+            kinds[rng.choice(("floor", "box", "box", "wedge", "shaft"))],
+            gravity=rng.choice(PULLS),
+            restitution=rng.choice(LOSSES),
+            name=f"gravity {seed}",
         )
     except SceneError:
         return None
@@ -80,3 +86,92 @@ def differs(scene: Scene, events: int = EVENTS, until: int = UNTIL) -> str | Non
             if any(abs(mpf(a.digits(60)) - b) > mpf(10) ** -35 for a, b in pairs):
                 return f"{circle.id} ends elsewhere"
     return ""
+
+
+SEEDS = range(120)
+
+
+def test_scenes_agree_with_the_referee():
+    found = {seed: told for seed in SEEDS if (scene := scene_of(seed)) and (told := differs(scene)) is not None}
+    assert len(found) > 100
+    assert {seed: told for seed, told in found.items() if told} == {}
+
+
+# -- Faults that the comparison must find.
+
+
+def _made(change):
+    """A change of every state as it is made."""
+
+    def spoil(monkeypatch):
+        known = Flights.__init__
+
+        def made(self, scene, numbers, only=None):
+            known(self, scene, numbers, only)
+            change(self)
+
+        monkeypatch.setattr(Flights, "__init__", made)
+
+    return spoil
+
+
+def _gravity(change):
+    """Another gravity than the scene's."""
+
+    def changed(flights):
+        if flights.falling is not None:
+            flights.falling = flights.falling._replace(**change(flights.falling))
+
+    return _made(changed)
+
+
+def _loss_squared(flights):
+    """(1 + e^2) / 2 for (1 + e) / 2."""
+    if flights.share is not None:
+        e = flights.share + flights.share - flights.one
+        flights.share = (flights.one + e * e) / (flights.one + flights.one)
+
+
+def _form(place, name, other):
+    """Another form than the proved one, in one module."""
+
+    def spoil(monkeypatch):
+        monkeypatch.setattr(place, name, other)
+
+    return spoil
+
+
+def _earlier_zero(monkeypatch):
+    """Of two zeros the one at which the gap grows."""
+    monkeypatch.setattr(prediction, "fall_time_back", lambda approach, half, root: (root - approach) / (half + half))
+    monkeypatch.setattr(state, "fall_time_back", lambda approach, half, root: (root - approach) / (half + half))
+
+
+FAULTS = {
+    "half of gravity": _gravity(lambda f: {"hx": f.hx / 2, "hy": f.hy / 2}),
+    "gravity upwards": _gravity(lambda f: {"hx": -f.hx, "hy": -f.hy}),
+    "gravity along y alone": _gravity(lambda f: {"hx": f.hx - f.hx}),
+    "gravity off by 1e-9": _gravity(lambda f: {"hy": f.hy + f.hy / 10**9}),
+    "the other zero": _earlier_zero,
+    "a bounce at the speed of the falling frame": _form(state, "fall_speed", lambda v, half, dt: v),
+    "a bounce at half of the speed fallen": _form(state, "fall_speed", lambda v, half, dt: v + half * dt),
+    "a wall that does not fall": _form(state, "sag", lambda x, v, half, dt: x + v * dt),
+    "a wall that falls twice as far": _form(state, "sag", lambda x, v, half, dt: x + v * dt + (half + half) * dt * dt),
+    "a zero off by a sign": _form(state, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)),
+    "e squared": _made(_loss_squared),
+    "places in the falling frame": _form(exact_motion, "_sunk", lambda x, half, time: x),
+    "speeds in the falling frame": _form(exact_motion, "fall_speed", lambda v, half, dt: v),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_planted_fault_is_found(fault: str, monkeypatch: pytest.MonkeyPatch):
+    FAULTS[fault](monkeypatch)
+    assert any(_found(scene) for seed in range(60) if (scene := scene_of(seed)))
+
+
+def _found(scene: Scene) -> bool:
+    try:
+        return bool(differs(scene, events=8))
+    except (AssertionError, ArithmeticError):
+        return True
