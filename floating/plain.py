@@ -32,10 +32,11 @@ from .knots import DoubleMotion, FallingMotion
 
 
 class PlainState(ReplayState[M]):
-    """Under gravity in true coordinates, as users' engines are. See `ReplayState`; two that rounding has put into each other, and that approach, collide at once.
+    """See `ReplayState`; two that rounding has put into each other, and that approach, collide at once.
 
     What the law of their meeting tells is then when they would have met on their way here: before the instant at which
-    they stand, and long before it where they are all but at rest with each other.
+    they stand, and long before it where they are all but at rest with each other. Under gravity it is kept in true
+    coordinates, as users' engines keep theirs.
     """
 
     bends = True
@@ -291,9 +292,8 @@ class PlainMeetings(Generic[M]):
         """As `_meeting`, under gravity; what rounding has put into a wall to which it is pulled comes back to it."""
         state, approach, disc = self._state, self._ask(Approach(link)), 1
         now = link.later(state).flight.t
-        if pull > 0:
-            if approach >= 0 or (disc := self._ask(Arrives(link))) < 0:
-                return None
+        if pull > 0 and (approach >= 0 or (disc := self._ask(Arrives(link))) < 0):
+            return None
         if self._ask(Gap(link)) <= 0:
             if approach <= 0:
                 return None if disc == 0 else (now, False)

@@ -223,7 +223,7 @@ class ArrivalQueue(Generic[N]):
             serials = (a.serial, b.serial)
         else:
             serials = (a.serial,)
-            if high < a.until and link.flat:
+            if high < a.until and link.flat and not graze:  # one that grazes a wall under gravity flies on
                 a.until = high
         self._order += 1
         heappush(self._heap, Arrival(low, self._order, high, certain, time, link, serials, graze))
