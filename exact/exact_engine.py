@@ -18,12 +18,11 @@ from ..scenarios.numbers.tower_element import AnyTower, Element
 from ..scenarios.numbers.tower_ring import TowerLimit
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
-from .certified.cascade import TieRule
-from .certified.certified_decider import FIRST_BITS, CertifiedDecider
+from .certified.cascade import FIRST_BITS, TieRule
+from .certified.certified_decider import CertifiedDecider
 from .exact_motion import (
     ExactMotion,
     ExactValue,
-    RunLog,
     RunTime,
     Source,
     TimeFormula,
@@ -37,7 +36,7 @@ from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
 from .replay.contact import NamedContacts
 from .simulation import cells
-from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, run_limits
+from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, RunLog, run_limits
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy

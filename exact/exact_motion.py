@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
@@ -26,18 +26,14 @@ from ..scenarios.numbers.precision import (
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
-from ..scenarios.numbers.tower_ring import TowerLimit
-from ..scenarios.scene import Scene
-from ..scenarios.work import Work
 from .laws.formulas import advance, fall_speed, sag
 from .numbers import ball
-from .numbers.ball import Known, NestedNumbers, known_ball, reduced
+from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
-from .numbers.system import N, Undecided, number_system
-from .replay.centred_state import CentredState
+from .numbers.system import N, Undecided
 from .replay.contact import Link
-from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
-from .simulation.decider import Knot, Mark, PackedRecords
+from .replay.state import Constant, OtherRun, ReplayState, Velocity
+from .simulation.decider import Formula, Knot, Mark, RunLog
 from .simulation.endings import Accumulating
 from .simulation.loop import Tape
 
@@ -46,105 +42,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..scenarios.trajectory import Event, Trajectory
-    from .numbers.expression import SymPyExpression
-
-# -- The log of a finished run, from which every number of it is computed again.
-
-TEXT_DEPTH = 5
-"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
-
-TEXT_WORK = 1_000_000
-"""Units of work that writing out one value may take: about a second."""
-
-STATES_KEPT = 3
-"""Of how many numbers of bits a log keeps how far it was replayed."""
-
-
-class Formula(Protocol):
-    """Computes a number from a state, in its numbers."""
-
-    def __call__(self, state: ReplayState[N], /) -> N: ...
-
-
-class RunLog:
-    """A scene and the log of its run: enough to compute every number of the run again.
-
-    Attributes:
-        scene: the scene.
-        steps: the log.
-        lost: how many bits of its precision the run lost, at most, in the time of an event.
-        centred: whether that was with the deviations in a set (see `CentredState`).
-        events: those of the run, whose times are at hand; None where it was read from a file.
-    """
-
-    events: PackedRecords | None = None
-
-    def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
-        self.scene = scene.surfaces
-        self.steps = steps
-        self.lost = lost
-        self.centred = centred
-        self._reached: dict[tuple[int, int], CentredState] = {}
-        self._too_deep: list[frozenset[int]] = []
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but what is computed again at need."""
-        return {**self.__dict__, "_reached": {}, "_too_deep": [], "events": None}
-
-    def in_balls(self, bits: int, upto: int) -> CentredState:
-        """The state after the first `upto` steps, in balls computed with `bits` bits.
-
-        The one that came farthest with these bits, but not too far, goes on from there, so that numbers asked for in
-        the order of the run cost one replay together.
-        """
-        ball.use_bits(bits)
-        done = max((reached for width, reached in self._reached if width == bits and reached <= upto), default=0)
-        state = self._reached.pop((bits, done), None)  # what is ended half-way is not kept
-        if state is None:
-            state = CentredState(self.scene, self.centred)
-        if done < upto:
-            replay(state, self.steps, range(done, upto))
-        while len(self._reached) >= STATES_KEPT:
-            del self._reached[next(iter(self._reached))]
-        self._reached[bits, upto] = state
-        return state
-
-    def begins(self, other: RunLog, upto: int) -> bool:
-        """Whether another log has the same first `upto` steps, of the same scene: then its numbers are the same."""
-        same = other is self or (len(other.steps) >= upto and other.scene == self.scene)
-        ours, theirs = (self.steps, other.steps) if other is not self else ((), ())
-        return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
-
-    def units(self, bits: int, upto: int) -> int:
-        """The work of that."""
-        return (len(self.scene.circles) + upto) * step_units(bits)
-
-    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
-        """A number after the first `upto` steps in nested roots, or None if it is too deep.
-
-        A value whose causal past contains one that was too deep is not tried.
-        """
-        steps = self.steps[:upto]
-        needed, held = causal_past(steps, bodies)
-        past = frozenset(needed)
-        if any(deep <= past for deep in self._too_deep):
-            return None
-        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
-        try:
-            state = ReplayState(self.scene, numbers, only=held)
-            replay(state, steps, needed)
-            return formula(state)
-        except TowerLimit:
-            self._too_deep.append(past)
-            return None
-
-    def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
-        """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
-        needed, held = causal_past(self.steps[:upto], bodies)
-        state: ReplayState[SymPyExpression] = ReplayState(self.scene, number_system("expression"), only=held)
-        replay(state, self.steps, needed)
-        return state
-
 
 # -- Numbers of an exact run that know their exact value: to any digits, as SymPy, as text.
 
@@ -447,7 +344,7 @@ class Place:
         when = _moment(self.time, state)
         if falling is None:
             return advance(place, speed, when - flight.t)
-        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, falling[self.axis], when)
+        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, falling.half(self.axis), when)
 
 
 def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
@@ -465,7 +362,7 @@ class FallSpeed:
     def __call__(self, state: ReplayState[N]) -> N:
         assert state.falling is not None
         speed = Velocity(self.body, self.axis)(state)
-        return fall_speed(speed, state.falling[self.axis], _moment(self.time, state))
+        return fall_speed(speed, state.falling.half(self.axis), _moment(self.time, state))
 
 
 class ExactMotion:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import Undecided
-from ..exact.replay.state import Gravity
+from ..exact.replay.contact import Gravity
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull

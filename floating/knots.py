@@ -8,8 +8,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
-from ..exact.laws.formulas import fall_speed, sag
-
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -99,7 +97,8 @@ class FallingMotion(DoubleMotion):
         for knots in self.knots:
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
             lag = t - t0
-            rows.append((sag(x, vx, hx, lag), sag(y, vy, hy, lag), fall_speed(vx, hx, lag), fall_speed(vy, hy, lag)))
+            x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
+            rows.append((x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag))
         return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:

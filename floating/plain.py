@@ -12,8 +12,8 @@ from flint import arb
 
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
-from ..exact.replay.state import Gravity, ReplayState, Step
+from ..exact.replay.contact import AtWall, Body, Entry, Gravity, Link, NamedContacts, is_flat, name_of
+from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -22,7 +22,7 @@ from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
-from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, TieProof, Trajectory
@@ -150,10 +150,16 @@ class PlainReading(Generic[M]):
         return None
 
     def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
-        """In the numbers that there are, made balls without radius."""
+        """In the numbers that there are."""
+        told = self._ball
         time = self._state.bodies[link.circle].flight.instant
-        rows = [tuple(map(_middle, row)) for row in true_rows(self._state, time)]
-        return _middle(time), _middle(Accumulating(link).wait(self._state)), rows  # pyright: ignore[reportReturnType]
+        rows = [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in true_rows(self._state, time)]
+        return told(time), told(Accumulating(link).wait(self._state)), rows
+
+    def _ball(self, number: M) -> arb:
+        """What holds a number, to doubles."""
+        low, high = self._bounds(number)
+        return hull(arb(low), arb(high))
 
     def note(self) -> str:
         """Nothing to add."""
@@ -168,11 +174,6 @@ class PlainReading(Generic[M]):
         if time is None:
             return self._bounds(self._state.flip_time + self._state.flip_time)
         return self._bounds(self._state.constant(time))
-
-
-def _middle(number: SupportsFloat) -> arb:
-    """The double next to a number."""
-    return arb(float(number))
 
 
 class PlainMeetings(Generic[M]):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 from ..exact.laws.formulas import advance
 from ..exact.numbers.double_pairs import quick_two_sum, two_product, two_sum
 from ..exact.numbers.system import NumberSystem
-from ..exact.replay.state import Gravity
+from ..exact.replay.contact import Gravity
 from ..scenarios.lazy import Later
 from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real

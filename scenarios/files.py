@@ -181,9 +181,9 @@ def _number(label: str, key: str, value: Any) -> Quantity:
 
 
 def _gravity(value: Any) -> list[Quantity]:
-    parts = cast("list[object]", value) if isinstance(value, list) else []
+    shown, parts = cut(value), cast("list[object]", value) if isinstance(value, list) else []
     if len(parts) != 2:
-        raise SceneError(f"gravity = {cut(value)} is not a pair; write gravity = [0, -10]")
+        raise SceneError(f"gravity = {shown} is not a pair; write gravity = [0, -10]")
     return [_number("gravity", key, part) for key, part in zip("xy", parts, strict=True)]
 
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
-from ...exact.certified.certified_decider import FIRST_BITS
+from ...exact.certified.cascade import FIRST_BITS
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import places_of
 from ...exact.replay.state import Kick, Step
@@ -73,6 +73,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
+    if trajectory.scene.gravity is not None:
+        raise CertificateError("the scene has gravity, which certificates do not know yet")
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments):
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")
     if len(trajectory.scene.circles) > CIRCLES:

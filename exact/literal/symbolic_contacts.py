@@ -165,7 +165,7 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
 
 
 def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
-    """As `touch_times`, of a circle under gravity and a wall, from either side of it: n.(p + v t + g t**2/2 - p0) = +-r.
+    """As `touch_times`, of a circle under gravity and a wall: n.(p + v t + g t**2/2 - p0) = r on its one side, and -r.
 
     >>> from sympy import Integer as I
     >>> floor = Line(I(0), I(0), I(1), I(0))

@@ -129,6 +129,7 @@ def _flown(disc: Disc, since: Any, g: tuple[Any, Any]) -> Disc:
 # Source: Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python', parts 1 and 3, 2023. It uses no
 # formula, number system or decision of the exact engine.
 
+
 @dataclass(frozen=True)
 class SymbolicEngine(Declared):
     """Runs a scene in SymPy numbers, with the laws as derived and every pair predicted.

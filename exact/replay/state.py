@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import ClassVar, Generic, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
@@ -33,7 +32,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtWall, Body, Entry, Flight, Link, Pair, Round, Touch
+from .contact import AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch, WallFall
 
 # -- The event log: what happened, as steps without decisions, and which of them a number rests on.
 #
@@ -144,66 +143,6 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
     return tuple(range(count))
 
 
-# -- On which side of a wall a circle lies.
-
-CLEAR = 2.0**-40
-"""Share of its terms beyond which a height in doubles has the sign of the true one. Six roundings to doubles, of
-2**-53 each, and the roundings of five operations come to less than 2**-49 of them."""
-
-
-class Sides:
-    """On which side of each wall each circle starts, and so stays: decided exactly, once, when asked."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._known: dict[tuple[int, int], bool] = {}
-        self._pulls: dict[int, int] = {}
-        self._walls: dict[int, tuple[float, float, float, float] | None] = {}
-
-    def negative(self, circle: int, wall: int) -> bool:
-        """Whether the circle lies where the wall's own normal does not point."""
-        key = (circle, wall)
-        if key not in self._known:
-            where = self.scene.circles[circle]
-            told = False if wall in self.scene.faces else self._in_doubles(circle, wall)
-            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
-        return self._known[key]
-
-    def pull(self, circle: int, wall: int) -> int:
-        """Whether gravity pulls the circle towards the wall (negative), along it (0; also without) or away from it."""
-        if wall not in self._pulls:
-            (nx, ny), g = self.scene.walls[wall].normal, self.scene.gravity
-            self._pulls[wall] = 0 if g is None else (nx * g[0] + ny * g[1]).sign()
-        sign = self._pulls[wall]
-        return -sign if sign and self.negative(circle, wall) else sign
-
-    def _in_doubles(self, circle: int, wall: int) -> bool | None:
-        """The same, where doubles tell it."""
-        if wall not in self._walls:
-            exact = self.scene.walls[wall]
-            try:
-                nx, ny = exact.normal
-                self._walls[wall] = (float(nx), float(ny), float(exact.x0), float(exact.y0))
-            except OverflowError:
-                self._walls[wall] = None
-        line, where = self._walls[wall], self.scene.circles[circle]
-        if line is None:
-            return None
-        nx, ny, x0, y0 = line
-        try:
-            x, y = float(where.x), float(where.y)
-        except OverflowError:
-            return None
-        height = nx * (x - x0) + ny * (y - y0)
-        terms = abs(nx) * (abs(x) + abs(x0)) + abs(ny) * (abs(y) + abs(y0))
-        lost = CLEAR * terms + TINIEST * (1.0 + abs(nx) + abs(ny) + abs(x) + abs(y) + abs(x0) + abs(y0))
-        return height < 0.0 if isfinite(terms) and abs(height) > lost else None
-
-
-TINIEST = 1e-280
-"""More than what underflow may take from a factor, or from a product: half of 2**-1074 each."""
-
-
 # -- The circles and walls of a scene in one number system, as they fly: how far two are apart, and when they meet.
 
 
@@ -227,32 +166,6 @@ class Relation(NamedTuple, Generic[N]):
     vx: N
     vy: N
     reach: N
-
-
-class Gravity(NamedTuple, Generic[N]):
-    """Half of the gravity of a scene; and whether flights are kept in true coordinates, where they are parabolas.
-
-    Else they are kept in the falling frame, X = x - g t^2 / 2 and V = v - g t, in which every flight is straight: so
-    pairs of circles keep all their formulas, and walls alone move.
-    """
-
-    hx: N
-    hy: N
-    bent: bool
-
-    def flown(self, flight: tuple[N, N, N, N], lag: N) -> tuple[N, N, N, N]:
-        """(x, y, vx, vy) after a time, in true coordinates."""
-        x, y, vx, vy = flight
-        hx, hy, _ = self
-        return sag(x, vx, hx, lag), sag(y, vy, hy, lag), fall_speed(vx, hx, lag), fall_speed(vy, hy, lag)
-
-
-class WallFall(NamedTuple, Generic[N]):
-    """The gap of a circle and a wall under gravity at the circle's clock, how fast it grows, and half of n.g."""
-
-    gap: N
-    approach: N
-    half: N
 
 
 class Flights(Generic[N]):
@@ -403,7 +316,7 @@ class Flights(Generic[N]):
         x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
         if self.falling is not None:
             fall = self.fall(self.falling, link)
-            return fall.gap if late is None else sag(*fall, late)
+            return fall.gap if late is None else sag(fall.gap, fall.approach, fall.half, late)
         if late is None:
             return self._wall_gap(link, x, y)
         return self._wall_gap(link, advance(x, vx, late), advance(y, vy, late))
@@ -425,7 +338,7 @@ class Flights(Generic[N]):
         flight = self.bodies[link.circle].flight
         if self.falling is not None and (pull := self.sides.pull(*link[:2])):
             fall = self.fall(self.falling, link)
-            root = self.root(fall_discriminant(*fall))
+            root = self.root(fall_discriminant(fall.gap, fall.approach, fall.half))
             if pull > 0 or self.surely_falls(fall.approach):
                 return flight.t, fall_time(fall.gap, fall.approach, root)
             return flight.t, fall_time_back(fall.approach, fall.half, root)
@@ -437,7 +350,11 @@ class Flights(Generic[N]):
         if self.falling is not None and self.sides.pull(*link[:2]):
             fall = self.fall(self.falling, link)
             pull = fall.half + fall.half
-            return clock - fall.approach / pull, -(self.one / pull), fall_discriminant(*fall)
+            return (
+                clock - fall.approach / pull,
+                -(self.one / pull),
+                fall_discriminant(fall.gap, fall.approach, fall.half),
+            )
         clock, wait = self.wall_hit(link)
         return clock + wait, self.zero, self.zero
 
@@ -450,7 +367,8 @@ class Flights(Generic[N]):
     def wall_discriminant(self, link: AtWall) -> N:
         """The square of the speed at which a circle comes to a wall under gravity; negative if it never does."""
         assert self.falling is not None
-        return fall_discriminant(*self.fall(self.falling, link))
+        fall = self.fall(self.falling, link)
+        return fall_discriminant(fall.gap, fall.approach, fall.half)
 
     def fall(self, falling: Gravity[N], link: AtWall) -> WallFall[N]:
         """A circle and a wall under gravity, at the circle's clock."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, log
@@ -13,8 +14,8 @@ from ...scenarios.scene import Scene
 from ..laws.formulas import fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Touch, is_flat, name_of
-from ..replay.state import ReplayState, Sides
+from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, name_of
+from ..replay.state import ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -100,19 +101,22 @@ class Endings:
         ]
         return " as well as ".join(sorted(names)) or None
 
-    def bounced(self, impulses: Iterable[Touch]) -> AtWall | None:
-        """Notes the impulses of an event; the contact whose bounces have shrunk enough to be looked at, if one has."""
-        links = [*impulses]
-        rows = self._rows
-        if len(links) == 1 and is_flat(link := links[0]):
-            wall, count = rows.get(link.circle, (link.wall, 0))
-            rows[link.circle] = (link.wall, count + 1 if wall == link.wall else 1)
-            shrunk = self._enough is not None and rows[link.circle][1] > self._enough
-            return link if shrunk and self._sides.pull(*link[:2]) < 0 else None
+    def bounced(self, impulses: Iterable[Touch]) -> list[AtWall]:
+        """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at."""
+        links, rows = [*impulses], self._rows
+        shares = Counter(i for link in links for i in link.circles)
+        found: list[AtWall] = []
         for link in links:
-            for i in link.circles:
-                rows.pop(i, None)
-        return None
+            if is_flat(link) and shares[link.circle] == 1:
+                wall, count = rows.get(link.circle, (link.wall, 0))
+                rows[link.circle] = (link.wall, count + 1 if wall == link.wall else 1)
+                shrunk = self._enough is not None and rows[link.circle][1] > self._enough
+                if shrunk and self._sides.pull(*link[:2]) < 0:
+                    found.append(link)
+            else:
+                for i in link.circles:
+                    rows.pop(i, None)
+        return found
 
     def ends(self, link: AtWall, wait: arb, rows: Rows) -> bool:
         """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then."""

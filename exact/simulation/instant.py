@@ -12,8 +12,20 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N, Undecided
 from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim
-from ..replay.contact import AtWall, Entry, Link, Touch, can_push, contact_of, is_flat, is_pair, name_of, scene_order
-from ..replay.state import Flip, Go, Kick, Sides, Take
+from ..replay.contact import (
+    AtWall,
+    Entry,
+    Link,
+    Sides,
+    Touch,
+    can_push,
+    contact_of,
+    is_flat,
+    is_pair,
+    name_of,
+    scene_order,
+)
+from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .policies import Lasting, Policy, Rounds, components, settle
 from .prediction import Arrival

@@ -17,12 +17,11 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
 from ..question import Closing
-from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push, name_of
+from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push, name_of, rims_at_start, touching_at_start
 from .decider import Decider, History, K, Limits, Ordinary
 from .endings import Accumulating, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Policy, policy_for
-from .prediction import rims_at_start, touching_at_start
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -400,8 +399,7 @@ class Loop(Generic[N, K]):
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return
         for _, _, impulses, _, _ in done.events:
-            link = endings.bounced(impulses)
-            if link is not None:
+            for link in endings.bounced(impulses):
                 time, wait, rows = self.decider.reading.fallen(link)
                 if endings.ends(link, wait, rows):
                     endings.found = Accumulating(link)

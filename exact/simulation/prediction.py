@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from functools import lru_cache
 from heapq import heappop, heappush
 from math import inf, nextafter
 from typing import Generic, NamedTuple, Protocol, TypeAlias
@@ -29,8 +28,8 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_flat, is_pair, touch_of
-from ..replay.state import ReplayState, WallFall
+from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, WallFall, can_push, is_flat, is_pair
+from ..replay.state import ReplayState
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
@@ -357,39 +356,6 @@ _new = tuple.__new__
 """Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
 
 
-# -- Which circles, walls and rims of a scene touch at time 0, decided exactly.
-
-
-@lru_cache(maxsize=8)
-def touching_at_start(scene: Scene) -> tuple[Touch, ...]:
-    """The contacts at gap zero at time 0, in scene order.
-
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> touching_at_start(Scene([Circle(0, 0), Circle("sqrt(2)", "sqrt(2)"), Circle(5, 5)]))
-    (Pair(a=0, b=1),)
-    """
-    circles = scene.circles
-    fixed = [circle.fixed for circle in circles]
-    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
-
-
-@lru_cache(maxsize=8)
-def rims_at_start(scene: Scene) -> tuple[Entry, ...]:
-    """The centres of movable circles on the rim of a pocket at time 0.
-
-    >>> from truebreak.scenarios import Circle, Pocket, Scene
-    >>> rims_at_start(Scene([Circle(0, 0, vx=1)], pockets=[Pocket(2, 0, 2)]))
-    (Entry(circle=0, pocket=0, kind='pocket'),)
-    """
-    found: list[Entry] = []
-    for i, circle in enumerate(scene.circles):
-        for k, pocket in enumerate(scene.pockets):
-            dx, dy = pocket.x - circle.x, pocket.y - circle.y
-            if not circle.fixed and pair_gap(dx, dy, pocket.r).sign() == 0:
-                found.append(Entry(i, k))
-    return tuple(found)
-
-
 # -- Predicts the next meetings of circles whose flights are new, in the state's own numbers.
 
 ROUNDED_DOWN = 1 - 2.0**-50
@@ -648,10 +614,8 @@ class Predictor(Generic[M]):
             if pull > 0 and disc < zero:
                 return
             if disc > zero and still > zero and (pull < 0 or now < zero):
-                root = self.root(disc)
-                early = approach < zero
-                wait = fall_time(gap, approach, root) if early else fall_time_back(approach, half, root)
-                self.push(at + wait, link)
+                root, early = self.root(disc), approach < zero
+                self.push(at + (fall_time(gap, approach, root) if early else fall_time_back(*fall[1:], root)), link)
                 return
         self.unsure(link)
         self.prepare()
@@ -697,10 +661,9 @@ class Predictor(Generic[M]):
 
     def push_doubtful(self, link: Link) -> None:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""
-        if self.falling is not None and is_flat(link):
-            low = self.bounds(link.later(self.state).flight.instant)[0]  # pulled there, it may come as late as it likes
-        else:
-            low = earliest_possible(self.state, link, self.bounds)
+        low = earliest_possible(self.state, link, self.bounds)
+        if self.falling is not None and is_flat(link):  # whose speed changes on the way
+            low = self.bounds(link.later(self.state).flight.instant)[0]
         if low < inf:
             self.queue.push_doubtful(low, link)
 
