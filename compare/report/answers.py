@@ -86,7 +86,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
     >>> from truebreak.scenarios import catalogue
     >>> found = answers(compare(catalogue.build("near-tie:k=20"), ["double"]))
     >>> print(found.where.partition("; ")[0])
-    From the first event on (event 0) double lets middle hit left and right at once at t = 1
+    From the first event on (event 0), at t = 1, double lets middle hit left and right at once
     >>> print(found.so_what)
     2 collisions instead of 4; middle ends with velocity (-1, 0) instead of (-0.32, 0); who hit whom changed too.
     """
@@ -161,6 +161,8 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
     body, got, expected = parted.body, parted.got, parted.expected
     exact = f"in the {reference.engine} run"
     event = f"{after} (event {parted.event:,})" if agreed != parted.event or not agreed else after
+    if first and first == other:  # to a reader they are one time, which is said once
+        event, first, other = f"{event},{first},", "", ""
     match parted.kind:
         case Kind.TIE if got == expected:
             return (
@@ -191,9 +193,9 @@ def thing(scene: Scene, name: str | None) -> str:
 
 
 def _times(*times: float | None) -> list[str]:
-    """Times with as many digits as it takes to tell them apart, ten at most."""
+    """Times with as many digits as it takes to tell them apart; six where ten do not."""
     known = [t for t in times if t is not None]
-    digits = next((d for d in (6, 8, 10) if len({f"{t:.{d}g}" for t in known}) == len(set(known))), 10)
+    digits = next((d for d in (6, 8, 10) if len({f"{t:.{d}g}" for t in known}) == len(set(known))), 6)
     return ["" if t is None else f" at t = {t:.{digits}g}" for t in times]
 
 
@@ -237,7 +239,7 @@ def _share_words(candidate: Candidate) -> str:
         return f"{cause}: {found.finding}. Shifts of the margin: {summed(pushes)}{back}."
     total = f"the margin by {found.displacement:+.3g}"
     if pushes == [str(found)] and not against:
-        return f"{cause} shifts {total}."
+        return f"{cause}: the margin shifts by {found.displacement:+.3g}."
     named = summed(pushes) if pushes == [c.value for c in found.causes] else f"{cause}: {summed(pushes)}"
     return f"{_capital(named)}{back}, shift {total}."
 

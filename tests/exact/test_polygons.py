@@ -325,7 +325,6 @@ def test_bad_input_has_one_line(made, says):
 def test_what_does_not_know_polygons_says_so():
     from truebreak.compare.adapters.adapter import SteppedAdapter
     from truebreak.compare.certificate.writer import CertificateError, certificate_of
-    from truebreak.compare.report.floats import floats_csv, floats_json
     from truebreak.compare.shadowing.shadows import shadow
     from truebreak.compare.validation import unsupported
     from truebreak.scenarios import Declared
@@ -333,10 +332,6 @@ def test_what_does_not_know_polygons_says_so():
     scene = Scene([Circle(0, 6, vy=-1)], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART)], events=3)
     with pytest.raises(CertificateError, match="polygons"):
         certificate_of(ExactEngine().run(scene))
-    with pytest.raises(SceneError, match="polygons"):
-        floats_json(scene)
-    with pytest.raises(SceneError, match="polygons"):
-        floats_csv(scene)
     with pytest.raises(SceneError, match="polygons"):
         shadow(scene)
     assert unsupported(Declared(), scene) == "polygon"
