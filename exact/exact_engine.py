@@ -18,8 +18,8 @@ from ..scenarios.numbers.tower_element import AnyTower, Element
 from ..scenarios.numbers.tower_ring import TowerLimit
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
-from .certified.cascade import FIRST_BITS, TieRule
-from .certified.certified_decider import CertifiedDecider
+from .certified.cascade import TieRule
+from .certified.certified_decider import FIRST_BITS, CertifiedDecider
 from .exact_motion import (
     ExactMotion,
     ExactValue,

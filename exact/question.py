@@ -256,8 +256,10 @@ class Moment:
 
     def wait(self, state: ReplayState[N]) -> tuple[N, N]:
         """The clock from which it is reckoned, and the time from that."""
-        if self.graze:
-            return state.wall_graze(self.link) if is_flat(self.link) else state.graze(self.link)
+        if self.graze and not is_flat(self.link):
+            return state.graze(self.link)
+        if self.graze and is_flat(self.link):
+            return state.wall_graze(self.link)
         return self.link.hit(state)
 
     def parts(self, state: ReplayState[N]) -> tuple[N, N, N]:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
-from ...exact.certified.cascade import FIRST_BITS
+from ...exact.certified.certified_decider import FIRST_BITS
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import places_of
 from ...exact.replay.state import Kick, Step

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
+from ...scenarios.errors import SceneError
 from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 

@@ -3,27 +3,141 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NoReturn, Protocol
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption
 from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
-from ..numbers.ball import Known, field_text
+from ..numbers.ball import Known
 from ..numbers.system import BudgetSpent, Undecided
 from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of, touching_at_start
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
-from ..simulation.endings import Accumulating, Rows, true_rows
 from ..simulation.prediction import Arrival, ArrivalQueue
-from .cascade import FIRST_BITS, SAFE_BITS, Cascade, Grounds, InBalls, Precision, TieRule, rough
-from .filtered import QUICK_BITS, FilteredPredictor
+from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
+from .filtered import FilteredPredictor
+
+# -- When the state is computed again with more bits, and with how many.
+
+FIRST_BITS = 256
+"""Precision of the state at first: four words, twice the quick one, so the first rise comes late."""
+
+SAFE_BITS = 96
+"""When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
+results should round to doubles without another look."""
+
+FORESIGHT = 1.1
+"""Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
+
+SET_FORESIGHT = 1.06
+"""The same where deviations are kept in a set, whose rate varies less from one part of a run to another."""
+
+ONCE = 40
+"""Bits that a set loses once and for all: what a body's bound grows within a block beyond the set itself."""
+
+LONG_BITS = 8_000
+"""Precision from which on deviations are kept in a set: it then costs no more, as it needs well under half the bits."""
+
+CENTRED_SHARE = 0.5
+"""Share of the bits that balls need which then suffices; if it does not, one more rise comes."""
+
+PILOTS = 10
+"""By how much fewer bits deviations are first kept in a set, for a start that tells how fast bits go then: what is
+carried out twice is a tenth of the run, with a tenth of the bits, and the rest needs no wide margin."""
+
+MOST_FORESIGHT = 64
+"""Most by which one rise multiplies the precision: an extrapolation from a short past may be far off. With 16, a gas of
+10,000 or 100,000 events rose once more, late, and was carried out nearly twice."""
+
+
+class Precision:
+    """The bits of a run.
+
+    Args:
+        state: what is computed again.
+        history: how far the run is; counts the rises.
+        limits: where it ends; tells how many bits the whole run will need.
+        max_bits: the precision beyond which there is none.
+    """
+
+    def __init__(self, state: RefinableState, history: History[Known], limits: Limits, max_bits: int) -> None:
+        self._state = state
+        self._history = history
+        self._limits = limits
+        self._max_bits = max_bits
+
+    def secure(self) -> None:
+        """More bits, if the last instant is not accurate enough.
+
+        Raises:
+            Undecided: if there are none.
+        """
+        while self._state.lowest < SAFE_BITS:
+            self._rise("accuracy had run low", self._foreseen())
+
+    def rise(self, why: str) -> None:
+        """Twice the bits.
+
+        Raises:
+            Undecided: if there are none, with the reason for which they were wanted.
+        """
+        self._rise(why, 0)
+
+    def units(self) -> int:
+        """The work of computing the whole log again with twice the bits."""
+        return len(self._state.steps) * step_units(2 * self._state.bits)
+
+    def where(self) -> str:
+        """How far the run is, as a person reads it."""
+        return f"after {len(self._history.records)} instants"
+
+    def _rise(self, why: str, foreseen: int) -> None:
+        near = foreseen > 0 and self._state.centred  # the rate has settled: no need to double
+        least = self._state.bits * 5 // 4 if near else 2 * self._state.bits
+        bits = max(least, min(foreseen, self._max_bits))
+        if bits > self._max_bits:
+            raise Undecided(
+                f"{why} at {self._state.bits} bits, and max_bits is {self._max_bits}; "
+                f"{self.where()}; allow more bits to go on"
+            )
+        self._history.plan["precision raised"] += 1
+        given_up = any(many >= LONG_BITS and not in_set for many, in_set in self._history.rises)
+        plain = self._state.balls.falling is None  # no set of deviations is carried to a wall that falls
+        centred = self._state.centred or (bits >= LONG_BITS and plain and not given_up)
+        begun = centred and not self._state.centred
+        if begun:
+            bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
+        lost = self._state.bits - self._state.lowest
+        self._state.rise(bits, centred)
+        if begun and self._state.bits - self._state.lowest > max(lost, ONCE):
+            centred, bits = False, max(bits, LONG_BITS)  # a set that loses more than balls is given up
+            self._state.rise(bits, centred)
+        self._history.rises.append((bits, centred))
+
+    def _foreseen(self) -> int:
+        """The bits that the whole run will need if it goes on losing them as it has."""
+        done = len(self._history.records)
+        wholes: list[float] = []
+        if self._limits.events is not None:
+            wholes.append(self._limits.events)
+        if self._limits.until is not None and done:
+            reached = rough(self._history.records[-1].mark.time)
+            if reached > 0.0:
+                wholes.append(done * ball.double_bounds(ball.constant(self._limits.until))[1] / reached)
+        if not wholes or not done:
+            return 0
+        once = ONCE if self._state.centred else 0
+        lost = max(self._state.bits - self._state.lowest - once, 1)
+        share = SET_FORESIGHT if self._state.centred else FORESIGHT
+        whole = min(wholes) / done * lost * share + once + 2 * SAFE_BITS
+        return int(min(whole, MOST_FORESIGHT * self._state.bits))  # also where times are beyond doubles
+
 
 # -- When two meet next, certified: predictions through the filter, times in balls, doubts settled by the cascade.
 
@@ -246,78 +360,6 @@ class CertifiedMeetings:
             self.predictor.push_doubtful(link)
         else:
             self.predictor.push(self._meeting(link, disc), link, disc == 0)
-
-
-# -- What the history keeps of a certified run: exact numbers where they are at hand, else short balls.
-
-
-class CertifiedReading:
-    """Reads a state off.
-
-    Args:
-        state: that state.
-        meetings: knows the times of entries.
-    """
-
-    def __init__(self, state: RefinableState, meetings: CertifiedMeetings) -> None:
-        self._state = state
-        self._meetings = meetings
-
-    def knot(self, body: Body[arb]) -> tuple[Known, Known, Known, Known, Known]:
-        """The state: exact numbers if the body is exact, else short balls."""
-        exact = self._state.exact[body.index]
-        x, y, vx, vy, t = self._state.flight(body.index)[:5] if exact else body.q
-        return t, x, y, vx, vy
-
-    def now(self, body: Body[arb]) -> Known:
-        """The instant of a body's last contact: exact if the body is, else a short ball."""
-        if self._state.exact[body.index]:
-            return self._state.flight(body.index).t
-        ball.use_bits(QUICK_BITS)
-        return +body.flight.instant
-
-    def entry_time(self, link: Entry) -> arb:
-        """The time of an entry as a short ball."""
-        time = self._meetings.time(Moment(link))
-        with ball.precision(QUICK_BITS):
-            return +time
-
-    def reversal_time(self) -> Known:
-        """The time of the reversal: exact if it is at hand exactly, else a ball."""
-        state = self._state.field
-        if state is not None and all(self._state.exact):
-            return state.flip_time
-        return self._state.flip_time
-
-    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
-        """The bodies' numbers as text, where all are exact."""
-        state = self._state.field
-        if state is None or not self._state.all_exact(tuple(bodies)):
-            return None
-        return tuple(field_text(number) for i in bodies for number in state.bodies[i].flight[:5])
-
-    def rough(self, time: Known) -> float:
-        """The double below a time."""
-        return rough(time)
-
-    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
-        """Doubles that enclose a set time (None: the return)."""
-        ball.use_bits(self._state.bits)
-        if time is None:
-            return ball.double_bounds(self._state.flip_time + self._state.flip_time)
-        return ball.double_bounds(ball.constant(time))
-
-    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
-        """In balls of full precision."""
-        ball.use_bits(self._state.bits)
-        self._state.sync(tuple(range(self._state.n)))
-        balls = self._state.balls
-        time = balls.bodies[link.circle].flight.instant
-        return time, Accumulating(link).wait(balls), true_rows(balls, time)
-
-    def note(self) -> str:
-        """The precision at work."""
-        return f"{self._state.bits} bits"
 
 
 # -- Many instants in one go: each of one contact alone, which nothing comes near.

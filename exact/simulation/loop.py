@@ -268,9 +268,9 @@ class Loop(Generic[N, K]):
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        if self.scene.pockets or self.resolver.touching or (self.endings is not None and not self.scene.elastic):
+        if self.endings is not None and not self.scene.elastic:
             return None
-        return self.decider.stride
+        return None if self.scene.pockets or self.resolver.touching else self.decider.stride
 
     def _look(self) -> None:
         self.tape.mark(self.history)

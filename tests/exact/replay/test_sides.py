@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truebreak.exact.replay import state as sides
+from truebreak.exact.replay import contact as sides
 from truebreak.exact.replay.contact import CLEAR, TINIEST, Sides
 from truebreak.scenarios import Circle, Scene, Wall
 
