@@ -142,6 +142,8 @@ def check_surfaces(
     for i, circle in enumerate(circles):
         for bar, thing, kind, face in (bars[k] for k in _near(circle, rough)):
             part = _touched(circle, bar, kind)
+            if isinstance(part, tuple) and part not in known:  # a concave corner: the circle lies across a side of it
+                continue
             if part is not None and not circle.fixed:
                 outer.add((i, thing))
                 inner.add((i, known[part] if isinstance(part, tuple) else face + part))
