@@ -12,6 +12,7 @@ from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift
+from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import NoTangentMap, check_start
 from truebreak.exact import ExactEngine
@@ -296,3 +297,11 @@ def test_a_run_goes_on_under_gravity_as_one_run_would_have():
     again = ExactEngine().resume(short, events=9)
     assert [event.time.text() for event in again.events[:6]] == [event.time.text() for event in whole.events[:6]]
     assert again.final.array().tolist() == whole.final.array().tolist()
+
+
+def test_what_is_written_for_other_programs_has_gravity_and_restitution_or_is_refused():
+    told = floats_json(GRIDS[0])
+    assert (told["gravity"], told["restitution"]) == ([0.0, -10.0], 0.5)
+    for scene, key in ((GRIDS[1], "gravity"), (GRIDS[0].with_changes(gravity=None), "restitution")):
+        with pytest.raises(SceneError, match=f"has {key}, of which rows of things do not tell"):
+            floats_csv(scene)
