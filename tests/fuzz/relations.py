@@ -123,6 +123,25 @@ def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     return the_same(run, engine.resume(first, **limits), f"resumed after {len(first.events)} events")
 
 
+def resumed_on_the_way(run: Trajectory, case: Case, draw: Random, engine: Any) -> bool:
+    """Broken off after some events of the way out, and resumed to the last event: the same as in one go; False where
+    there is too little of it.
+
+    Raises:
+        Difference: where the two differ.
+    """
+    out = run.reversal.after if run.reversal else len(run.events) - 1
+    if not 1 <= out < len(run.events) or run.stop.reason.name in GAVE_UP:
+        return False
+    limits, k = {"events": len(run.events)}, draw.randrange(max(1, out // 2), out + 1)
+    first = engine.run(case.scene, events=k)
+    if first.stop.reason.name in GAVE_UP:
+        return False
+    whole, rest = engine.run(case.scene, **limits), engine.resume(first, **limits)
+    expect(rest.stop.reason == whole.stop.reason, f"resumed after {k} events: stops with {rest.stop}")
+    return the_same(whole, rest, f"resumed after {k} events")
+
+
 def _between(run: Trajectory, k: int) -> Quantity:
     """A time between two events, or of the first of them where doubles tell none."""
     early, late = (float(run.events[j].time) for j in (k - 1, k))
