@@ -13,7 +13,7 @@ from fuzz.generators import case_of
 from fuzz.ingredients import exercised, mixed
 from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, cells_from, check_relations, resumed_on_the_way
+from fuzz.relations import FEW_CELLS, again, cells_from, check_relations, resumed_on_the_way, the_same
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_engine import DEFAULT_WORK
@@ -42,7 +42,7 @@ AIMED = (
     "dyads",
     "raft",
     "swift",
-    "brushed",
+    "loose",
 )
 """Kinds that each aim at one thing which scenes by the covering array seldom bring close enough: one of them is played
 beside each of those, by turns."""
@@ -170,6 +170,9 @@ def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:
         return "cut" if check_cut(run, case, draw, engine) else ""
     if mode == "plain" and kind in THERE_AND_BACK:
         return "resume" if resumed_on_the_way(run, case, draw, engine) else ""
+    if mode == "plain" and kind == "loose":
+        with cells_from(FEW_CELLS):
+            return "cells" if the_same(run, again(case, engine), "with cells") else ""
     plain = mode == "plain" and kind in BY_INTERVALS
     if (mode == "interval" or plain) and run.stop.reason.name not in GAVE_UP:
         check_interval(run, case, IntervalEngine(bits=53 if plain else draw.choice([53, 120, 300])))
