@@ -13,7 +13,7 @@ from fuzz.generators import case_of
 from fuzz.ingredients import exercised, mixed
 from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, again, cells_from, check_relations, resumed_on_the_way, the_same
+from fuzz.relations import FEW_CELLS, again, cells_from, check_relations, resumed_on_the_way, the_same, with_one_at_rest
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_engine import DEFAULT_WORK
@@ -174,6 +174,8 @@ def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:
         with cells_from(FEW_CELLS):
             return "cells" if the_same(run, again(case, engine), "with cells") else ""
     plain = mode == "plain" and kind in BY_INTERVALS
+    if plain:
+        with_one_at_rest(run, case, engine)
     if (mode == "interval" or plain) and run.stop.reason.name not in GAVE_UP:
         check_interval(run, case, IntervalEngine(bits=53 if plain else draw.choice([53, 120, 300])))
         return "interval"

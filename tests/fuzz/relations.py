@@ -142,6 +142,23 @@ def resumed_on_the_way(run: Trajectory, case: Case, draw: Random, engine: Any) -
     return the_same(whole, rest, f"resumed after {k} events")
 
 
+def with_one_at_rest(run: Trajectory, case: Case, engine: Any) -> bool:
+    """With a small circle at rest beside all others, listed last: the same; False where it is met.
+
+    Raises:
+        Difference: where the two differ.
+    """
+    scene = case.scene
+    x, y = (max(abs(getattr(circle, key)) + circle.r for circle in scene.circles) + 9 for key in ("x", "y"))
+    aside = Circle(x, y, Quantity.of("1/64"), id="aside")
+    if scene.walls or scene.pockets or any(circle.id == "aside" for circle in scene.circles):
+        return False
+    other = again(replace(case, scene=scene.with_changes(circles=[*scene.circles, aside])), engine)
+    if any("aside" in contact for event in other.events for contact in event.contacts):
+        return False
+    return the_same(run, other, "with one at rest")
+
+
 def _between(run: Trajectory, k: int) -> Quantity:
     """A time between two events, or of the first of them where doubles tell none."""
     early, late = (float(run.events[j].time) for j in (k - 1, k))
