@@ -76,8 +76,6 @@ class Instance:
         model = declared[0]
         if model not in self.curves:
             try:
-                if reference.scene.polygons:
-                    raise NoTangentMap("nothing is predicted yet in scenes with polygons")
                 self.curves[model] = Forecaster(reference, impacts(reference, len(reference.events))).curve(model)
             except NoTangentMap:
                 self.curves[model] = None
@@ -578,7 +576,7 @@ def reasons(near: Instance, study: Study, tried: Sequence[tuple[Setting, Judged 
     if not tried:
         return ("The budget does not suffice for one run of the cheapest setting.",)
     setting, judged = tried[-1]
-    last = None if judged is None else f"The last tried, {setting.text}, on {near.label}: {judged.told}."
+    last = None if judged is None else f"The last tried, {setting.text}, on {near.label}: {judged.result}."
     sentences = (last, _reach(study, tried), _needed(near, setting), _cause(study, tried))
     return tuple(sentence for sentence in sentences if sentence)
 

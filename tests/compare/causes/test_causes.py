@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from time import process_time
+from typing import Any
 
 import pytest
 
-from truebreak.compare import compare
+from truebreak.compare import comparison as comparison_module
+from truebreak.compare import study
+from truebreak.compare.candidate import Candidate
+from truebreak.compare.causes import laboratory
 from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import nearest, rounded
-from truebreak.compare.comparison import Comparison
+from truebreak.compare.comparison import Comparison, compare
 from truebreak.floating.quad import QUADS
 from truebreak.floating.rounded import Rounding
 from truebreak.floating.single import SINGLES
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, catalogue
+from truebreak.scenarios.engine import Engine
 
 
 def cause(comparison: Comparison, engine: str) -> CauseName:
@@ -147,3 +153,46 @@ def test_a_family_without_a_row_of_its_own_is_told_by_its_kinds() -> None:
     ]
     found = diagnosed(rows, 1.5, -2.0, 3)
     assert (str(found), found.finding) == ("arithmetic rounding", "flights; the answer")
+
+
+COSTLY = ["gas", "gas:n=12", "gas:n=12,seed=1", "point", "lorentz", "reversal", "rack:rows=5"]
+
+
+@pytest.mark.parametrize("spec", COSTLY)
+def test_causes_of_doubles_cost_at_most_ten_reference_runs(spec: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By processor time, continuations from states of the engine and all; runs of an engine are two at most."""
+    took: list[float] = []
+    runs: list[str] = []
+    run_guarded, explain = study.run_guarded, comparison_module.explained
+
+    def run(engine: Engine, *given: Any, **limits: Any) -> Trajectory:
+        runs.append(engine.name)
+        return run_guarded(engine, *given, **limits)
+
+    def explained(told: study.Study, *given: Any, **more: Any) -> Candidate:
+        runs.clear()
+        began = process_time()
+        found = explain(told, *given, **more)
+        took.append((process_time() - began) / told.processor)
+        assert len(runs) <= 2, runs
+        return found
+
+    for module in (study, laboratory):
+        monkeypatch.setattr(module, "run_guarded", run)
+    monkeypatch.setattr(comparison_module, "explained", explained)
+    for _ in range(3):  # the first loads what causes need
+        found = compare(catalogue.build(spec), ["double"], alternatives=False)
+        assert found["double"].diagnosis is not None and found["double"].diagnosis.name is not CauseName.UNKNOWN
+    assert 0 < min(took) <= 10, took
+
+
+def test_a_tie_broken_by_flights_of_few_bits_is_not_laid_on_its_impulses() -> None:
+    """From its own state before the instant the exact law has the engine's contacts, and leaves the circles as it does
+    but for some 20 units of its numbers: nothing within the instant chose.
+    """
+    found = compare(catalogue.build("rack:rows=4,speed=5"), ["rounded:bits=16"], events=8, alternatives=False)
+    diagnosis = found["rounded:bits=16"].diagnosis
+    assert diagnosis is not None and diagnosis.closed
+    assert CauseName.FLIGHTS in diagnosis.sufficient and CauseName.IMPACTS not in diagnosis.sufficient
+    tie = next(e for e in diagnosis.experiments if e.cause is CauseName.TIE)
+    assert tie.suffices is False and "rounding before it chose" in tie.result
