@@ -407,6 +407,6 @@ def test_a_level_that_is_reached_early_asks_for_no_later_decision():
     curve = ErrorCurve(ErrorModel.ENCLOSED, 1000, decisions())
     assert curve.reaches(20.0, 0.0) == 20
     assert len(asked) < 100
-    assert curve.reaches(70.0, 0.0) == 70
+    assert curve.reaches(40.5, 0.0) == 40
     assert curve.hazard(0.0).tolist() == ErrorCurve(ErrorModel.ENCLOSED, 1000, decisions()).hazard(0.0).tolist()
     assert curve.reaches(2000.0, 0.0) is None
