@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Candidate:
-    """One engine held against the reference.
+    """One engine compared with the reference.
 
     Attributes:
         engine: the engine as it was asked for, with its parameters.

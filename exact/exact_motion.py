@@ -227,8 +227,9 @@ class ExactValue:
                 allowed -= log.units(working, upto)
                 if allowed < 0:
                     raise Undecided(
-                        f"a number of the run, {value.str(20)}, is neither told from zero, or from half-way between "
-                        f"decimals, with {working // 2} bits of counted work, nor proved to be it; ask for its `ball`"
+                        f"a number of the run, {value.str(20)}, is neither separated from zero, or from half-way "
+                        f"between decimals, with {working // 2} bits of counted work, nor proved to be it; ask for "
+                        "its `ball`"
                     )
 
     def __float__(self) -> float:

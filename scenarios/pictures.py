@@ -84,12 +84,13 @@ def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
     """A view of the discs, and of the walls' own points where those lie near."""
     xs = [v for d in discs for v in (d.x - d.r, d.x + d.r)]
     ys = [v for d in discs for v in (d.y - d.r, d.y + d.r)]
-    size = max(max(xs) - min(xs), max(ys) - min(ys), 1e-9)
+    (left, right), (bottom, top) = (min(xs), max(xs)), (min(ys), max(ys))
+    near = 3 * max(right - left, top - bottom, 1e-9)
     for wall in scene.walls:
         for x, y in _nearest(wall_line(wall), [(d.x, d.y) for d in discs]):
-            if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
-                xs.append(x)
-                ys.append(y)
+            if left - near <= x <= right + near and bottom - near <= y <= top + near:
+                left, right, bottom, top = min(left, x), max(right, x), min(bottom, y), max(top, y)
+    xs, ys = [left, right], [bottom, top]
     for segment in scene.segments:
         x0, y0, x1, y1, r = segment_line(segment)
         xs += [x0 - r, x1 - r, x0 + r, x1 + r]

@@ -163,14 +163,25 @@ def _check_polygons(
 ) -> None:
     """Refuses polygons that overlap, and segments that lie on a side of one."""
     boxes = [box_of(polygon.points) for polygon in polygons]
+    spans = [_spans(polygon) for polygon in polygons]
     for k, polygon in enumerate(polygons):
         for segment in segments:
             if any(_run_on(side, segment) for side in sides[k]):
                 raise SceneError(f"segment {segment.id!r}: lies on a side of polygon {polygon.id!r}; leave it out")
         for j in range(k):
-            if boxes_meet(boxes[j], boxes[k]) and _overlap(polygons[j], polygon, sides[j], sides[k]):
+            if not boxes_meet(boxes[j], boxes[k]) or any(
+                a[1] <= b[0] or b[1] <= a[0] for a, b in zip(spans[j], spans[k], strict=True)
+            ):
+                continue  # a line lies between them, or both touch it
+            if _overlap(polygons[j], polygon, sides[j], sides[k]):
                 names = f"polygon {polygon.id!r}: overlaps polygon {polygons[j].id!r}"
                 raise SceneError(f"{names}; make them one, or move it")
+
+
+def _spans(polygon: Polygon) -> tuple[tuple[Quantity, Quantity], tuple[Quantity, Quantity]]:
+    """The least and the greatest x, and y, of its points."""
+    xs, ys = zip(*polygon.points, strict=True)
+    return (min(xs), max(xs)), (min(ys), max(ys))
 
 
 def _overlap(a: Polygon, b: Polygon, mine: Sequence[Segment], theirs: Sequence[Segment]) -> bool:

@@ -7,6 +7,7 @@ import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -41,7 +42,7 @@ def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
 # What a test costs. Those over `LONG` seconds of CPU are marked `long`, by a file that `make durations` writes.
 
 DURATIONS = Path(__file__).parent / "durations.json"
-LONG = 0.3
+LONG = 0.4
 """Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts. The others,
 nine of ten, take four minutes on two cores."""
 
@@ -62,20 +63,70 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("long")
 
 
+def cpu() -> float:
+    """Seconds of CPU of this process, and of those below it, also of those that have not ended."""
+    return sum(os.times()[:4]) + sum(_cpu_of(child) for child in _children(Path("/proc/self")))
+
+
+def _children(process: Path) -> list[Path]:
+    try:
+        found = [file.read_text("ascii").split() for file in process.glob("task/*/children")]
+    except OSError:  # it has ended, or this is no Linux
+        return []
+    return [Path("/proc", pid) for pids in found for pid in pids]
+
+
+def _cpu_of(process: Path) -> float:
+    try:
+        fields = (process / "stat").read_text("utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK") + sum(map(_cpu_of, _children(process)))
+
+
 class Durations:
-    """Measures every test, in each worker, and writes the file at the end."""
+    """Measures every test, in each worker, and brings the file up to date at the end.
+
+    What a fixture of a module or a session takes counts for each test that uses it: where those that take long are
+    left out, another pays for it. A run of some adds to what the file has of others.
+    """
 
     def __init__(self, config: pytest.Config) -> None:
         self.config, self.seconds, self.began = config, dict[str, float](), 0.0
+        self.shared, self.inside, self.new = dict[tuple[str, ...], float](), 0.0, 0.0
 
     def pytest_runtest_logstart(self) -> None:
-        self.began = sum(os.times()[:4])
+        self.began, self.new = cpu(), 0.0
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[Any], request: pytest.FixtureRequest) -> Any:
+        began, inside, self.inside = cpu(), self.inside, 0.0
+        try:
+            return (yield)
+        finally:
+            took = cpu() - began
+            own, self.inside = took - self.inside, inside + took
+            if fixturedef.scope != "function":
+                self.shared[self._key(request.node.nodeid, fixturedef.argname, getattr(request, "param", None))] = own
+                self.new += own
+
+    @staticmethod
+    def _key(*parts: object) -> tuple[str, ...]:
+        return tuple(map(repr, parts))
+
+    def _fixtures(self, item: pytest.Item) -> float:
+        """What the fixtures took that it shares with others."""
+        given: dict[str, object] = getattr(getattr(item, "callspec", None), "params", {})
+        above = {node.nodeid for node in item.listchain()}
+        names: list[str] = getattr(item, "fixturenames", [])
+        wanted = {self._key(node, name, given.get(name)) for node in above for name in names}
+        return sum(self.shared[key] for key in wanted & self.shared.keys())
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item: pytest.Item) -> Iterator[None]:
         """A report carries this from a worker to the process that gathers them."""
         others = [pair for pair in item.user_properties if pair[0] != "cpu"]
-        item.user_properties = [*others, ("cpu", sum(os.times()[:4]) - self.began)]
+        item.user_properties = [*others, ("cpu", cpu() - self.began - self.new + self._fixtures(item))]
         return (yield)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -83,7 +134,11 @@ class Durations:
             self.seconds[report.nodeid] = float(str(dict(report.user_properties)["cpu"]))
 
     def pytest_sessionfinish(self) -> None:
-        if not hasattr(self.config, "workerinput"):
-            long = {name: round(s, 1) for name, s in sorted(self.seconds.items()) if s > LONG}
-            about = {"by": "make durations", "tests": len(self.seconds), "cpu": round(sum(self.seconds.values()))}
-            DURATIONS.write_text(json.dumps({**about, "seconds": long}, indent=1) + "\n", "utf-8")
+        if hasattr(self.config, "workerinput"):
+            return
+        kept: dict[str, Any] = json.loads(DURATIONS.read_text("utf-8")) if DURATIONS.exists() else {"seconds": {}}
+        others = {name: s for name, s in kept["seconds"].items() if name not in self.seconds}
+        long = others | {name: round(s, 1) for name, s in self.seconds.items() if s > LONG}
+        about = {"tests": len(self.seconds), "cpu": round(sum(self.seconds.values()))}
+        about = {"by": "make durations", **{key: kept.get(key, value) for key, value in about.items()}}
+        DURATIONS.write_text(json.dumps({**about, "seconds": dict(sorted(long.items()))}, indent=1) + "\n", "utf-8")

@@ -108,7 +108,7 @@ def zero(stopped: Stopped) -> list[Experiment]:
     found = exact_zero(stopped.reference, stopped.event) if stopped.widens else None
     if found is None:
         return []
-    return [Experiment(CauseName["ZERO"], f"exactly zero: {found}; no enclosure can tell", None, True)]
+    return [Experiment(CauseName["ZERO"], f"exactly zero: {found}; no enclosure can decide it", None, True)]
 
 
 # -- the width of enclosures: what wider numbers decide, found by running

@@ -44,7 +44,7 @@ ASK_FIRST = 100_000
 COLUMNS = (
     "index", "scene", "digest", "parameters", "engine", "verdict", "agreed", "events", "time", "stop",
     "event", "at", "body", "expected", "got", "kind", "cause", "margin", "error",
-    "foreseen_low", "foreseen", "foreseen_high", "by_exponent", "lyapunov", "lyapunov_low", "lyapunov_high",
+    "predicted_low", "predicted", "predicted_high", "by_exponent", "lyapunov", "lyapunov_low", "lyapunov_high",
     "changed", "laws", "work", "versions", "note",
 )  # fmt: skip
 """What the table of a sweep has of each row, in order; docs/sweep.md says what each means."""
@@ -159,8 +159,8 @@ class Forecast:
         if self.exponent > 0 and unit is not None:
             told["by_exponent"] = -unit * math.log(2) / self.exponent
         if horizon is not None:
-            told |= {"foreseen": horizon.expected.event, "foreseen_low": horizon.low.event,
-                     "foreseen_high": horizon.high.event}  # fmt: skip
+            told |= {"predicted": horizon.expected.event, "predicted_low": horizon.low.event,
+                     "predicted_high": horizon.high.event}  # fmt: skip
         return told, horizon
 
 

@@ -31,12 +31,12 @@ class Judged:
 
     Attributes:
         right: whether what was asked for is right, and known to be, and no law is known to be broken.
-        told: what came out, in a few words.
+        result: what came out, in a few words.
         agreed: events of the certified run before the first that differs; None where only the end was looked at.
     """
 
     right: bool
-    told: str
+    result: str
     agreed: int | None = None
 
 

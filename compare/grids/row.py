@@ -61,10 +61,10 @@ class Row:
         changed: outcomes that differ from the reference's; null: not asked for, or not settled.
         until: where the engine's run ends before the span does; null: it covers all of it.
         drift: energy gained by the end of the run, as a share of that at its start.
-        laws: whether every step keeps the laws: `kept` (null: not determined) and `told`.
-        foreseen_low: forecast: first event of the 90 % prediction interval of the divergence.
-        foreseen: forecast: the event by which the engine is expected to have diverged.
-        foreseen_high: forecast: last event of the prediction interval.
+        laws: whether every step keeps the laws: `kept` (null: not determined) and `finding`.
+        predicted_low: forecast: first event of the 90 % prediction interval of the divergence.
+        predicted: forecast: the event by which the engine is expected to have diverged.
+        predicted_high: forecast: last event of the prediction interval.
         by_exponent: forecast: ln(1/eps)/lambda, a time.
         lyapunov: forecast: the largest exponent per unit of time, an estimate.
         lyapunov_low: forecast: lower end of its interval.
@@ -113,9 +113,9 @@ class Row:
     until: float | None = None
     drift: float | None = None
     laws: dict[str, Any] | None = None
-    foreseen_low: int | None = None
-    foreseen: int | None = None
-    foreseen_high: int | None = None
+    predicted_low: int | None = None
+    predicted: int | None = None
+    predicted_high: int | None = None
     by_exponent: float | None = None
     lyapunov: float | None = None
     lyapunov_low: float | None = None
@@ -228,7 +228,7 @@ def row_of(data: Any, where: str) -> Row:
             raise SceneError(f"{where}: {key} = {cut(value)}; write the report again")
     if data.get("verdict", "undecided") not in get_args(VerdictWord):
         raise SceneError(f"{where}: verdict = {cut(data['verdict'])}; write the report again")
-    if data.get("laws") is not None and data["laws"].keys() != {"kept", "told"}:
+    if data.get("laws") is not None and data["laws"].keys() != {"kept", "finding"}:
         raise SceneError(f"{where}: laws = {cut(data['laws'])}; write the report again")
     if data.get("event") is not None and data.get("body") is None:
         raise SceneError(f"{where}: event {data['event']} has no body; write the report again")
@@ -296,9 +296,9 @@ def laws_brief(audit: Audit | None) -> dict[str, Any] | None:
 
     >>> from truebreak.compare.audit.audit import Audit
     >>> laws_brief(Audit(None, "no finer step was run")), laws_brief(Audit(True)), laws_brief(None)
-    ({'kept': None, 'told': 'no finer step was run'}, {'kept': True, 'told': ''}, None)
+    ({'kept': None, 'finding': 'no finer step was run'}, {'kept': True, 'finding': ''}, None)
     """
-    return None if audit is None else {"kept": audit.kept, "told": audit.finding}
+    return None if audit is None else {"kept": audit.kept, "finding": audit.finding}
 
 
 def laws_of(run: Trajectory, engine: Engine) -> dict[str, Any] | None:

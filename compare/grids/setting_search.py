@@ -578,7 +578,7 @@ def reasons(near: Instance, study: Study, tried: Sequence[tuple[Setting, Judged 
     if not tried:
         return ("The budget does not suffice for one run of the cheapest setting.",)
     setting, judged = tried[-1]
-    last = None if judged is None else f"The last tried, {setting.text}, on {near.label}: {judged.told}."
+    last = None if judged is None else f"The last tried, {setting.text}, on {near.label}: {judged.result}."
     sentences = (last, _reach(study, tried), _needed(near, setting), _cause(study, tried))
     return tuple(sentence for sentence in sentences if sentence)
 

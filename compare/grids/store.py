@@ -6,7 +6,7 @@ import json
 import sqlite3
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from itertools import groupby
 from operator import itemgetter
@@ -22,9 +22,12 @@ BATCH, SECONDS, SHORT = 256, 0.5, 0.05
 """Scenes, and seconds, after which what was added is written: a kill loses no more. A scene that took longer than the
 last of these is written at once: the disk is not waited for at each of a thousand small ones alone."""
 
+PATIENCE = 60.0
+"""Seconds that a writer waits for those who read, and a reader for a write: all of a large store is read at once."""
+
 COLUMNS = {
-    **{key: f"json_extract(row, '$.{key}')" for key in ("engine", "verdict", "agreed", "event", "at", "foreseen_low",
-                                                        "foreseen_high", "by_exponent", "changed", "index")},
+    **{key: f"json_extract(row, '$.{key}')" for key in ("engine", "verdict", "agreed", "event", "at", "predicted_low",
+                                                        "predicted_high", "by_exponent", "changed", "index")},
     "audited": "json_type(row, '$.laws') IS NOT NULL",
     "kept": "json_extract(row, '$.laws.kept')",
 }  # fmt: skip
@@ -61,7 +64,7 @@ class Store(Sequence[Row]):
         with self._told():
             mode = f"{Path(path).absolute().as_uri()}?mode=rw"
             name, uri = (mode, True) if settings is None else (path, False)
-            self.base = sqlite3.connect(name, uri=uri, check_same_thread=False)  # it may be closed in any
+            self.base = sqlite3.connect(name, PATIENCE, uri=uri, check_same_thread=False)  # it may be closed in any
             if settings is None:
                 self.base.execute("PRAGMA query_only = ON")
             elif not self.base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
@@ -166,23 +169,34 @@ class Store(Sequence[Row]):
     def verify(self) -> None:
         """Refuses a file that was damaged, or changed by others: each scene's rows have a digest.
 
+        While another process writes, all is read as it was at one time.
+
         Raises:
             SceneError: then.
         """
+        begun = not self.base.in_transaction
+        try:
+            with self._told():
+                if begun:
+                    self.base.execute("BEGIN")
+                self._verify()
+        finally:
+            if begun:
+                with suppress(sqlite3.Error):
+                    self.base.rollback()
+
+    def _verify(self) -> None:
         held = "SELECT rows.job, row, digest FROM rows LEFT JOIN jobs ON jobs.job = rows.job ORDER BY rows.job, place"
         count = 0
-        with self._told():
-            (found,) = self.base.execute("PRAGMA quick_check").fetchone()
-            if found != "ok":
-                raise SceneError(
-                    f"--store {self.path!r}: the file is damaged ({found}); take a copy of it, or a new file"
-                )
-            for job, group in groupby(self.base.execute(held), key=itemgetter(0)):
-                mine = list(group)
-                if mine[0][2] != _digest(*(text for _, text, _ in mine), place=job):
-                    raise self._damaged(mine[0][1])
-                count += 1
-            (jobs,) = self.base.execute("SELECT count(*) FROM jobs WHERE rows > 0").fetchone()
+        (found,) = self.base.execute("PRAGMA quick_check").fetchone()
+        if found != "ok":
+            raise SceneError(f"--store {self.path!r}: the file is damaged ({found}); take a copy of it, or a new file")
+        for job, group in groupby(self.base.execute(held), key=itemgetter(0)):
+            mine = list(group)
+            if mine[0][2] != _digest(*(text for _, text, _ in mine), place=job):
+                raise self._damaged(mine[0][1])
+            count += 1
+        (jobs,) = self.base.execute("SELECT count(*) FROM jobs WHERE rows > 0").fetchone()
         if jobs != count:
             raise self._damaged(f"{jobs} scenes, and rows of {count}")
 

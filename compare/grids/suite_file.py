@@ -402,7 +402,7 @@ def _change(earlier: Row | None, row: Row) -> Since | None:
     if earlier.mark != row.mark:
         return Since(*row.pair, "verdict", f"{label}: {earlier.mark} before, {row.mark} now")
     if earlier.laws is not None and earlier.lawless != row.lawless:
-        kept = [f"does not keep the law ({r.laws['told']})" if r.laws and r.lawless else "breaks no law"
+        kept = [f"does not keep the law ({r.laws['finding']})" if r.laws and r.lawless else "breaks no law"
                 for r in (earlier, row)]  # fmt: skip
         return Since(*row.pair, "laws", f"{label}: same verdict, but {kept[0]} before, {kept[1]} now")
     if _place(earlier) != _place(row):

@@ -92,8 +92,8 @@ def stored(rows: Iterable[Row]) -> Store:
 COUNTS = """
 SELECT engine, total(audited AND kept = 1), total(audited AND kept = 0), total(audited AND kept IS NULL),
     sum(changed IS NOT NULL), sum(changed <> '[]'),
-    sum(event IS NOT NULL AND foreseen_low IS NOT NULL),
-    sum(event IS NOT NULL AND foreseen_low <= event AND (foreseen_high IS NULL OR event <= foreseen_high)),
+    sum(event IS NOT NULL AND predicted_low IS NOT NULL),
+    sum(event IS NOT NULL AND predicted_low <= event AND (predicted_high IS NULL OR event <= predicted_high)),
     count(CASE WHEN event IS NOT NULL THEN by_exponent END),
     avg(CASE WHEN event IS NOT NULL THEN by_exponent END), avg(CASE WHEN by_exponent IS NOT NULL THEN at END)
 FROM rows GROUP BY engine ORDER BY min(place), min(job)

@@ -382,7 +382,7 @@ def _names_by_order(a: Side, b: Side, ids: list[set[str]]) -> dict[str, str]:
                 if found.setdefault(y, x) != x or (y not in found and x in taken):
                     raise EngineError(
                         f"files {a.log.name!r} and {b.log.name!r}: no body has the same id in both, and they cannot be "
-                        "told by their order; name bodies alike, or log states at the start"
+                        "matched by their order; name bodies alike, or log states at the start"
                     )
                 taken.add(x)
     return found

@@ -86,7 +86,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
     >>> from truebreak.scenarios import catalogue
     >>> found = answers(compare(catalogue.build("near-tie:k=20"), ["double"]))
     >>> print(found.where.partition("; ")[0])
-    From the first event on (event 0) double lets middle hit left and right at once at t = 1
+    From the first event on (event 0), at t = 1, double lets middle hit left and right at once
     >>> print(found.so_what)
     2 collisions instead of 4; middle ends with velocity (-1, 0) instead of (-0.32, 0); who hit whom changed too.
     """
@@ -154,13 +154,15 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
                 f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
             )
         stops = f"{name} stops after {counted(candidate.alignment.agreed, 'agreed event')}"
-        return f"{stops}, at t = {float(candidate.trajectory.final_time):.6g}: it cannot tell what comes next."
+        return f"{stops}, at t = {float(candidate.trajectory.final_time):.6g}: it cannot decide what comes next."
     first, other = _times(parted.got_time, parted.expected_time)
     agreed = candidate.alignment.agreed
     after = f"After {counted(agreed, 'agreed event')}" if agreed else "From the first event on"
     body, got, expected = parted.body, parted.got, parted.expected
     exact = f"in the {reference.engine} run"
     event = f"{after} (event {parted.event:,})" if agreed != parted.event or not agreed else after
+    if first and first == other:  # to a reader they are one time, which is said once
+        event, first, other = f"{event},{first},", "", ""
     match parted.kind:
         case Kind.TIE if got == expected:
             return (
@@ -191,9 +193,9 @@ def thing(scene: Scene, name: str | None) -> str:
 
 
 def _times(*times: float | None) -> list[str]:
-    """Times with as many digits as it takes to tell them apart, ten at most."""
+    """Times with as many digits as it takes to tell them apart; six where ten do not."""
     known = [t for t in times if t is not None]
-    digits = next((d for d in (6, 8, 10) if len({f"{t:.{d}g}" for t in known}) == len(set(known))), 10)
+    digits = next((d for d in (6, 8, 10) if len({f"{t:.{d}g}" for t in known}) == len(set(known))), 6)
     return ["" if t is None else f" at t = {t:.{digits}g}" for t in times]
 
 
@@ -238,7 +240,7 @@ def _share_words(candidate: Candidate) -> str:
         return f"{cause}: {found.finding}. Shifts of the margin: {summed(pushes)}{back}."
     total = f"the margin by {found.displacement:+.3g}"
     if pushes == [str(found)] and not against:
-        return f"{cause} shifts {total}."
+        return f"{cause}: the margin shifts by {found.displacement:+.3g}."
     named = summed(pushes) if pushes == [c.value for c in found.causes] else f"{cause}: {summed(pushes)}"
     return f"{_capital(named)}{back}, shift {total}."
 
@@ -421,8 +423,8 @@ def substitutes(comparison: Comparison, candidate: Candidate) -> tuple[Substitut
     >>> from truebreak.compare import compare
     >>> from truebreak.scenarios import catalogue
     >>> found = compare(catalogue.build("near-tie:k=20"), ["double"])
-    >>> [(one.engine, one.events_agreed, one.right) for one in substitutes(found, found.candidates[0])]
-    [('quad', 4, True), ('exact', 4, True)]
+    >>> sorted((one.engine, one.events_agreed, one.right) for one in substitutes(found, found.candidates[0]))
+    [('exact', 4, True), ('quad', 4, True)]
     """
     if candidate.verdict == "agree" and not candidate.lawless:
         return ()
@@ -451,7 +453,7 @@ def right_to(comparison: Comparison, alternative: Alternative) -> str:
 def cost_words(alternative: Alternative, candidate: Candidate) -> str:
     """What it costs beside an engine; empty where that is not known.
 
-    Processor time is told to one digit, as it was measured once.
+    Processor time is given to one digit, as it was measured once.
     """
     cost = alternative.cost(candidate)
     if cost is None:

@@ -26,8 +26,8 @@ MOST_ROWS = 20_000
 
 SHOWN = (
     "parameters", "mark", "verdict", "agreed", "events", "event", "at", "body", "expected", "got", "kind", "cause",
-    "changed", "until", "drift", "laws", "foreseen_low", "foreseen", "foreseen_high", "closed_form", "right", "ended",
-    "note",
+    "changed", "until", "drift", "laws", "predicted_low", "predicted", "predicted_high", "closed_form", "right",
+    "ended", "note",
 )  # fmt: skip
 """What a page has of a row."""
 
@@ -115,9 +115,9 @@ LABELS = {
     "at": "at time", "body": "circle", "expected": "should meet", "got": "meets", "kind": "kind of divergence",
     "events": "events of the exact run", "agreed": "events agreed", "event": "differs at event",
     "changed": "outcomes changed",
-    "until": "outcomes known up to time", "drift": "energy gained", "laws": "laws", "told": "finding",
-    "foreseen": "predicted to diverge at event", "foreseen_low": "predicted not before event",
-    "foreseen_high": "predicted not after event", "closed_form": "as the closed form says", "mark": "result",
+    "until": "outcomes known up to time", "drift": "energy gained", "laws": "laws", "finding": "finding",
+    "predicted": "predicted to diverge at event", "predicted_low": "predicted not before event",
+    "predicted_high": "predicted not after event", "closed_form": "as the closed form says", "mark": "result",
     "since": "changed since",
 }  # fmt: skip
 """Of the figures of a row, in words."""

@@ -93,7 +93,7 @@ def law(row: Row) -> str:
         return ""
     if row.laws["kept"] is None:
         return "not determined"
-    return "kept" if row.laws["kept"] else f"not kept: {row.laws['told']}"
+    return "kept" if row.laws["kept"] else f"not kept: {row.laws['finding']}"
 
 
 def outcome_words(row: Row) -> str:

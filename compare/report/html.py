@@ -254,10 +254,10 @@ ABOUT = {
     "The moment": "Both runs just before the first divergence, at it, and after. Solid is the reference, dashed the "
     "engine; the circles in question are heavy, arrows are velocities.",
     "Error over time": "How far the circle farthest off is from its place: a straight rise on this logarithmic scale "
-    "is chaos, and below the floor places as doubles tell nothing. A dot is the first divergence; a band, where 90 in "
+    "is chaos, and below the floor places as doubles show nothing. A dot is the first divergence; a band, where 90 in "
     "100 such engines diverge, as the exact run alone predicts.",
-    "Engines": "Every engine that was compared, and the reference. Swaps are independent events in another order: they "
-    "change nothing.",
+    "Engines": "Every engine that was compared, and the reference. Reordered are independent events in another order: "
+    "they change nothing.",
     "The account": "What each kind of error adds to the number that decides, signed; the parts add up. Alone says "
     "whether this kind, and no other, changes the event.",
     "What was run in its place": "Other engines and settings on the same scene, and to which event they are right. "

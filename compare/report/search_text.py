@@ -44,7 +44,7 @@ def advice_json(advice: Advice) -> dict[str, Any]:
         "sentence": advice_sentences(advice)[0],
         "scene": Encoder(None)(advice.instances[0].study.reference.scene),
         "goal": {
-            "told": str(goal),
+            "text": str(goal),
             "outcome": goal.name if isinstance(goal, OutcomeGoal) else None,
             "digits": goal.count if isinstance(goal, Digits) else None,
             "events": goal.events,
@@ -73,8 +73,8 @@ def _setting(tried: Tried) -> dict[str, Any]:
 
 
 def _tried(tried: Tried) -> dict[str, Any]:
-    on = [{"scene": seed, "right": told.right, "agreed": told.agreed, "told": told.told}
-          for seed, told in tried.judged.items()]  # fmt: skip
+    on = [{"scene": seed, "right": one.right, "agreed": one.agreed, "result": one.result}
+          for seed, one in tried.judged.items()]  # fmt: skip
     return {**_setting(tried), "right": tried.right, "on": on}
 
 
@@ -177,7 +177,7 @@ def _listed_scenes(tried: Tried) -> str:
     """Where a setting is wrong, with what came out at the first."""
     first, *others = tried.wrong
     more = f" (and on {', '.join(map(_scene, others))})" if others else ""
-    return f"{_scene(first)}: {tried.judged[first].told}{more}"
+    return f"{_scene(first)}: {tried.judged[first].result}{more}"
 
 
 def _scene(seed: int | None) -> str:
@@ -235,7 +235,7 @@ def print_advice(advice: Advice) -> None:
             f"{tried.setting.work:,}",
             "" if tried.setting.steps is None else f"{tried.setting.steps:,}",
             f"{len(tried.judged) - len(wrong)} of {len(tried.judged)}",
-            f"{_scene(wrong[0])}: {tried.judged[wrong[0]].told}" if wrong else "",
+            f"{_scene(wrong[0])}: {tried.judged[wrong[0]].result}" if wrong else "",
         )
     if shown:
         out.print(table)

@@ -248,7 +248,7 @@ def not_closed(scene: Scene, record: OrbitRecord, found: Refined) -> Blocked:
         shallow = margin(scene, record, found.missed)
         if shallow is not None and shallow <= max(reach, GRAZING):
             asked = f", and corrections of {reach:.2g} are asked for: the orbit that is sought passes them by"
-            unasked = ", and by the flights that the engine tells they do miss"
+            unasked = ", and by the flights that the engine reports they do miss"
             return _shallow(scene, record, found.missed, shallow, asked if found.corrections else unasked)
     for contact in range(len(record.links)):
         depth = margin(scene, record, contact)

@@ -401,9 +401,9 @@ def _starts_at(face: Wall, end: Circle) -> bool:
 def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     scene = trajectory.scene
     if scene.polygons:
-        raise NoTangentMap("of polygons only runs of the exact engine tell faces from corners")
+        raise NoTangentMap("of polygons only runs of the exact engine distinguish faces from corners")
     if scene.segments:
-        raise NoTangentMap("of segments only runs of the exact engine tell faces from ends")
+        raise NoTangentMap("of segments only runs of the exact engine distinguish faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}
     walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]

@@ -44,7 +44,7 @@ def test_a_suite_says_which_cell_breaks_a_law(suite: Callable[[str], Suite]) -> 
     assert [row.agrees for row in right.rows] == [True]
     (row,) = wrong.rows
     assert (wrong.verdict, wrong.lawless, row.verdict, row.agrees) == ("agree", 1, "agree", False)
-    assert row.laws == {"kept": False, "told": "restitution 0.999 fits 3 of 3 impacts"}
+    assert row.laws == {"kept": False, "finding": "restitution 0.999 fits 3 of 3 impacts"}
     for report in (right, wrong):
         jsonschema.Draft202012Validator(schema("suite-2")).validate(suite_json(report, []))
     (change,) = since(right.rows, wrong)
@@ -69,9 +69,9 @@ def test_a_suite_with_a_law_not_kept_exits_with_1(
 def test_a_row_of_a_sweep_says_whether_the_laws_are_kept() -> None:
     job = SweepJob(0, "gas:n=3", {}, (HOME, LAWLESS, "perturbed:1e-12"), events=3)
     right, wrong, moved = job.rows()
-    assert (right.verdict, right.laws) == ("agree", {"kept": True, "told": ""})
+    assert (right.verdict, right.laws) == ("agree", {"kept": True, "finding": ""})
     assert (wrong.verdict, wrong.lawless) == ("agree", True)
-    assert (wrong.laws or {})["told"] == "restitution 0.999 fits 3 of 3 impacts"
+    assert (wrong.laws or {})["finding"] == "restitution 0.999 fits 3 of 3 impacts"
     assert moved.laws is None, "a displaced scene is another scene"
     counts = {summary.engine: summary.laws for summary in summaries([right, wrong, moved])}
     assert counts == {HOME: (1, 0, 0), LAWLESS: (0, 1, 0), "perturbed:1e-12": (0, 0, 0)}
@@ -102,7 +102,7 @@ def test_no_setting_is_advised_that_breaks_a_law(goal: Any) -> None:
     assert goal.judge(study, HOME, engine_named(HOME)).right
     found = goal.judge(study, LAWLESS, engine_named(LAWLESS))
     assert not found.right
-    assert found.told == "does not keep the law: restitution 0.999 fits 3 of 3 impacts"
+    assert found.result == "does not keep the law: restitution 0.999 fits 3 of 3 impacts"
 
 
 def test_the_smallest_scene_on_which_a_law_is_broken() -> None:

@@ -65,7 +65,7 @@ def test_what_no_bits_tell_ends_in_an_error_that_is_named(monkeypatch: pytest.Mo
     assert float(faint) == 0.0
     assert faint.ball(500).contains(0)
     assert faint.bounds()[0] <= 0.0 <= faint.bounds()[1]
-    with pytest.raises(Undecided, match="neither told from zero"):
+    with pytest.raises(Undecided, match="neither separated from zero"):
         faint.digits(17)
     assert repr(faint).startswith("ExactValue([+/- ")
     for ask in (lambda: none.digits(17), lambda: none.ball(64), lambda: float(none), none.bounds):

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from time import process_time
+from typing import Any
 
 import pytest
 
-from truebreak.compare import compare
+from truebreak.compare import comparison as comparison_module
+from truebreak.compare import study
+from truebreak.compare.candidate import Candidate
+from truebreak.compare.causes import laboratory
 from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import nearest, rounded
-from truebreak.compare.comparison import Comparison
+from truebreak.compare.comparison import Comparison, compare
 from truebreak.floating.quad import QUADS
 from truebreak.floating.rounded import Rounding
 from truebreak.floating.single import SINGLES
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, catalogue
+from truebreak.scenarios.engine import Engine
 
 
 def cause(comparison: Comparison, engine: str) -> CauseName:
@@ -147,3 +153,34 @@ def test_a_family_without_a_row_of_its_own_is_told_by_its_kinds() -> None:
     ]
     found = diagnosed(rows, 1.5, -2.0, 3)
     assert (str(found), found.finding) == ("arithmetic rounding", "flights; the answer")
+
+
+COSTLY = ["gas", "gas:n=12", "gas:n=12,seed=1", "point", "lorentz", "reversal", "rack:rows=5"]
+
+
+@pytest.mark.parametrize("spec", COSTLY)
+def test_causes_of_doubles_cost_at_most_ten_reference_runs(spec: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By processor time, continuations from states of the engine and all; runs of an engine are two at most."""
+    took: list[float] = []
+    runs: list[str] = []
+    run_guarded, explain = study.run_guarded, comparison_module.explained
+
+    def run(engine: Engine, *given: Any, **limits: Any) -> Trajectory:
+        runs.append(engine.name)
+        return run_guarded(engine, *given, **limits)
+
+    def explained(told: study.Study, *given: Any, **more: Any) -> Candidate:
+        runs.clear()
+        began = process_time()
+        found = explain(told, *given, **more)
+        took.append((process_time() - began) / told.processor)
+        assert len(runs) <= 2, runs
+        return found
+
+    for module in (study, laboratory):
+        monkeypatch.setattr(module, "run_guarded", run)
+    monkeypatch.setattr(comparison_module, "explained", explained)
+    for _ in range(3):  # the first loads what causes need
+        found = compare(catalogue.build(spec), ["double"], alternatives=False)
+        assert found["double"].diagnosis is not None and found["double"].diagnosis.name is not CauseName.UNKNOWN
+    assert 0 < min(took) <= 10, took

@@ -193,6 +193,31 @@ def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path
     assert merged([str(left)]) == whole
 
 
+def test_a_store_is_read_while_another_process_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = str(tmp_path / "a.store")
+    monkeypatch.setattr("truebreak.compare.grids.store.PATIENCE", 0.01)
+    writer = Store(path, {"grid": "sweep"})
+    writer.add(0, "k", [Row(0, "lee", "double")], 1)
+    reader, tried = Store(path), list[str]()
+
+    def between(statement: str) -> None:
+        """Another scene comes once the reader has read the rows, and before it counts the scenes."""
+        if statement.startswith("SELECT count(*) FROM jobs"):
+            try:
+                writer.add(1, "k", [Row(1, "lee", "double")], 1)
+            except SceneError as error:  # it would wait, in another process
+                tried.append(str(error))
+
+    reader.base.set_trace_callback(between)
+    reader.verify()
+    assert len(tried) == 1
+    assert "locked" in tried[0]
+    reader.base.set_trace_callback(None)
+    writer.keep()
+    reader.verify()
+    assert len(reader) == 2
+
+
 def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
     """SQLite is told that the file may grow no further: the error is that of a full disk."""
     path = str(tmp_path / "s.db")

@@ -136,7 +136,7 @@ def test_what_cannot_be_run_is_a_row() -> None:
 
 def test_a_scene_without_a_tangent_map_has_no_horizon_and_a_verdict() -> None:
     (row,) = rows_of(SweepJob(0, "lee", {}, ("double",), forecast=True))
-    assert row.lyapunov is None and row.foreseen is None
+    assert row.lyapunov is None and row.predicted is None
     assert row.verdict == "agree"
 
 

@@ -32,10 +32,20 @@ def test_where_names_both_bodies_and_both_times() -> None:
     assert told.endswith(f"t = {parted.expected_time:.6g}.")
 
 
+def test_where_says_one_time_once() -> None:
+    """Two times that no ten digits distinguish are one to a reader."""
+    found = comparison("near-tie")
+    parted, told = subject(found).alignment.divergence, answers(found).where
+    assert parted is not None and parted.got_time is not None and parted.expected_time is not None
+    assert f"{parted.got_time:.10g}" == f"{parted.expected_time:.10g}"
+    assert f", at t = {parted.got_time:.6g}, {subject(found).engine} lets " in told
+    assert told.count("at t = ") == 1
+
+
 def test_a_missing_meeting_is_a_miss_and_a_stop_is_none() -> None:
     assert " miss disc " in answers(comparison("pinball")).where
     stopped = answers(comparison("undecided"))
-    assert "it cannot tell what comes next" in stopped.where
+    assert "it cannot decide what comes next" in stopped.where
     assert "up to there it is right" in stopped.so_what
 
 

@@ -36,7 +36,8 @@ def rows(scenes: int) -> list[Row]:
         name = f"gas:n=3,seed={k}"
         left = {} if k % 3 == 0 else {"event": k, "body": "c1", "expected": "top", "got": "c2", "kind": "different"}
         verdict = "agree" if k % 3 == 0 else "diverged"
-        told.append(Row(k, name, "single", verdict, agreed=k, events=scenes, laws={"kept": True, "told": ""}, **left))
+        kept = {"kept": True, "finding": ""}
+        told.append(Row(k, name, "single", verdict, agreed=k, events=scenes, laws=kept, **left))
         told.append(Row(k, name, "pymunk:dt=1/64", "agree", agreed=scenes, events=scenes))
     return told
 
@@ -175,7 +176,7 @@ def test_the_page_needs_nothing_else_and_says_its_figures() -> None:
     assert "<td>not reached</td>" in text
 
 
-@pytest.mark.parametrize("laws", [None, {"kept": None, "told": "not determined"}])
+@pytest.mark.parametrize("laws", [None, {"kept": None, "finding": "not determined"}])
 def test_an_engine_of_which_no_law_is_known_has_its_row(laws: dict[str, object] | None) -> None:
     text = grid_page("One", [Row(0, "lee", "box2d", "diverged", event=0, agreed=0, events=1, laws=laws)])
     assert "1 scene, 1 engine: 0 of 1 row agree, 1 diverged." in text

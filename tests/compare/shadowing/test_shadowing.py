@@ -82,7 +82,7 @@ def test_flights_that_miss_are_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["shadow", "inscribed", "--engine", "single", "--events", "25"]) == 4
     told = capsys.readouterr().out
     assert "What stands in the way: a graze" in told
-    assert "meet 0 of a diameter from missing each other, and by the flights that the engine tells they do miss" in told
+    assert "meet 0 of a diameter from missing each other, and by the flights that the engine reports they" in told
 
 
 def test_the_exact_engine_shadows_itself() -> None:
