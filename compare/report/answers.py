@@ -499,7 +499,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
         "" if horizon.expected.event is None else f" (half of such engines leave by event {horizon.expected.event:,})"
     )
     parted = candidate.alignment.divergence
-    if parted is not None and parted.expected_event < horizon.low.event:
+    if parted is not None and parted.event < horizon.low.event:
         return f"{name} was predicted to be right until event {horizon.low.event:,}, and diverged before that."
     return f"{name} is predicted to be right until event {horizon.low.event:,}{half}."
 

@@ -14,7 +14,7 @@ from truebreak.compare.causes.diagnosis import Margin
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.engines import engine
 from truebreak.compare.picture import instant_of, moment_frames, states_at
-from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line
+from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line, why
 from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.scenarios import Circle, Scene, catalogue
@@ -215,9 +215,9 @@ def test_whether_it_is_chaos_is_said_of_every_divergence(
     candidate = found["pymunk"]
     parted = candidate.alignment.divergence
     assert parted is not None
-    fifty = replace(candidate.alignment, divergence=replace(parted, expected_event=50))
+    fifty = replace(candidate.alignment, divergence=replace(parted, own_event=50))
     margin = Margin(gap=gap, growth=growth, error=error)
-    assert answers(found, replace(candidate, alignment=fifty, margin=margin)).why.endswith(said)
+    assert why(found, replace(candidate, alignment=fifty, margin=margin)).endswith(said)
 
 
 def test_an_engine_that_diverges_before_its_prediction_is_not_promised_to_be_right() -> None:
@@ -225,7 +225,7 @@ def test_an_engine_that_diverges_before_its_prediction_is_not_promised_to_be_rig
     told, parted = foreseen(found), found.candidates[0].alignment.divergence
     assert told is not None and told.horizons[0] is not None and parted is not None
     low = told.horizons[0].low.event
-    early = replace(found.candidates[0].alignment, divergence=replace(parted, expected_event=3))
+    early = replace(found.candidates[0].alignment, divergence=replace(parted, event=3))
     changed = replace(found, candidates=(replace(found.candidates[0], alignment=early),))
     assert answers(changed, foreseen=told).what_now.endswith(
         f"double was predicted to be right until event {low}, and diverged before that."
