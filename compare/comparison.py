@@ -433,7 +433,7 @@ def explained(
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
-    new = "with polygons" if study.scene.polygons else "" if study.scene.elastic else "whose restitution is below 1"
+    new = "" if study.scene.elastic else "whose restitution is below 1"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

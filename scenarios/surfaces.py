@@ -142,6 +142,8 @@ def check_surfaces(
     for i, circle in enumerate(circles):
         for bar, thing, kind, face in (bars[k] for k in _near(circle, rough)):
             part = _touched(circle, bar, kind)
+            if isinstance(part, tuple) and part not in known:  # a concave corner: the circle lies across a side of it
+                continue
             if part is not None and not circle.fixed:
                 outer.add((i, thing))
                 inner.add((i, known[part] if isinstance(part, tuple) else face + part))
@@ -285,10 +287,14 @@ def _run_on(a: Segment, b: Segment) -> bool:
 
 
 class ThingParts(NamedTuple):
-    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`."""
+    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`.
+
+    Of a convex one what recedes from its nearest part recedes for ever; of another it may come to a part farther on.
+    """
 
     faces: tuple[int, ...]
     ends: tuple[int, ...]
+    convex: bool = True
 
 
 @lru_cache(maxsize=64)
@@ -297,14 +303,22 @@ def parts_of(scene: Any) -> Mapping[int, ThingParts]:
 
     >>> from truebreak.scenarios import Scene
     >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
-    {2: ThingParts(faces=(1, 2), ends=(1, 2))}
+    {2: ThingParts(faces=(1, 2), ends=(1, 2), convex=True)}
+    >>> parts_of(Scene([Circle(0, 5)], polygons=[Polygon([(0, 0), (2, 0), (1, 1), (1, 3)])]))
+    {1: ThingParts(faces=(0, 1, 2, 3), ends=(1, 2, 3), convex=False)}
     """
     whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
     ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
-    return {
-        before + k: ThingParts(
-            (whole.faces.start + 2 * k, whole.faces.start + 2 * k + 1),
-            (ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]),
-        )
-        for k, segment in enumerate(scene.segments)
-    }
+    found: dict[int, ThingParts] = {}
+    face = whole.faces.start
+    for k, segment in enumerate(scene.segments, start=before):
+        both = ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]
+        found[k] = ThingParts((face, face + 1), both)
+        face += 2
+    for k, polygon in enumerate(scene.polygons, start=before + len(scene.segments)):
+        sides = polygon.sides()
+        corners = (ends.get(end) for _, end in sides)
+        faces = tuple(range(face, face + len(sides)))
+        found[k] = ThingParts(faces, tuple(end for end in corners if end is not None), polygon.convex)
+        face += len(sides)
+    return found

@@ -187,13 +187,11 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.polygons:
-        return Audit(None, "polygons are not audited yet")
     if not run.scene.elastic:
         return Audit(None, "a restitution below 1 is not audited yet")
     if engine.step is not None:
         return _audited_steps(run, engine)
-    transcript = Transcript(run, engine.bits is not None)
+    transcript = Transcript(run, engine.bits is not None, 0.0 if engine.bits is None else 2.0**-engine.bits)
     if not transcript.states:
         return Audit(None, "the record has no states, so that only times and partners can be compared")
     unit = unit_of(engine, transcript)
@@ -499,7 +497,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
 
     An engine may push circles at the end of a step where they are told to be, or push and then move them on.
     """
-    transcript, found = Transcript(run), Measures()
+    transcript, found = Transcript(run, unit=unit, step=step), Measures()
     laws = Laws(run.scene, unit, start, step)
     gone = transcript.gone
     with ball.precision(AUDIT_BITS):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -29,6 +30,12 @@ NEAREST = 2.0**-51
 
 READ_BITS = 320
 """Bits to which numbers are read that are no doubles."""
+
+TURNED = 2.0**-10
+"""By what angle a time step may turn a push."""
+
+ROUNDINGS = 64
+"""How many roundings of its coordinates may keep a circle off a face that it is reported to meet."""
 
 
 class ReportedFlight(NamedTuple):
@@ -122,6 +129,8 @@ class Transcript:
     Args:
         run: what an engine handed back.
         encloses: whether numbers other than doubles are to be read as enclosures.
+        unit: of the engine's numbers.
+        step: its time step, if it has one. Both say how far away a part of a thing may be that has pushed.
 
     Attributes:
         scene: of the run, as engines see it (`Scene.surfaces`), in whose places circles and what they meet are told.
@@ -137,8 +146,10 @@ class Transcript:
     [((0,), ((0, 1),), [0, 1])]
     """
 
-    def __init__(self, run: Trajectory, encloses: bool = False) -> None:
-        self.run = run
+    def __init__(
+        self, run: Trajectory, encloses: bool = False, unit: float = NEAREST, step: float | None = None
+    ) -> None:
+        self.run, self._loose, self._step = run, ROUNDINGS * unit, step
         self.scene: Scene = run.scene.surfaces
         motion = run.motion
         self._motion = motion
@@ -179,22 +190,32 @@ class Transcript:
     def _by_parts(self, instant: ReportedInstant) -> ReportedInstant:
         """The same with the faces and ends that circles meet at their own places, for the things that have them."""
         first, more = self._count + len(self.run.scene.walls), len(self.scene.ends)
-        count = len(self.scene.circles)
-        links: list[tuple[int, int]] = []
-        for i, j in instant.impulses:
-            if j >= first:
-                flight, told = instant.before[i], instant.after.get(i)
-                x, y = (told.x, told.y) if told is not None else flight.at(instant.t)
-                with ball.precision(READ_BITS):
-                    link = self._parts.part(i, j, x, y, flight.vx, flight.vy).link
-                if link.flat:
-                    links.append((i, count + link[1]))
-                else:
-                    links.append((i, link[1]))
-                    instant.before[link[1]] = self._end(link[1])
-            else:
-                links.append((i, j + more if j >= self._count else j))
+        parts = {
+            pair: self._pushing(*pair, times, instant)
+            for pair, times in Counter(instant.impulses).items()
+            if pair[1] >= first
+        }
+        links = [
+            parts[i, j].pop(0) if j >= first else (i, j + more if j >= self._count else j) for i, j in instant.impulses
+        ]
+        links += [link for others in parts.values() for link in others]
+        for _, j in links:
+            if j in self.scene.ends:
+                instant.before[j] = self._end(j)
         return replace(instant, impulses=tuple(links))
+
+    def _pushing(self, i: int, j: int, times: int, instant: ReportedInstant) -> list[tuple[int, int]]:
+        """The parts of a thing that push a circle at an instant, by place, for so many contacts that are reported."""
+        flight, told = instant.before[i], instant.after.get(i)
+        x, y = (told.x, told.y) if told is not None else flight.at(instant.t)
+        push = (arb(0), arb(0)) if told is None else (told.vx - flight.vx, told.vy - flight.vy)
+        room = self._loose * (flight.place + flight.speed * flight.time)
+        room += 0.0 if self._step is None else flight.speed * self._step
+        turn = self._loose if self._step is None else TURNED
+        with ball.precision(READ_BITS):
+            links = self._parts.pushing(i, j, x, y, flight.vx, flight.vy, push, times, room, turn)
+        count = len(self.scene.circles)
+        return [(i, count + link[1] if link.flat else link[1]) for link in links]
 
     @cached_property
     def _parts(self) -> PartsNear[arb]:

@@ -20,6 +20,8 @@ from ...scenarios.surfaces import ThingParts, parts_of
 from ...scenarios.things import Circle, Wall
 from ..alignment.instants import Kind, instants
 from ..alignment.walk import history
+from .flight_aside import middle as _middle
+from .flight_aside import out_of, stretches
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
@@ -450,6 +452,26 @@ class RunReader:
                 return arb(0)
         return aside
 
+    def _ahead(self, pairing: Pairing, parts: ThingParts, bits: int) -> arb | None:
+        """As `_beside`, of a thing that is not convex: of what is ahead and approached; None where nothing is."""
+        flight = self.numbers(pairing, pairing.body, bits)
+        if flight is None or not (_middle(flight[3]) or _middle(flight[4])):
+            return None
+        things, circle = self.things(bits), self.places[pairing.body]
+        bodies = things.bodies
+        seen = stretches(
+            flight[1:],
+            bodies[circle].r,
+            [things.line(circle, face) for face in parts.faces],
+            [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
+        )
+        aside = out_of(seen)
+        if aside is None or ball.sign_of(aside) is not None:
+            return aside
+        unclear = [s for s in seen if ball.sign_of(s.low) is None or ball.sign_of(s.high) is None]
+        grazes = all(s.end is not None and self._proves(pair_discriminant, pairing, s.end) for s in unclear)
+        return arb(0) if grazes else aside
+
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
         enter, parts = self.hit_time(pairing), self._parts_of(pairing)
@@ -466,10 +488,13 @@ class RunReader:
 
     def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
         """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
-        if self._parts_of(pairing) is not None:
+        if (parts := self._parts_of(pairing)) is not None:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
             if near is None or flight is None:
                 return False
+            if not parts.convex:
+                aside = self._ahead(pairing, parts, bits)
+                return aside is None or ball.sign_of(aside) == 1
             gap, approach = near.gap, near.nx * flight[3] + near.ny * flight[4]
         elif self.is_wall(pairing):
             wall = self._wall(pairing, bits)
@@ -495,6 +520,9 @@ class RunReader:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
             if near is None or flight is None:
                 return None
+            if not parts.convex:
+                aside = self._ahead(pairing, parts, bits)
+                return near.gap if aside is None else aside
             if ball.sign_of(near.nx * flight[3] + near.ny * flight[4]) in (0, 1):
                 return near.gap
             return self._beside(pairing, parts, bits)
@@ -560,10 +588,6 @@ def _meeting_time(relative: Relative) -> arb | None:
     if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
         return None
     return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
-
-
-def _middle(value: arb) -> float:
-    return float(value.mid())
 
 
 # -- zeros that are proved

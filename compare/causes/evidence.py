@@ -118,7 +118,8 @@ def _faint(lab: Laboratory) -> dict[tuple[int, int], tuple[float, float]]:
                 break
             if len(instant.events) == 1 and not instant.turned:
                 for place, approach, speed in laws.faint(instant, made):
-                    found[instant.events[0], place] = approach, speed
+                    if place < len(run.events[instant.events[0]].impulses):  # one contact may be of several faces
+                        found[instant.events[0], place] = approach, speed
             made += len(instant.events)
     return found
 

@@ -13,7 +13,7 @@ from ...exact.replay.state import ReplayState, SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Segment, Wall
+from ...scenarios.things import Circle, Polygon, Segment, Wall
 from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
@@ -56,7 +56,7 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
     """The scene with every coordinate, radius, velocity and mass replaced by the nearest number of so many bits.
 
     Raises:
-        SceneError: if the rounded circles overlap, or a number is beyond the doubles.
+        SceneError: if the rounded circles overlap, sides of a rounded polygon cross, or a number is beyond the doubles.
 
     >>> scene = Scene([Circle("1/3", 0)])
     >>> rounded(scene).circles[0].x == scene.circles[0].x, rounded(rounded(scene)) == rounded(scene)
@@ -76,7 +76,12 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
         for s in scene.segments
     ]
-    return scene.with_changes(circles=circles, walls=walls, **({"segments": segments} if segments else {}))
+    polygons = [
+        Polygon([(nearest(x, bits), nearest(y, bits)) for x, y in g.points], id=g.id, r=nearest(g.r, bits))
+        for g in scene.polygons
+    ]
+    others = {"segments": segments, "polygons": polygons}
+    return scene.with_changes(circles=circles, walls=walls, **{key: things for key, things in others.items() if things})
 
 
 def _double(value: Quantity) -> float:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity
 from ..writing import check_writable, write_whole
+from .outlines import bars_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -155,8 +156,8 @@ def verdict_on(path: str, work: int | None = None) -> tuple[int, str]:
 def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     """The first thing in which the scene block of a certificate differs from a scene; None where it is that scene.
 
-    Numbers are compared as exact numbers, however they are written, and things in their order, with their names. What a
-    scene says of when to end a run is no part of the block.
+    Numbers are compared as exact numbers, however they are written, and things in their order, with their names;
+    polygons as the segments that are their sides. What a scene says of when to end a run is no part of the block.
 
     Args:
         block: the `scene` of a certificate that a checker has verified.
@@ -173,13 +174,13 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     >>> difference(block, other), difference(block, Scene([Circle(0, 0, vx=1), Circle(5, 0)]))
     (None, "circle 'c2': x is 1*r1, not 5")
     """
-    if scene.polygons or not scene.elastic:
-        return f"it has no {'polygons' if scene.polygons else 'restitution'}, which certificates do not know yet"
+    if not scene.elastic:
+        return "it has no restitution, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())
     things: dict[str, Sequence[Circle | Wall | Pocket | Segment]] = {
-        "circles": scene.circles, "walls": scene.walls, "pockets": scene.pockets, "segments": scene.segments,
+        "circles": scene.circles, "walls": scene.walls, "pockets": scene.pockets, "segments": bars_of(scene),
     }  # fmt: skip
     for kind, meant in things.items():
         told = block.get(kind, ())

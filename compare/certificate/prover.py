@@ -263,6 +263,8 @@ class Prover(Checker):
             m = world.meeting(c, world.start(c))
             signs = [m.closing.sign(), m.disc.sign()]
             if c[1] in self.faces and isinstance(m, Facing):
+                if m.gap.sign() == -1:  # it is behind, and was at gap zero before
+                    return False
                 signs += [m.near.sign(), m.beyond.sign()]
             if None not in signs:
                 return signs == [-1, 1, 1, 1][: len(signs)]

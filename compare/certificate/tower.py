@@ -10,6 +10,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle, Pocket, Segment, Wall
 from ...tools.verify import Sum, Unsettled
+from .outlines import bars_of
 
 ROOTS = 24
 """Most roots that a run's numbers may take."""
@@ -204,9 +205,9 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture
-    if scene.segments:
+    if bars := bars_of(scene):
         told["segments"] = [
-            {**row(bar, ("x0", "y0", "x1", "y1", "r")), "length": text_of(_length(bar))} for bar in scene.segments
+            {**row(bar, ("x0", "y0", "x1", "y1", "r")), "length": text_of(_length(bar))} for bar in bars
         ]
     if Exact.roots:
         told["roots"] = [text_of(root) for root in Exact.roots]

@@ -19,6 +19,7 @@ from ...scenarios.numbers.quantity import Quantity, Real
 from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
 from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Unsettled, cost
 from .isometries import Contact
+from .outlines import numbers_of
 from .prover import Prover
 from .tower import Exact, exact_number, scene_part, text_of
 
@@ -67,13 +68,12 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
-    if trajectory.scene.polygons:
-        raise CertificateError("the scene has polygons, which certificates do not know yet; write segments")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
-    if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments):
+    sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
+    if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")
     if len(trajectory.scene.circles) > CIRCLES:
         raise CertificateError(
@@ -231,10 +231,10 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
 
     The first is time 0, whether anything falls on it or not.
     """
-    scene = trajectory.scene.surfaces
-    parts: dict[str, list[int]] = {}  # of a segment: its ends, and its faces
+    scene, number_of = trajectory.scene.surfaces, numbers_of(trajectory.scene)
+    parts: dict[str, list[int]] = {}  # of a segment or polygon: its ends, and its faces
     for k, name in enumerate(scene.ids):
-        parts.setdefault(name, []).append(k)
+        parts.setdefault(name, []).append(number_of[k])
     place = {name: found[0] for name, found in parts.items()}
     pockets = {str(pocket.id): k for k, pocket in enumerate(scene.pockets)}
     ends: dict[int, int] = {0: 0}
@@ -256,7 +256,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     done = 0
     for number in sorted(ends):
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
-        rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
+        rounds = [[[number_of[k] for k in places_of(scene, link)] for link in links] for links in kicks]
         turn = {"turn": True} if number % 2 else {}
         if turn and number - 1 not in ends and scene.reverse_at is not None:
             found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": [], "time": "0"})

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from ...exact.replay.parts import PartsNear
+from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
-from ...scenarios.errors import SceneError
 from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 
@@ -32,6 +32,10 @@ MOST_ROUNDS = 10_000
 SOLVED = 2.0**-44
 """What is left of a system of impulses, as a share of what it began with, once it is solved: some hundred operations in
 doubles leave this much."""
+
+
+TOUCHING = 2.0**-36
+"""A share of the coordinates: what is no farther away touches, however little a state at a contact was rounded."""
 
 
 class Normal(NamedTuple):
@@ -59,8 +63,6 @@ class Impacts:
     """
 
     def __init__(self, scene: Scene) -> None:
-        if scene.polygons:
-            raise SceneError(f"{scene.name!r}: has polygons, of which no log is judged yet; take walls")
         self._change = 1.0 + float(scene.restitution)
         self.things = tuple(parts_of(scene))
         self._near = PartsNear(scene, DOUBLES) if self.things else None
@@ -83,8 +85,7 @@ class Impacts:
         """The line of centres, at given places."""
         (i, j), (x, y) = link, rows[link[0]][:2]
         if self._near is not None and j in self._near.things:
-            part = self._near.part(i, j, *rows[i])
-            return Normal(part.nx, part.ny, part.gap)
+            return _normal(self._near.part(i, j, *rows[i]))
         if j >= self.count:
             x0, y0, nx, ny = self._walls[j - self.count]
             side = self._sides[i][j - self.count]
@@ -94,6 +95,17 @@ class Impacts:
         if length == 0.0:
             return Normal(1.0, 0.0, -self._radii[i] - self._radii[j])
         return Normal(dx / length, dy / length, length - self._radii[i] - self._radii[j])
+
+    def contacts(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[tuple[Indices, Normal]]:
+        """Contacts with their lines of centres; one that is reported twice, in a concave corner, has two of them."""
+        found: list[tuple[Indices, Normal]] = []
+        for link, times in Counter(links).items():
+            if times == 1 or self._near is None or link[1] not in self._near.things:
+                found.append((link, self.normal(link, rows)))
+            else:
+                parts = self._near.near(*link, *rows[link[0]], math.inf)
+                found += [(link, _normal(part)) for part in parts[:times]]
+        return found
 
     def opening(self, link: Indices, rows: Sequence[Row], normal: Normal) -> float:
         """The speed at which two part; negative: they approach."""
@@ -108,14 +120,14 @@ class Impacts:
 
         None if none of the contacts approaches, or if the rounds have no end.
         """
-        after, normals = list(rows), {link: self.normal(link, rows) for link in links}
+        after, contacts = list(rows), self.contacts(links, rows)
         for done in range(MOST_ROUNDS):
-            opening = {link: self.opening(link, after, normal) for link, normal in normals.items()}
-            closing = [link for link, speed in opening.items() if speed < 0.0]
+            opening = [self.opening(link, after, normal) for link, normal in contacts]
+            closing = [k for k, speed in enumerate(opening) if speed < 0.0]
             if not closing:
                 return after if done else None
-            matrix = self.matrix([(link, normals[link]) for link in closing])
-            strengths = least(matrix @ matrix.T, np.array([-self._change * opening[link] for link in closing]))
+            matrix = self.matrix([contacts[k] for k in closing])
+            strengths = least(matrix @ matrix.T, np.array([-self._change * opening[k] for k in closing]))
             if not strengths.any():
                 return None
             after = self._pushed(after, matrix, strengths)
@@ -127,7 +139,7 @@ class Impacts:
         """The contacts that explain how velocities have changed, and the part of the change that they leave.
 
         Of all pairs no farther apart than `room` of which one has changed, those whose impulses, none of them
-        pulling, come nearest to the change.
+        pulling, come nearest to the change; of those alone that touch, if they explain all of it.
 
         Args:
             rows: the circles now.
@@ -139,13 +151,25 @@ class Impacts:
         change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
         moved = [k for k in range(self.count) if change[k].any()]
         there = [(*row[:2], *was[2:]) for row, was in zip(rows, before, strict=True)]  # as they came, where they are
-        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, there)).gap <= room]
+        near = [(link, n) for link in self._pairs(moved) for n in self._normals(link, there, room)]
         near = self._nearest(near) if self.things else near
+        close = TOUCHING * max((abs(value) for k in moved for value in rows[k][:2]), default=0.0)
+        touching = [(link, n) for link, n in near if abs(n.gap) <= close]
+        found = self._explaining(touching, change)
+        if found[1] <= SOLVED:
+            return found
         found = self._explaining(near, change)
         if way is None or found[1] <= SOLVED:
             return found
         met = [(link, self._met(link, before, way) or normal) for link, normal in near]
         return min(self._explaining(met, change), found, key=lambda told: told[1])
+
+    def _normals(self, link: Indices, rows: Sequence[Row], room: float) -> list[Normal]:
+        """The lines of centres of two things no farther apart than `room`: of a concave one, of each part of it."""
+        if self._near is not None and link[1] in self._near.things:
+            return [_normal(part) for part in self._near.near(*link, *rows[link[0]], room)]
+        normal = self.normal(link, rows)
+        return [normal] if normal.gap <= room else []
 
     def _nearest(self, near: Sequence[tuple[Indices, Normal]]) -> list[tuple[Indices, Normal]]:
         """Of walls and things that push a circle in the same direction, the one that it touches best."""
@@ -191,12 +215,19 @@ class Impacts:
         return [*sorted(found), *((i, place) for i in moved for place in fixed)]
 
     def named(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Indices]:
-        """The same contacts, those with an end that several things share by the thing that names it, each once."""
+        """The same contacts, those with an end that several things share by the thing that names it.
+
+        Each is there once, but for one with two faces of a concave thing.
+        """
         near = self._near
         if near is None:
             return list(links)
-        names = ((i, near.name_of(i, j, *rows[i]) if j in near.things else j) for i, j in links)
-        return [*dict.fromkeys(names)]
+        found: dict[Indices, int] = {}
+        for (i, j), times in Counter(links).items():
+            name = (i, near.name_of(i, j, *rows[i]) if j in near.things else j)
+            concave = j in near.things and not near.things[j].convex
+            found[name] = max(found.get(name, 1), times if concave else 1)
+        return [link for link, times in found.items() for _ in range(times)]
 
     def matrix(self, contacts: Sequence[tuple[Indices, Normal]]) -> NDArray[np.float64]:
         """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
@@ -221,8 +252,7 @@ class Impacts:
     def coupled(self, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
         """Whether a moving circle has two of the contacts, not at right angles: then their order may matter."""
         lines: dict[int, list[Normal]] = {}
-        for link in links:
-            normal = self.normal(link, rows)
+        for link, normal in self.contacts(links, rows):
             for k in filter(self.moves, link):
                 others = lines.setdefault(k, [])
                 if any(abs(normal.x * other.x + normal.y * other.y) > SOLVED for other in others):
@@ -231,10 +261,17 @@ class Impacts:
         return False
 
     def quiet(self, rows: Sequence[Row]) -> bool:
-        """Whether no two circles, and no circle and wall, come nearer to each other: then none ever will."""
-        fixed = [*range(self.count, self.count + len(self._walls)), *self.things]
-        links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *fixed)]
-        return all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links)
+        """Whether no two circles, and no circle and wall or thing, come nearer to each other: then none ever will."""
+        walls = range(self.count, self.count + len(self._walls))
+        links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *walls)]
+        if not all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links):
+            return False
+        near = self._near
+        return near is None or not any(near.comes_to(i, j, *rows[i]) for i in range(self.count) for j in near.things)
+
+
+def _normal(part: NearestPart[float]) -> Normal:
+    return Normal(part.nx, part.ny, part.gap)
 
 
 def least(square: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -77,7 +77,7 @@ class RunSoFar:
             raise EngineError(f"{where}: more than {MOST_EVENTS:,} events; end the run before that")
         self.times.append(now)
         self._links.append(list(links))
-        self._coupled.append(len(set(links)) > 1 and self._impacts.coupled(sorted(set(links)), rows))
+        self._coupled.append(len(links) > 1 and self._impacts.coupled(sorted(links), rows))
 
     def fly(self, now: float, rows: Mapping[int, Row]) -> None:
         """Circles fly on from a time as told."""

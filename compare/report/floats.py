@@ -13,7 +13,7 @@ from ..files.amounts import no_formula
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Pocket, Segment, Wall
+    from ...scenarios.things import Circle, Pocket, Polygon, Segment, Wall
 
 FLOATS_SCHEMA = "truebreak/floats-1"
 
@@ -33,7 +33,6 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
     1.850371707708594e-17
     """
-    _check_exported(scene)
     data: dict[str, Any] = {
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
@@ -43,6 +42,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     }
     if scene.segments:
         data["segments"] = [_thing(s, SEGMENT) for s in scene.segments]
+    if scene.polygons:
+        data["polygons"] = [_polygon(p) for p in scene.polygons]
     for key in ("until", "reverse_at"):
         if getattr(scene, key) is not None:
             data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
@@ -52,32 +53,46 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def _check_exported(scene: Scene) -> None:
-    if scene.polygons:
-        raise SceneError(f"{scene.name!r}: has polygons, which are not exported in doubles yet; leave out --floats")
-
-
 def floats_csv(scene: Scene) -> str:
     """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `segment,ID,x0,y0,x1,y1,r`,
-    `pocket,ID,x,y,r`.
+    `polygon,ID,r,x,y,x,y,...`, `pocket,ID,x,y,r`.
 
     The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
 
     Raises:
         SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
     """
-    _check_exported(scene)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
+    rows: list[tuple[str, str | None, list[tuple[float, float]]]] = []
     for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
-                               ("segment", scene.segments, SEGMENT), ("pocket", scene.pockets, POCKET)):  # fmt: skip
-        for thing in things:
-            if no_formula(thing.id) != thing.id:
-                told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
-                raise SceneError(f"{told}; leave out --csv, or write another id")
-            pairs = [_pair(thing, key) for key in keys]
-            writer.writerow([kind, thing.id, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
+                               ("segment", scene.segments, SEGMENT)):  # fmt: skip
+        rows += [(kind, thing.id, [_pair(thing, key) for key in keys]) for thing in things]
+    rows += [
+        ("polygon", p.id, [_pair(p, "r"), *(pair for place in _points(p) for pair in place)]) for p in scene.polygons
+    ]
+    rows += [("pocket", p.id, [_pair(p, key) for key in POCKET]) for p in scene.pockets]
+    for kind, name, pairs in rows:
+        if no_formula(name) != name:
+            told = f"{kind} {name!r}: a spreadsheet takes an id that begins so for a formula"
+            raise SceneError(f"{told}; leave out --csv, or write another id")
+        writer.writerow([kind, name, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
     return out.getvalue()
+
+
+def _points(polygon: Polygon) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Of each point x and y: the double, and the error."""
+    where = [f"{polygon.id!r}: point {k}" for k in range(1, len(polygon.points) + 1)]
+    return [
+        (double_and_error(x, f"{label}: x"), double_and_error(y, f"{label}: y"))
+        for label, (x, y) in zip(where, polygon.points, strict=True)
+    ]
+
+
+def _polygon(polygon: Polygon) -> dict[str, Any]:
+    (r, error), points = _pair(polygon, "r"), _points(polygon)
+    told = [[[value[k] for value in place] for place in points] for k in (0, 1)]
+    return {"id": polygon.id, "points": told[0], "r": r, "error": {"points": told[1], "r": error}}
 
 
 def _thing(thing: Circle | Wall | Segment | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
@@ -86,7 +101,7 @@ def _thing(thing: Circle | Wall | Segment | Pocket, keys: tuple[str, ...]) -> di
     return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
 
 
-def _pair(thing: Circle | Wall | Segment | Pocket, key: str) -> tuple[float, float]:
+def _pair(thing: Circle | Wall | Segment | Polygon | Pocket, key: str) -> tuple[float, float]:
     value = getattr(thing, key)
     return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
 

@@ -1,7 +1,8 @@
-"""Things of several parts, as segments are: to which face or end a circle is nearest, at places that a run has."""
+"""Things of several parts, segments and polygons: to which face or end a circle is nearest, at places of a run."""
 
 from __future__ import annotations
 
+from math import hypot, inf
 from typing import Any, Generic, NamedTuple
 
 from ...scenarios.scene import Scene
@@ -12,8 +13,8 @@ from .contact import AtWall, Pair, Touch
 from .state import Flights
 
 # -- What is met of a thing is told by the run's own places, whatever the gap there: no engine in finite precision has
-# gap zero at a contact. Beside the place where a face becomes an end, the two have the same gap and the same normal but
-# for what is of second order in how far the foot of the centre is from it, so that either tells the same contact.
+# gap zero at a contact. Beside the place where a face becomes an end, the two have the same gap but for what is of
+# second order in how far the foot of the centre is from it, and the same normal but for what is of first order.
 
 SAME_GAP = 2.0**-40
 """A share of the coordinates: gaps that differ by less are not told apart, and what is approached is met."""
@@ -29,6 +30,10 @@ def _certainly_above(value: Any, other: Any) -> bool:
     return bool(value > other)
 
 
+ONE_WAY = 2.0**-9
+"""A share of a push: what of it is not along a normal, at most, where one face alone has pushed."""
+
+
 class NearestPart(NamedTuple, Generic[N]):
     """What a circle is nearest to of a thing.
 
@@ -42,6 +47,15 @@ class NearestPart(NamedTuple, Generic[N]):
     nx: N
     ny: N
     gap: N
+
+
+class _PartSeen(NamedTuple, Generic[N]):
+    """A part as it is seen from a circle: the size of the gap, whether it is approached, how thick both are."""
+
+    away: float
+    approached: bool
+    thick: float
+    part: NearestPart[N]
 
 
 class PartsNear(Generic[N]):
@@ -78,8 +92,115 @@ class PartsNear(Generic[N]):
         Args:
             thing: by place in `Scene.ids`.
         """
+        found, size = self._near(circle, thing, x, y, vx, vy)
+        first = found[0]
+        if first.approached:
+            return first.part
+        for row in found:
+            behind = _double(row.part.nx * first.part.nx + row.part.ny * first.part.ny) < 0.0
+            far = first.away + max(first.thick, row.thick) + SAME_GAP * size
+            if row.approached and behind and row.part.link.flat and row.away <= far:
+                return row.part
+        return first.part
+
+    def pushing(
+        self,
+        circle: int,
+        thing: int,
+        x: N,
+        y: N,
+        vx: N,
+        vy: N,
+        push: tuple[N, N],
+        count: int = 1,
+        room: float = 0.0,
+        turn: float = SAME_GAP,
+    ) -> list[Touch]:
+        """The parts of a thing that have pushed a circle at (x, y) by some change of its velocity (vx, vy) before.
+
+        In a concave corner a circle touches two faces at once, and a report says only whom they are of. Beside the
+        place where a face becomes an end, rounding leaves open which of the two it is, though their normals differ by
+        its root. It is the one along whose normal the push is; where it is along none, all of those that are near.
+
+        Args:
+            count: how many contacts with the thing are reported.
+            room: by how much more than the nearest one another may be away, as rounding or a time step may make it.
+            turn: the same of the direction of a push, as an angle.
+
+        >>> from truebreak.floating.double import DOUBLES
+        >>> from truebreak.scenarios import Circle, Polygon
+        >>> nook = Polygon([(-9, -9), (9, -9), (9, 0), (0, 0), (0, 9), (-9, 9)], id="nook")
+        >>> near = PartsNear(Scene([Circle(5, 5)], polygons=[nook]), DOUBLES)
+        >>> push = lambda dx, dy: near.pushing(0, 1, 1.0, 1.0, -1.0, -2.0, (dx, dy))
+        >>> push(2.0, 0.0), push(0.0, 4.0), len(push(2.0, 4.0))
+        ([AtWall(circle=0, wall=2, kind='wall')], [AtWall(circle=0, wall=3, kind='wall')], 2)
+        """
+        nearest = self.part(circle, thing, x, y, vx, vy)
+        found, size = self._near(circle, thing, x, y, vx, vy)
+        most = abs(_double(nearest.gap)) + room + SAME_GAP * size
+        parts = [nearest, *(row.part for row in found if row.away <= most and row.part.link != nearest.link)]
+        if len(parts) == 1:
+            return [nearest.link] * count
+        dx, dy = map(_double, push)
+        strength = hypot(dx, dy)
+        ways = [(_double(part.nx) * dx + _double(part.ny) * dy, part) for part in parts]
+        links = [part.link for way, part in ways if way > 0.0]
+        if strength > 0.0 and count == 1:
+            off = [abs(_double(p.nx) * dy - _double(p.ny) * dx) / strength if w > 0.0 else inf for w, p in ways]
+            if min(off) <= ONE_WAY:  # of several, the nearest
+                return [next(part.link for part, by in zip(parts, off, strict=True) if by <= min(off) + turn)]
+        links = links or [nearest.link]
+        return [*links, *(links[0] for _ in range(count - len(links)))]
+
+    def comes_to(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> bool:
+        """Whether a straight flight from (x, y) may come to some part of a thing: what doubles leave open, it may.
+
+        >>> from truebreak.floating.double import DOUBLES
+        >>> from truebreak.scenarios import Circle, Polygon
+        >>> nook = Polygon([(-9, -9), (9, -9), (9, 0), (0, 0), (0, 9), (-9, 9)], id="nook")
+        >>> near = PartsNear(Scene([Circle(5, 5)], polygons=[nook]), DOUBLES)
+        >>> near.comes_to(0, 1, 5.0, 1.0, -1.0, 1.0), near.comes_to(0, 1, 5.0, 1.0, 1.0, 1.0)
+        (True, False)
+        """
+        parts = self.things[thing]
+        part = self.part(circle, thing, x, y, vx, vy)
+        if parts.convex:
+            return _double(part.nx * vx + part.ny * vy) < 0.0
+        r, (fx, fy, ux, uy) = _double(self._flights.bodies[circle].r), map(_double, (x, y, vx, vy))
+        speed = hypot(ux, uy)
+        for wall in parts.faces:
+            line = self._flights.line(circle, wall)
+            x0, y0, nx, ny, length = map(_double, (line.x0, line.y0, line.nx, line.ny, line.length))
+            size = SAME_GAP * (abs(fx) + abs(fy) + abs(x0) + abs(y0) + r + length)
+            height, fall = (nx * (fx - x0) + ny * (fy - y0)) / length, -(nx * ux + ny * uy) / length
+            if fall <= 0.0 or height < -size:
+                continue
+            wait = max(0.0, height - r) / fall
+            foot = face_along(fx + wait * ux, fy + wait * uy, x0, y0, nx, ny) / length
+            blur = size * (1.0 + speed / fall)
+            if -blur <= foot <= length + blur:
+                return True
+        for end in parts.ends:
+            body = self._flights.bodies[end]
+            dx, dy, reach = fx - _double(body.flight.x), fy - _double(body.flight.y), r + _double(body.r)
+            size = SAME_GAP * (abs(fx) + abs(fy) + hypot(dx, dy) + reach)
+            if dx * ux + dy * uy < 0.0 and abs(dx * uy - dy * ux) <= (reach + size) * speed:
+                return True
+        return False
+
+    def near(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N, room: float) -> list[NearestPart[N]]:
+        """The parts of a thing no farther away than `room`: of a convex one its nearest part alone."""
+        nearest = self.part(circle, thing, x, y, vx, vy)
+        if self.things[thing].convex:
+            return [nearest] if _double(nearest.gap) <= room else []
+        found, _ = self._near(circle, thing, x, y, vx, vy)
+        others = [row.part for row in found if row.away <= room and row.part.link != nearest.link]
+        return [nearest, *others] if _double(nearest.gap) <= room else others
+
+    def _near(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> tuple[list[_PartSeen[N]], float]:
+        """The parts that a circle is over or beside, nearest first; and the size of the coordinates."""
         parts, r, zero = self.things[thing], self._flights.bodies[circle].r, self._flights.zero
-        found: list[tuple[float, bool, float, NearestPart[N]]] = []  # |gap|, approached, how thick, what
+        found: list[_PartSeen[N]] = []
         size = abs(_double(x)) + abs(_double(y))
         for wall in parts.faces:
             line = self._flights.line(circle, wall)
@@ -90,7 +211,8 @@ class PartsNear(Generic[N]):
             gap = nx * (x - line.x0) + ny * (y - line.y0) - r
             size = max(size, abs(_double(line.x0)) + abs(_double(line.y0)))
             towards = _double(nx * vx + ny * vy) < 0.0
-            found.append((abs(_double(gap)), towards, _double(r), NearestPart(AtWall(circle, wall), nx, ny, gap)))
+            part = NearestPart[N](AtWall(circle, wall), nx, ny, gap)
+            found.append(_PartSeen(abs(_double(gap)), towards, _double(r), part))
         for end in parts.ends:
             body = self._flights.bodies[end]
             dx, dy, reach = x - body.flight.x, y - body.flight.y, body.r + r
@@ -99,19 +221,14 @@ class PartsNear(Generic[N]):
             nx, ny = (dx / span, dy / span) if _double(span) > 0.0 else (self._flights.one, zero)
             size = max(size, abs(_double(body.flight.x)) + abs(_double(body.flight.y)))
             towards = _double(nx * vx + ny * vy) < 0.0
-            gap = span - reach
-            found.append((abs(_double(gap)), towards, _double(reach), NearestPart(Pair(circle, end), nx, ny, gap)))
-        away, approached, thick, nearest = min(found, key=lambda row: row[0])
-        if approached:
-            return nearest
-        for other, towards, far, part in sorted(found, key=lambda row: row[0]):
-            behind = _double(part.nx * nearest.nx + part.ny * nearest.ny) < 0.0
-            if towards and behind and part.link.flat and other <= away + max(thick, far) + SAME_GAP * size:
-                return part
-        return nearest
+            part = NearestPart[N](Pair(circle, end), nx, ny, span - reach)
+            found.append(_PartSeen(abs(_double(part.gap)), towards, _double(reach), part))
+        return sorted(found, key=lambda row: row.away), size
 
     def name_of(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> int:
         """The thing by which what a circle is nearest to of a thing is named: an end that things share has one name.
+
+        Where that may as well be a face, to rounding, it is the thing itself.
 
         >>> from truebreak.floating.double import DOUBLES
         >>> from truebreak.scenarios import Circle, Segment
@@ -120,5 +237,6 @@ class PartsNear(Generic[N]):
         >>> [near.name_of(0, thing, 0.0, 1.0, 0.0, -1.0) for thing in (1, 2)]
         [1, 1]
         """
-        link = self.part(circle, thing, x, y, vx, vy).link
-        return thing if link.flat else self._named[link[1]]
+        found, size = self._near(circle, thing, x, y, vx, vy)
+        links = [row.part.link for row in found if row.away <= found[0].away + SAME_GAP * size]
+        return thing if any(link.flat for link in links) else self._named[links[0][1]]

@@ -49,10 +49,10 @@ def coincidences(count: int) -> Iterator[tuple[str, Trajectory]]:
 
 
 def whole_catalogue(_: int) -> Iterator[tuple[str, Trajectory]]:
-    """Every family with its defaults, but for segments and polygons."""
+    """Every family with its defaults."""
     for name in catalogue.names():
         scene = catalogue.build(name)
-        if scene.elastic and not scene.polygons:
+        if scene.elastic:
             yield name, ExactEngine().run(scene)
 
 
