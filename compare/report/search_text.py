@@ -447,6 +447,7 @@ def print_smallest(found: Smallest) -> None:
 def size_phrase(size: SceneSize) -> str:
     """A size in words; the characters are those of the numbers.
 
+    >>> from truebreak.compare.reduction.smallest import SceneSize
     >>> size_phrase(SceneSize(2, 4, 0, None, 39))
     '2 circles, 4 walls, 39 characters'
     """
