@@ -29,7 +29,7 @@ class Box2DEngine(SteppedAdapter):
 
     Circles are bodies that do not rotate, walls are edges of no thickness, long enough for the scene; a run in which a
     circle gets near the end of one stops. Segments are edges,
-    with their thickness. Restitution 1, friction 0, no damping, no sleeping, no continuous collision,
+    with their thickness. The scene's restitution, friction 0, no damping, no sleeping, no continuous collision,
     no warm starting, and no correction of positions.
 
     Attributes:
@@ -49,6 +49,11 @@ class Box2DEngine(SteppedAdapter):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.check_count("iterations")
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """As of other steppers, and `restitution`."""
+        return super().scene_keys | {"restitution"}
 
     def allows(self, scene: Scene) -> dict[str, float]:
         """The speed below which nothing bounces, 1 m/s of its own (b2_velocityThreshold), in the scene's units.
@@ -73,6 +78,7 @@ class Box2DWorld:
     def __init__(self, scene: Scene, engine: Box2DEngine) -> None:
         self._b2: Any = package("Box2D", "box2d")
         self._engine, self._ids, self._pushed = engine, scene.ids, []
+        self._restitution = float(scene.restitution)
         self._metres = metres(scene, engine)
         self._speed = self._metres * QUICK
         self._world = self._b2.b2World(gravity=(0, 0), doSleep=False)
@@ -96,7 +102,9 @@ class Box2DWorld:
             body = self._world.CreateDynamicBody(
                 position=at, linearVelocity=flight, fixedRotation=True, allowSleep=False, linearDamping=0.0
             )
-        body.CreateCircleFixture(radius=float(circle.r) * self._metres, density=1.0, friction=0.0, restitution=1.0)
+        body.CreateCircleFixture(
+            radius=float(circle.r) * self._metres, density=1.0, friction=0.0, restitution=self._restitution
+        )
         if not circle.fixed:
             body.massData = self._b2.b2MassData(mass=float(circle.m), center=(0, 0), I=0.0)
         body.userData = str(circle.id)
@@ -106,7 +114,7 @@ class Box2DWorld:
         shape = self._b2.b2EdgeShape(vertices=[(x * self._metres, y * self._metres) for x, y in ends])
         shape.radius = r * self._metres
         body = self._world.CreateStaticBody()
-        body.CreateFixture(shape=shape, friction=0.0, restitution=1.0)
+        body.CreateFixture(shape=shape, friction=0.0, restitution=self._restitution)
         body.userData = name
 
     def _listen(self) -> Any:

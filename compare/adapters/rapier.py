@@ -27,7 +27,7 @@ class RapierEngine(SteppedAdapter):
 
     Circles are balls that move in x and y alone and do not rotate; a wall is a half-space for each side on which there
     are circles, which it alone stops; a segment is one
-    of its own, or a capsule. Restitution 1, friction 0, no damping, no sleeping, no warm starting, no
+    of its own, or a capsule. The scene's restitution, friction 0, no damping, no sleeping, no warm starting, no
     correction of overlaps, no contact ahead of a touch, no cap of speeds.
 
     Attributes:
@@ -48,6 +48,11 @@ class RapierEngine(SteppedAdapter):
         super().__post_init__()
         self.check_count("iterations")
 
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """As of other steppers, and `restitution`."""
+        return super().scene_keys | {"restitution"}
+
     def world(self, scene: Scene) -> RapierWorld:
         """The scene in Rapier.
 
@@ -63,6 +68,7 @@ class RapierWorld:
 
     def __init__(self, scene: Scene, engine: RapierEngine) -> None:
         self._rapier: Any = package("rapier3d", "rapier")
+        self._restitution = float(scene.restitution)
         self._metres = power_of_two(2 / max((float(c.r) for c in scene.circles if c.r.sign()), default=1.0))
         self._world = self._rapier.PhysicsWorld(gravity=(0, 0, 0))
         self._world.set_num_threads(1)
@@ -108,7 +114,7 @@ class RapierWorld:
         return self._hard(shape).collision_groups(self._groups(self._group(1), self._group(1)))
 
     def _hard(self, shape: Any) -> Any:
-        return shape.friction(0.0).restitution(1.0)
+        return shape.friction(0.0).restitution(self._restitution)
 
     def _group(self, bits: int) -> Any:
         return self._rapier.Group.from_bits(bits)

@@ -108,13 +108,14 @@ class Contribution:
         cause: the kind.
         size: signed, in the unit of the number: a length for hit or miss, a time for an order.
         alone: the number that decides with this kind of error alone; None where that was not run, or does not exist.
-        late: whether the hit that it brings about alone comes after the meeting that the reference has there.
+        late: whether the hit that there is with this kind alone comes after the meeting that the run without it has
+            there, which is as good as a miss; None where that is not known.
     """
 
     cause: CauseName
     size: float
     alone: arb | None = None
-    late: bool = False
+    late: bool | None = False
 
 
 @dataclass(frozen=True)
@@ -300,7 +301,8 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
         total = _Sum(run, groups, displacement)
         entered = run.value() if input_rounded else margin
         alone: dict[CauseName, arb] = {}
-        late = {CauseName["INPUT"]} if input_rounded and run.forestalled else set[CauseName]()
+        late: dict[CauseName, bool | None] = {CauseName["INPUT"]: run.forestalled} if input_rounded else {}
+        hits = run.decision.rival is not None and ball.sign_of(margin) == -1  # less deep, they may come to it late
         if entered is None:
             if apart:
                 raise NoContinuation(apart)
@@ -319,19 +321,18 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
         together = sum((value for cause, value in total.found.items() if cause is not CauseName["INPUT"]), arb(0))
         for cause, kinds in (*groups, (rest, KINDS)):
             value = together if cause is rest else total.found.get(cause)
-            if value is not None and _flips(margin, margin + value):
+            if value is not None and (_flips(margin, margin + value) or (hits and ball.sign_of(value) == 1)):
                 if unlike:  # what is carried on is not the engine's run: it is known where it alone has erred
                     found = whole if total.found.get(CauseName["INPUT"], arb(0)).contains(0) else None
                 else:
                     found = run.value(kinds=kinds, exact=True)
-                    if run.forestalled:
-                        late.add(cause)
+                    late[cause] = run.forestalled
                 if found is not None:
                     alone[cause] = found
         return Account(
             _near(displacement),
-            tuple(Contribution(c, _near(value), alone.get(c), c in late) for c, value in total.found.items()),
-            Contribution(rest, _near(together), alone.get(rest), rest in late),
+            tuple(Contribution(c, _near(value), alone.get(c), late.get(c, False)) for c, value in total.found.items()),
+            Contribution(rest, _near(together), alone.get(rest), late.get(rest, False)),
             run.runs,
             total.groups,
             apart,

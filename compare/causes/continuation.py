@@ -152,7 +152,8 @@ class Continuation:
     Attributes:
         stretches: what leads to the decision, in order.
         runs: how many continuations were made, each from its state to the decision.
-        forestalled: whether in the last of them the hit in question comes after the meeting that the reference has.
+        forestalled: whether in the last of them the hit in question comes after the meeting that the other run has
+            instead; None where that is not known.
 
     Raises:
         NoContinuation: where there is none.
@@ -178,8 +179,20 @@ class Continuation:
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
-        self.runs, self.forestalled = 0, False
-        links = self._needed()
+        self.runs = 0
+        self.forestalled: bool | None = False
+        rival = [] if decision.rival is None else [decision.rival]
+        try:
+            self._lead_to([*decision.pairings, *rival], bits)
+        except NoContinuation:
+            if not rival:
+                raise
+            self._lead_to(decision.pairings, bits)
+
+    def _lead_to(self, pairings: Sequence[Pairing], bits: int | None) -> None:
+        """Finds what leads to some pairings, in both runs."""
+        self._pairings = pairings
+        links = self._needed(pairings)
         self.bits = BITS + BITS_AN_EVENT * len(links)
         if len(links) * step_units(self.bits) > MOST_UNITS:
             raise NoContinuation(f"{len(links):,} contacts lead to it, too many to be carried out again")
@@ -187,7 +200,7 @@ class Continuation:
             self._exact, self._given = RoundedState(self.scene, None), RoundedState(self.scene, bits)
             self.start = {k: _row(body.flight) for k, body in self._exact.bodies.items()}
             self.entered = {k: _row(body.flight) for k, body in self._given.bodies.items()}
-            self.first = {k: _told(row) for k, row in enumerate(Transcript(own, encloses=True).first())}
+            self.first = {k: _told(row) for k, row in enumerate(Transcript(self.own, encloses=True).first())}
             moving = tuple(k for k, moves in enumerate(self._moving) if moves)
             self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
             for stretch in self.stretches:
@@ -205,10 +218,10 @@ class Continuation:
 
     # -- what leads to the decision
 
-    def _needed(self) -> list[Link]:
-        """The contacts in the decision's causal past, in the reference's order."""
+    def _needed(self, pairings: Sequence[Pairing]) -> list[Link]:
+        """The contacts in the causal past of some pairings, in the reference's order."""
         limits: dict[int, int] = {}
-        for pairing in self.decision.pairings:
+        for pairing in pairings:
             for name in (pairing.body, pairing.partner):
                 place, anchor = self._places.get(name), pairing.anchors.get(name)
                 if place is not None and anchor is not None:
@@ -350,7 +363,7 @@ class Continuation:
                 done[k] = at
             left.update(dict.fromkeys(bodies, event))
             found.append(Stretch(event, bodies, beside, tuple(links), before, after, first == last))
-        for k in {self._places[name] for pairing in self.decision.pairings for name in pairing.anchors}:
+        for k in {self._places[name] for pairing in self._pairings for name in pairing.anchors}:
             drifted(k, next((n for n, instant in enumerate(told) if instant.time >= self._until), len(told)))
         return found
 
@@ -499,7 +512,8 @@ class Continuation:
                     turned.update({k: flying[k] for k in link.pushed})
         reader = _Carried(self.reference, state, first, seen, turned, self._turned)
         found = reader.value_once(self.decision, self.bits)
-        self.forestalled = found is not None and ball.sign_of(found) == -1 and reader.comes_late(self.decision)
+        hits = self.decision.rival is not None and found is not None and ball.sign_of(found) == -1
+        self.forestalled = hits and reader.comes_late(self.decision)
         return found
 
 
@@ -534,17 +548,18 @@ class _Carried(RunReader):
         found = self._value(decision, bits)
         return found if found is not None and found.is_finite() else None
 
-    def comes_late(self, decision: DecidingNumber) -> bool:
-        """Whether a hit comes after the meeting that the reference has instead, whose flights were carried too."""
+    def comes_late(self, decision: DecidingNumber) -> bool | None:
+        """Whether a hit comes after the meeting that the other run has instead; None where that was not carried too."""
         rival = decision.rival
-        carried = rival is not None and all(
+        assert rival is not None
+        if not all(
             anchor is None or self._turned(rival) or (self.places[name], anchor) in self._seen
             for name, anchor in rival.anchors.items()
-        )
-        if rival is None or not carried:
-            return False
+        ):
+            return None
         mine, theirs = self.hit_time(decision.first), self.hit_time(rival)
-        return mine is not None and theirs is not None and ball.sign_of(theirs - mine) == -1
+        sign = None if mine is None or theirs is None else ball.sign_of(theirs - mine)
+        return False if theirs is None else None if sign is None else sign == -1
 
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """No zero is proved of carried flights."""

@@ -20,8 +20,8 @@ from ...scenarios.surfaces import ThingParts, parts_of
 from ...scenarios.things import Circle, Wall
 from ..alignment.instants import Kind, instants
 from ..alignment.walk import history
-from .flight_aside import middle as _middle
-from .flight_aside import out_of, stretches
+from ..tangent.flight_aside import middle as _middle
+from ..tangent.flight_aside import out_of, stretches
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
@@ -71,8 +71,8 @@ class DecidingNumber:
             `order`: the time of the second meeting less that of the first.
         first: the pairing whose hit is in question, or the meeting that comes first in the reference.
         second: for an order, the other meeting.
-        rival: for a hit that the reference does not have, the meeting that it has instead: where that comes first,
-            the hit changes nothing.
+        rival: for a hit that one of the two runs has, the meeting that the other has instead: a hit that comes after
+            that is as good as a miss.
     """
 
     kind: Literal["hit", "order"]
@@ -114,7 +114,7 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
     hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
     told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else None) for _, pairing in told]
+    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else got) for _, pairing in told]
     if expected is not None and got is not None:
         found.append(DecidingNumber("order", expected, got))
     return found
@@ -465,12 +465,12 @@ class RunReader:
             [things.line(circle, face) for face in parts.faces],
             [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
         )
-        aside = out_of(seen)
-        if aside is None or ball.sign_of(aside) is not None:
-            return aside
+        passed = out_of(seen)
+        if passed is None or ball.sign_of(passed.aside) is not None:
+            return None if passed is None else passed.aside
         unclear = [s for s in seen if ball.sign_of(s.low) is None or ball.sign_of(s.high) is None]
         grazes = all(s.end is not None and self._proves(pair_discriminant, pairing, s.end) for s in unclear)
-        return arb(0) if grazes else aside
+        return arb(0) if grazes else passed.aside
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""

@@ -27,7 +27,7 @@ from .diagnosis import CauseName, Experiment
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
-    from .budget import Account
+    from .budget import Account, Contribution
     from .decision import OwnFlight
     from .laboratory import Laboratory
 
@@ -42,8 +42,9 @@ REORDERED = 2.0**16
 MOST_ROUNDED = 2.0**-10
 """Share of the largest size up to which that is said of engines of few bits."""
 
-ALIKE = 2.0**-12
-"""Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
+ALIKE, ALIKE_UNITS = 2.0**-12, 2.0**6
+"""Share of the largest speed by which velocities may differ that two resolutions of one instant have in common; and the
+same in units in the last place of the engine's numbers, where that is more."""
 
 DIGITS = 80
 """Digits of a number whose exact text is long."""
@@ -192,14 +193,14 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
         return [_resolved_otherwise(lab, together)]
     if laws is not None and laws.kept:
-        told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
-        return [Experiment(CauseName["IMPACTS"], told, None, True)]
+        told = f"{own} has other contacts, while each impulse keeps the law: rounding from there on chose"
+        return [Experiment(CauseName["ARITHMETIC"], told, None, True)]
     return [Experiment(cause, f"{own} has other contacts, under every policy that was tried")]
 
 
 def _resolved_otherwise(lab: Laboratory, together: Sequence[Contact]) -> Experiment:
     policy = lab.study.scene.tie_policy
-    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
+    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow the tie policy {policy}"
     told = f"{len(together)} contacts fall on exactly one instant, the order of their impulses matters"
     return Experiment(CauseName["TIE"], f"{told}, and {lab.name} has another{own}", None, True)
 
@@ -335,9 +336,10 @@ class OwnState:
             if any(event <= done or self.last + there.times[event] <= self.end - self.late for event in more):
                 return False
         speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
+        room = max(ALIKE, ALIKE_UNITS * 2.0**-lab.bits) * speed
         final = exact.after(done) if done >= 0 else exact.at(0)
         return all(
-            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= ALIKE * speed
+            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= room
             for name, (vx, vy) in self.left.items()
         )
 
@@ -359,7 +361,7 @@ def _exact(value: Any) -> Quantity:
 
 def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     """The account of the displacement: what rounding the input, and each kind of error of the engine's own, add."""
-    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["IMPACTS"], CauseName["FLIGHTS"])
+    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["ARITHMETIC"], CauseName["FLIGHTS"])
     if any(row.suffices and row.cause in shown for row in rows):
         return []
     if lab.engine.bits is None and lab.engine.step is None:
@@ -407,17 +409,21 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         ]
     if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
         parts.append(account.own)
+    # where the rounded scene alone does not lead to the decision, sizes say nothing of what each kind does alone
+    grown = any(part.cause is CauseName["INPUT"] and part.alone is None and part.size for part in parts)
     for part in parts:
-        flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        flips = flips and not part.late
-        earlier, free = None, ""
+        flips, earlier, free, does = _alone(lab, part, grown), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
                 flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            if flips is None and not free:
+                flips = does = _given_does(lab) or None
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if part.late and lab.decision is not None and lab.decision.rival is not None:
             alone = f"{alone}: {lab.decision.rival.body} meets {lab.decision.rival.partner} first"
+        if does:
+            alone = f"run freely, the exact law on it has the contacts that {lab.name} has"
         if free:
             alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
@@ -460,6 +466,24 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         found = [row for row in found if row.cause is not cause or row.share is None]
         found.append(Experiment(cause, told, size, None, size / total if total else None))
     return found
+
+
+def _alone(lab: Laboratory, part: Contribution, grown: bool) -> bool | None:
+    """Whether a kind alone changes the decision as the engine has it; None where no run says so.
+
+    A hit that comes after what the other run has instead is as good as a miss.
+
+    Args:
+        grown: whether contributions are integrals along the way, and no differences of runs.
+    """
+    assert lab.decision is not None
+    rival, hit = lab.decision.rival is not None, answer(lab.decision, lab.margin) == -1
+    if part.alone is None:
+        short = not grown and not (rival and hit and part.size > 0)
+        return False if short and _short(lab, part.size) else None
+    if rival and answer(lab.decision, part.alone) == -1 and part.late is not False:
+        return None if part.late is None else lab.as_engine(arb(1))
+    return lab.as_engine(part.alone)
 
 
 def _several_before(lab: Laboratory) -> bool:

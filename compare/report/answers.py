@@ -273,7 +273,7 @@ def _growth_words(candidate: Candidate) -> str:
     """Whether errors grew on the way to the divergence: chaos, a close call, or between the two."""
     margin, parted = candidate.margin, candidate.alignment.divergence
     if parted is not None and not parted.expected_event:
-        return "It is a close call, not chaos: nothing comes before it in which errors could grow."
+        return "It is a close call, not chaos: nothing happens before that instant in which errors could grow."
     if margin is None or margin.error is None or parted is None:
         return ""
     if (0.0, 0.0) in {margin.gap, margin.distance}:

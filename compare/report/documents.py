@@ -101,6 +101,8 @@ FORMS = {
     "compare.grids.survival:Uncertainty": "shares exponent low high",
     "compare.grids.survival:Summary": "engine verdicts median survival band law changed laws",
     "compare.report.documents:SweepDocument": "settings scenes engines uncertainty failures",
+    "compare.grids.bounce_survey:Bounces": "engine asked contact bounces missed mean spread least greatest refused",
+    "compare.grids.bounce_survey:BounceSurvey": "versions rows",
     "compare.shadowing.obstacle:Blocked": "kind=obstacle event message",
     "compare.shadowing.obstacle:StartDistance": "position velocity",
     "compare.shadowing.obstacle:Distance": "position velocity time circle",

@@ -39,6 +39,10 @@ DOCUMENTS = {
         "compare.report.documents:SweepDocument",
         "What the rows of a sweep say, as `truebreak sweep --json` prints it",
     ),
+    "restitution-1": (
+        "compare.grids.bounce_survey:BounceSurvey",
+        "The restitution of engines' bounces, as `truebreak survey --restitution --json` prints it",
+    ),
 }
 """Of each schema, the class whose form it is, and the title."""
 

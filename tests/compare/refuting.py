@@ -194,7 +194,10 @@ TOUCH = 2.0**-30
 
 
 def account(said: Said) -> Iterator[Refutation]:
-    """Whether the account adds up, and is led by its largest share, of those that were not seen to be too little."""
+    """Whether the account adds up, and is led by its largest share, of those that were not seen to be too little.
+
+    Arithmetic that was seen to be too little as a whole does not lead by a part of itself, against which the rest acts.
+    """
     told = [s for s in said.shares if s.contribution is not None]
     if said.displacement is not None and told:
         total = math.fsum(s.contribution or 0.0 for s in told)
@@ -218,9 +221,8 @@ def account(said: Said) -> Iterator[Refutation]:
     for s in said.shares:
         by_kind[s.kind] += s.share or 0.0  # type: ignore[assignment]
     if said.closed and main in by_kind and main in ROUNDING:
-        top = max(
-            (kind for kind in by_kind if kind == main or kind not in said.refused), key=lambda kind: by_kind[kind]
-        )
+        little = said.refused | (OF_ARITHMETIC if ARITHMETIC in said.refused else set[str]())
+        top = max((kind for kind in by_kind if kind == main or kind not in little), key=lambda kind: by_kind[kind])
         if by_kind[top] > by_kind[main] * (1 + CLOSE):
             yield Refutation(main, "largest share", f"{top} has {by_kind[top]:.3g}, {main} {by_kind[main]:.3g}")
 
@@ -340,18 +342,22 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         exact = decisions(runs.scene, reference, at.event, at)
         if at.candidate_event is not None:
             own = decisions(runs.scene, runs.candidate.trajectory, at.candidate_event, at)
+            walls = {str(wall.id) for wall in runs.scene.walls}  # which are where they were, whoever meets them
             moved = {
                 name
                 for name in (at.expected, at.got)
-                if _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
+                if name not in walls
+                and _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
             }  # one of the two has met something else meanwhile, in one of the runs
-            if at.got in {str(wall.id) for wall in runs.scene.walls}:
+            if at.got in walls:
                 moved |= {at.expected, at.got}  # whether the circle comes to the wall may be what was decided
             both = {
                 key: float(own[key] - exact[key])
                 for key in exact.keys() & own.keys()
                 if not any(key == f"gap to {name}" for name in moved) and not (moved and key == "time between")
             }
+            if runs.candidate.margin is not None and runs.candidate.margin.speed is None:
+                both = {key: by for key, by in both.items() if not key.startswith("speed")}  # a number of another kind
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
             told = [

@@ -8,7 +8,7 @@ import click
 
 from .. import completion
 from ..options import GRID_HTML, JOBS, JSON, REPORTS, STORE, Seconds, a_file, exit_zero, isolating, some_engines
-from ..progress import DONE, ExitCode
+from ..progress import DONE, ExitCode, showing
 from .sweep import came_to_nothing, check_against, check_reports, showing_done, write_page
 
 SUITE_HELP = """
@@ -46,6 +46,7 @@ Examples:
   truebreak survey --store rows.db --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
   truebreak survey --from a.json --from b.json --json > c.json   made in parts
+  truebreak survey --restitution       asked for e, what do bounces have?
 """
 
 
@@ -119,11 +120,27 @@ def suite(
     return code or undone
 
 
+def _restitution(engines: list[str], as_json: bool) -> int:
+    from ...grids.bounce_survey import survey_of_restitution
+    from ...report.documents import document
+    from ...report.grid_tables import print_restitution
+    from ...report.listing import print_json
+
+    with showing("restitution") as progress:
+        found = survey_of_restitution(engines, progress)
+    if as_json:
+        print_json(document("restitution-1", found))
+    else:
+        print_restitution(found)
+    return DONE
+
+
 @click.command(epilog=SURVEY_HELP)
 @some_engines("Only these.", "")
 @click.option("--scenes", default="", metavar="A;B;...", help="Only these, by the names that the report has.")
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
+@click.option("--restitution", is_flag=True, help="Measure the restitution of each engine's bounces instead.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
 @STORE
 @JOBS
@@ -139,6 +156,7 @@ def survey(
     scenes: str,
     no_causes: bool,
     no_advice: bool,
+    restitution: bool,
     max_seconds: float | None,
     store: str | None,
     jobs: int | None,
@@ -169,6 +187,12 @@ def survey(
         if file is not None:
             check_writable(file)
     names = [name.strip() for name in engines.split(",") if name.strip()]
+    if restitution:
+        others = {"--scenes": scenes, "--store": store, "--from": recorded, "--html": html, "--page": page}
+        for option, given in others.items():
+            if given:
+                raise click.UsageError(f"--restitution has scenes and a table of its own; leave {option} out")
+        return _restitution(names, as_json)
     labels = [label.strip() for label in scenes.split(";") if label.strip()]
     if recorded:
         if store is not None:

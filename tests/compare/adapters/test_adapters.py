@@ -12,6 +12,7 @@ from truebreak.compare.adapters.__main__ import main as costs_command
 from truebreak.compare.adapters.adapter import NotInstalled, package
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
+from truebreak.compare.grids.bounce_survey import BOUNCES, bounces_of
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.catalogue import build
@@ -90,6 +91,16 @@ def test_a_slow_hit_bounces(name: str) -> None:
     assert [event.impulses for event in run.events] == [(("a", "b"),)]
     assert run.final["b"].vx == pytest.approx(math.ldexp(1, -16), rel=1e-2)
     assert abs(float(run.final["a"].vx)) < math.ldexp(1, -22)
+
+
+@pytest.mark.parametrize("contact", ["wall", "discs"])
+@pytest.mark.parametrize("name", ["box2d", "rapier"])
+def test_bounces_have_the_restitution_of_the_scene(name: str, contact: str) -> None:
+    pytest.importorskip({"box2d": "Box2D", "rapier": "rapier3d"}[name])
+    found = bounces_of(engine(name), contact, "9/10")
+    assert (found.bounces, found.missed, found.refused) == (BOUNCES, 0, None)
+    assert found.least == pytest.approx(0.9, abs=1e-6)
+    assert found.greatest == pytest.approx(0.9, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", STEPPED)

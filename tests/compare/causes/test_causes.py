@@ -184,3 +184,15 @@ def test_causes_of_doubles_cost_at_most_ten_reference_runs(spec: str, monkeypatc
         found = compare(catalogue.build(spec), ["double"], alternatives=False)
         assert found["double"].diagnosis is not None and found["double"].diagnosis.name is not CauseName.UNKNOWN
     assert 0 < min(took) <= 10, took
+
+
+def test_a_tie_broken_by_flights_of_few_bits_is_not_laid_on_its_impulses() -> None:
+    """From its own state before the instant the exact law has the engine's contacts, and leaves the circles as it does
+    but for some 20 units of its numbers: nothing within the instant chose.
+    """
+    found = compare(catalogue.build("rack:rows=4,speed=5"), ["rounded:bits=16"], events=8, alternatives=False)
+    diagnosis = found["rounded:bits=16"].diagnosis
+    assert diagnosis is not None and diagnosis.closed
+    assert CauseName.FLIGHTS in diagnosis.sufficient and CauseName.IMPACTS not in diagnosis.sufficient
+    tie = next(e for e in diagnosis.experiments if e.cause is CauseName.TIE)
+    assert tie.suffices is False and "rounding before it chose" in tie.result

@@ -10,7 +10,9 @@ from typing import Any, NamedTuple
 import pytest
 
 from truebreak.compare import compare
+from truebreak.compare.alignment.align import align
 from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.causes.given_scene import rounded
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
@@ -174,3 +176,20 @@ def test_each_rounding_is_judged_as_an_experiment_by_hand_has_it(seed: int) -> N
         assert len(found.causes) > 1
     assert found.closed
     assert sum(row.displacement or 0.0 for row in found.shares) == pytest.approx(found.displacement)
+
+
+def test_a_hit_that_comes_too_late_changes_the_decision_as_a_miss_does() -> None:
+    """c1 hits c3 in the exact run, and the wall first in singles. On the scene in 24 bits the exact law still has a
+    hit of c3 in free flight, less deep and so later, after the wall: rounding of the input alone makes the difference.
+    """
+    scene = catalogue.build("gas:n=3,seed=1490")
+    found = compare(scene, ["single"], events=60, alternatives=False)["single"]
+    parted = found.alignment.divergence
+    assert parted is not None and (parted.event, parted.body, parted.expected, parted.got) == (35, "c1", "c3", "bottom")
+    given = align(ExactEngine().run(scene, events=60), ExactEngine().run(rounded(scene, 24), events=60)).divergence
+    assert given is not None and (given.event, given.body, given.got) == (35, "c1", "bottom")
+    assert found.diagnosis is not None and CauseName.INPUT in found.diagnosis.sufficient
+    row = next(e for e in found.diagnosis.experiments if e.cause is CauseName.INPUT)
+    assert found.margin is not None and found.margin.distance is not None and row.displacement is not None
+    assert found.margin.distance[1] + row.displacement < 0, "by its depth alone it is a hit still"
+    assert "c1 meets bottom first" in row.result

@@ -282,7 +282,7 @@ def test_an_engine_that_follows_no_policy_resolves_a_tie_otherwise_and_no_roundi
     assert found.verdict == "diverged"
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.TIE
-    assert "does not follow simultaneous" in found.diagnosis.finding
+    assert "does not follow the tie policy simultaneous" in found.diagnosis.finding
 
 
 def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
