@@ -10,6 +10,7 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import speed_change
 from .numbers.system import N, solve_positive
+from .replay.arc_ranges import arc_chord, within_arc
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
 from .replay.state import ReplayState
 
@@ -222,7 +223,7 @@ class Within(Plain):
         return self.link.circles
 
     def value(self, state: ReplayState[N]) -> N:
-        return state.within_arc(self.link, *state.arc_span(self.link, self.graze))
+        return within_arc(state, self.link, *state.arc_span(self.link, self.graze))
 
     def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         zero = state.zero
@@ -231,8 +232,8 @@ class Within(Plain):
         t, dx, dy, vx, vy, _ = state.relation(self.link)
         p, q, disc = self.link.parts(state)
         wait = p - t
-        nx, ny, _ = state.arc_chord(self.link)
-        fixed = state.within_arc(self.link, dx + vx * wait, dy + vy * wait)
+        nx, ny, _ = arc_chord(state, self.link)
+        fixed = within_arc(state, self.link, dx + vx * wait, dy + vy * wait)
         return fixed, -(nx * vx + ny * vy) * q, disc, zero, zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
@@ -246,6 +247,15 @@ class Discriminant(OfOne[Round]):
 
     def value(self, state: ReplayState[N]) -> N:
         return state.discriminant(self.link)
+
+
+class Arrives(OfOne[AtWall]):
+    """Does a circle that gravity pulls away from a wall hit (positive), graze (zero) or miss it (negative)?"""
+
+    words = "whether {} hit, graze or miss"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.wall_discriminant(self.link)
 
 
 class RelativeSpeed(OfOne[Round]):
@@ -281,6 +291,8 @@ class Moment:
         """The clock from which it is reckoned, and the time from that."""
         if self.graze and not is_flat(self.link):
             return state.graze(self.link)
+        if self.graze and is_flat(self.link):
+            return state.wall_graze(self.link)
         return self.link.hit(state)
 
     def parts(self, state: ReplayState[N]) -> tuple[N, N, N]:

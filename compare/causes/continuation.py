@@ -31,7 +31,7 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Entry, Flight, Pair, is_flat
+from ...exact.replay.contact import AtWall, Entry, Flight, Pair, Touch, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
@@ -77,7 +77,7 @@ class Link:
     bodies: tuple[int, ...]
     pushed: tuple[int, ...]
     steps: tuple[Step, ...]
-    single: Pair | AtWall | None
+    single: Touch | None
 
     @property
     def turns(self) -> bool:
@@ -595,7 +595,7 @@ def _plus(row: Row, other: Row, scale: arb | None) -> Row:
     return t + dt, x + dx, y + dy, vx + ux, vy + uy
 
 
-def bounce(state: ReplayState[arb], link: Pair | AtWall, rows: Mapping[int, Row], here: bool = False) -> Rows:
+def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: bool = False) -> Rows:
     """The elastic bounce of two circles, or of a circle and a wall, where they touch first in free flight.
 
     Args:
@@ -612,6 +612,7 @@ def bounce(state: ReplayState[arb], link: Pair | AtWall, rows: Mapping[int, Row]
             wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))
         left = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
         return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
+    assert is_pair(link), "no cause is looked for among arcs"
     a, b = link.ends(state)
     one, other = (rows[k] if k in rows else _row(state.bodies[k].flight) for k in link)
     later = one[0] if link.b not in rows else other[0]

@@ -66,6 +66,8 @@ class Impacts:
     def __init__(self, scene: Scene) -> None:
         if scene.arcs:
             raise SceneError(f"{scene.name!r}: has arcs, of which no log is judged yet; take walls")
+        if scene.gravity is not None:
+            raise SceneError(f"{scene.name!r}: has gravity, of which no log is judged yet")
         self._change = 1.0 + float(scene.restitution)
         self.things = tuple(parts_of(scene))
         self._near = PartsNear(scene, DOUBLES) if self.things else None

@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Flight, Pair, Touch, is_flat
+from ...exact.replay.contact import AtWall, Flight, Pair, Touch, is_flat, is_pair
 from ...exact.replay.state import Go, Kick, ReplayState
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, NoTangentMap, check_start, moving
@@ -205,6 +205,7 @@ def _impact(state: ReplayState[arb], link: Touch) -> Impact:
         return Impact(
             state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero
         )
+    assert is_pair(link), "no shadow is looked for among arcs"
     (a, b), (dx, dy) = link.ends(state), state.span(link)
     vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
     return Impact(state.instant, i, link.b, dx, dy, vx, vy, state.reach(a, b), a.w, b.w)

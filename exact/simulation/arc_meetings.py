@@ -17,6 +17,7 @@ from ..laws.formulas import (
 )
 from ..numbers.system import M
 from ..question import Approach, Discriminant, Gap, Question, Within
+from ..replay.arc_ranges import arc_chord
 from ..replay.contact import AtArc, Body, Link
 from ..replay.state import ReplayState
 
@@ -108,7 +109,7 @@ class ArcSides(Generic[M]):
     def numbers(self, link: AtArc) -> tuple[M, M, M, M, M, M, M]:
         """Of a side as a circle meets it: its middle, R, its radius, and as `formulas.arc_range` takes it."""
         a, b = link.ends(self.state)
-        return b.flight.x, b.flight.y, self.state.reach(a, b), b.r, *self.state.arc_chord(link)
+        return b.flight.x, b.flight.y, self.state.reach(a, b), b.r, *arc_chord(self.state, link)
 
     def meet(self, a: Body[M], standing: Collection[Link], predictor: Predicting[M]) -> None:
         """Queues the next hits of a circle with all of them."""

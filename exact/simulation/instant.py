@@ -16,6 +16,7 @@ from ..replay.contact import (
     AtWall,
     Entry,
     Link,
+    Sides,
     Touch,
     can_push,
     contact_of,
@@ -121,6 +122,7 @@ class Resolver(Generic[N, K]):
         self.decider = decider
         self.policy = policy
         self.n = len(scene.circles)
+        self._sides = Sides(scene)
         self.touching = Lasting()
         self.gone: set[int] = set()
 
@@ -256,12 +258,14 @@ class Resolver(Generic[N, K]):
 
     def _lasts(self, link: Touch) -> bool:
         """Whether two at gap zero that neither approach nor part stay there: nothing but straight flight together
-        keeps two circles at gap zero, and any flight along a wall does.
+        keeps two circles at gap zero, and any flight along a wall does, unless gravity bends it.
 
         Raises:
             Undecided: for a flight along the inside of an arc.
         """
-        if is_flat(link) or self.decider.ask(RelativeSpeed(link)) == 0:
+        if is_flat(link):
+            return self._sides.pull(*link[:2]) == 0
+        if self.decider.ask(RelativeSpeed(link)) == 0:
             return True
         if is_arc(link) and link.hollow:
             who = name_of(self.scene, link)

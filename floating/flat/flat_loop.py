@@ -255,6 +255,7 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
         and not scene.segments
         and not scene.polygons
         and not scene.arcs
+        and scene.gravity is None
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
     )

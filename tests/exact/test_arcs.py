@@ -23,7 +23,7 @@ from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tolerances.reach import reach_of
 from truebreak.compare.validation import unsupported
-from truebreak.exact import ExactEngine
+from truebreak.exact import ExactEngine, question
 from truebreak.exact.certified import filtered_arcs
 from truebreak.exact.certified.filtered import DoubleFilter
 from truebreak.exact.certified.filtered_arcs import FloatArc, ShortArcSides
@@ -139,7 +139,7 @@ def _no_range_in_doubles(monkeypatch):
 def _no_range_in_balls(monkeypatch):
     monkeypatch.setattr(filtered_arcs, "arcs_in_doubles", lambda _, a, sides: ([], [side.side for side in sides]))
     monkeypatch.setattr(arc_meetings, "arc_range", lambda *of: of[0] * 0 + 1)
-    monkeypatch.setattr(states.Flights, "within_arc", lambda self, *_: self.one)
+    monkeypatch.setattr(question, "within_arc", lambda state, *_: state.one)
 
 
 def _range_at_the_arc(monkeypatch):
