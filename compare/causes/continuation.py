@@ -31,7 +31,7 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Entry, Flight, Pair, Touch, is_flat
+from ...exact.replay.contact import AtWall, Entry, Flight, Pair, Touch, is_flat, is_pair
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
