@@ -73,12 +73,14 @@ class DecidingNumber:
         second: for an order, the other meeting.
         rival: for a hit that one of the two runs has, the meeting that the other has instead: a hit that comes after
             that is as good as a miss.
+        rival_time: when that comes, in the run that has it.
     """
 
     kind: Literal["hit", "order"]
     first: Pairing
     second: Pairing | None = None
     rival: Pairing | None = None
+    rival_time: float = math.inf
 
     @property
     def pairings(self) -> list[Pairing]:
@@ -112,9 +114,11 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         expected = _pairing(reference, walks, body, divergence.expected, divergence.expected_event, None)
     if divergence.got is not None and divergence.candidate_event is not None:
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
-    hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
-    told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else got) for _, pairing in told]
+    hits = [(divergence.got_time or 0.0, got), (divergence.expected_time or 0.0, expected)]
+    found: list[DecidingNumber] = []
+    for (_, pairing), (instead, rival) in sorted(zip(hits, hits[::-1], strict=True), key=lambda both: both[0][0]):
+        if pairing is not None:
+            found.append(DecidingNumber("hit", pairing, None, rival, instead))
     if expected is not None and got is not None:
         found.append(DecidingNumber("order", expected, got))
     return found

@@ -358,7 +358,9 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             }
             if runs.candidate.margin is not None and runs.candidate.margin.speed is None:
                 both = {key: by for key, by in both.items() if not key.startswith("speed")}  # a number of another kind
-            close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
+            signed = {key: abs(by) if key == "time between" else by for key, by in both.items()}  # of two, either first
+            whole = {key: abs(said.displacement) if key == "time between" else said.displacement for key in both}
+            close = [key for key, by in signed.items() if abs(by - whole[key]) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
             told = [
                 key for key in both if not key.startswith("speed")
