@@ -358,9 +358,7 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             }
             if runs.candidate.margin is not None and runs.candidate.margin.speed is None:
                 both = {key: by for key, by in both.items() if not key.startswith("speed")}  # a number of another kind
-            signed = {key: abs(by) if key == "time between" else by for key, by in both.items()}  # of two, either first
-            whole = {key: abs(said.displacement) if key == "time between" else said.displacement for key in both}
-            close = [key for key, by in signed.items() if abs(by - whole[key]) <= NEAR * abs(by)]
+            close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
             told = [
                 key for key in both if not key.startswith("speed")
@@ -370,7 +368,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )
             for key in close:
-                if exact[key] * own[key] > 0 and len(both) == len(close):
+                alike = key == "time between" or both[key] * said.displacement > 0  # else it is no more than as large
+                if exact[key] * own[key] > 0 and len(both) == len(close) and alike:
                     yield Refutation(
                         "account", "same side", f"{key} is {exact[key]:.3g} and {own[key]:.3g}: that decides nothing"
                     )
