@@ -20,8 +20,8 @@ from ...scenarios.surfaces import ThingParts, parts_of
 from ...scenarios.things import Circle, Wall
 from ..alignment.instants import Kind, instants
 from ..alignment.walk import history
-from .flight_aside import middle as _middle
-from .flight_aside import out_of, stretches
+from ..tangent.flight_aside import middle as _middle
+from ..tangent.flight_aside import out_of, stretches
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
@@ -469,12 +469,12 @@ class RunReader:
             [things.line(circle, face) for face in parts.faces],
             [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
         )
-        aside = out_of(seen)
-        if aside is None or ball.sign_of(aside) is not None:
-            return aside
+        passed = out_of(seen)
+        if passed is None or ball.sign_of(passed.aside) is not None:
+            return None if passed is None else passed.aside
         unclear = [s for s in seen if ball.sign_of(s.low) is None or ball.sign_of(s.high) is None]
         grazes = all(s.end is not None and self._proves(pair_discriminant, pairing, s.end) for s in unclear)
-        return arb(0) if grazes else aside
+        return arb(0) if grazes else passed.aside
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""

@@ -40,7 +40,7 @@ def numbers_of(scene: Scene) -> dict[int, int]:
     >>> from truebreak.scenarios import Circle, Polygon, Scene
     >>> dart = Polygon([(0, 0), (2, 0), (1, 1), (1, 3)], "dart")  # four sides; three corners that are ends
     >>> numbers_of(Scene([Circle(0, 9)], polygons=[dart]))
-    {0: 0, 1: 2, 2: 3, 3: 4, 4: 5, 5: 7, 6: 9, 7: 11}
+    {0: 0, 1: 2, 2: 4, 3: 1, 4: 5, 5: 7, 6: 9, 7: 11}
     """
     seen, bars = scene.surfaces, bars_of(scene)
     count, walls = len(scene.circles), len(scene.walls)

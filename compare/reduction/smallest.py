@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Pocket, Segment, Wall
+from ...scenarios.things import Circle, Pocket, Polygon, Segment, Wall
 
 if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
 
 Item = TypeVar("Item")
-Thing: TypeAlias = Circle | Wall | Segment | Pocket
+Thing: TypeAlias = Circle | Wall | Segment | Polygon | Pocket
 
 
 def ddmin(items: Sequence[Item], still: Callable[[Sequence[Item]], bool], parts: int = 2) -> list[Item]:
@@ -73,7 +73,7 @@ def cut(items: Sequence[Item], parts: int) -> list[list[Item]]:
 # ----------------------------------------
 # What a scene is made of, so that it can be left out: things, settings, and the digits of numbers.
 
-THINGS = ("circles", "walls", "segments", "pockets")
+THINGS = ("circles", "walls", "segments", "polygons", "pockets")
 
 SETTINGS = ("reverse_after", "reverse_at", "capture", "until")
 
@@ -83,7 +83,7 @@ KEYS = {
     "segments": ("x0", "y0", "x1", "y1", "r"),
     "pockets": ("x", "y", "r"),
 }
-"""The numbers of a thing; `id` and `point` are not numbers."""
+"""The numbers of a thing; `id` and `point` are not numbers. A polygon has r, and x1, y1, x2, ... of its points."""
 
 DENOMINATORS = tuple(10**k for k in (0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 40))
 """Largest denominators of the fractions that a number is rounded to, the shortest first: a double has 16 digits, and
@@ -110,7 +110,7 @@ class SceneParts:
 
 
 def things(scene: Scene, kind: str) -> SceneParts:
-    """The circles, the walls, the segments or the pockets by their ids.
+    """The circles, the walls, the segments, the polygons or the pockets by their ids.
 
     >>> parts = things(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), "circles")
     >>> parts.items, parts.keeping(["b"]).ids
@@ -125,21 +125,28 @@ def things(scene: Scene, kind: str) -> SceneParts:
 
 
 def corners(scene: Scene) -> SceneParts:
-    """The corners at which two segments end, and no third: without one, the two are one, straight on.
+    """The corners at which two segments end, and no third, and those of polygons: without one it goes straight on.
 
     >>> bars = [Segment(0, 0, 1, 1, id="up"), Segment(1, 1, 2, 0, id="down")]
     >>> parts = corners(Scene([Circle(0, 9)], segments=bars))
     >>> parts.items, [(s.id, s.x1.text(), s.y1.text()) for s in parts.keeping([]).segments]
     (('up/down',), [('up', '2', '0')])
+    >>> box = corners(Scene([Circle(0, 9)], polygons=[Polygon([(0, 0), (1, 0), (1, 1), (0, 1)], "box")]))
+    >>> box.items, len(box.keeping(["box.1", "box.2", "box.4"]).polygons[0].points)
+    (('box.1', 'box.2', 'box.3', 'box.4'), 3)
     """
     at: dict[tuple[Quantity, Quantity], list[Segment]] = {}
     for segment in scene.segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
             at.setdefault(place, []).append(segment)
     joints = {f"{pair[0].id}/{pair[1].id}": place for place, pair in at.items() if len(pair) == 2}
+    points = [(f"{g.id}.{k}", g) for g in scene.polygons for k in range(1, len(g.points) + 1)]
 
     def keeping(kept: Sequence[str]) -> Scene:
-        left = list(scene.segments)
+        left, solids = list(scene.segments), list[Polygon]()
+        for g in scene.polygons:
+            places = [place for k, place in enumerate(g.points, start=1) if f"{g.id}.{k}" in kept]
+            solids.append(g if len(places) == len(g.points) else Polygon(places, g.id, g.r))
         for name, place in joints.items():
             if name in kept:
                 continue
@@ -147,9 +154,9 @@ def corners(scene: Scene) -> SceneParts:
             first, second = left[one], left.pop(other)
             ends = [end for s in (first, second) for end in ((s.x0, s.y0), (s.x1, s.y1)) if end != place]
             left[one] = Segment(*ends[0], *ends[1], id=first.id, r=first.r)
-        return scene.with_changes(segments=left)
+        return scene.with_changes(segments=left, polygons=solids)
 
-    return SceneParts("corners", tuple(joints), keeping)
+    return SceneParts("corners", (*joints, *(name for name, _ in points)), keeping)
 
 
 def settings(scene: Scene) -> SceneParts:
@@ -201,6 +208,10 @@ def numbers(scene: Scene) -> Iterator[tuple[str, int, str, Quantity]]:
                 value = getattr(thing, key)
                 if isinstance(value, Quantity):
                     yield kind, k, key, value
+    for k, polygon in enumerate(scene.polygons):
+        yield "polygons", k, "r", polygon.r
+        for n, place in enumerate(polygon.points, start=1):
+            yield from (("polygons", k, f"{axis}{n}", value) for axis, value in zip("xy", place, strict=True))
 
 
 def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
@@ -209,6 +220,11 @@ def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
     Raises:
         SceneError: if it must not have that number.
     """
+    if isinstance(thing, Polygon):
+        points = [list(place) for place in thing.points]
+        if key != "r":
+            points[int(key[1:]) - 1]["xy".index(key[0])] = value
+        return Polygon([(x, y) for x, y in points], thing.id, value if key == "r" else thing.r)
     given = {name: getattr(thing, name) for name in KEYS[kind]} | {key: value, "id": thing.id}
     if isinstance(thing, Circle):
         given["point"] = thing.point
@@ -264,8 +280,8 @@ class Reduction:
     """One scene that still shows a divergence, or a law not kept, and what was left out for it.
 
     Attributes:
-        kind: what was left out: circles, walls, segments, pockets, corners, settings, events or digits.
-        removed: ids of things, of corners those of the two segments that became one,
+        kind: what was left out: circles, walls, segments, polygons, pockets, corners, settings, events or digits.
+        removed: ids of things; of corners those of the two segments that became one, or a polygon's and a number;
             names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
         comparison: of what is left: the engine held against the certified run.
         runs: comparisons made by then.
@@ -294,7 +310,7 @@ class Reduction:
 
 @dataclass(frozen=True)
 class SceneSize:
-    """How large a scene is: its things, the limit on its instants, the characters of its numbers, its segments."""
+    """How large a scene is: its things, the limit on its instants, and the characters of its numbers."""
 
     circles: int
     walls: int
@@ -302,12 +318,13 @@ class SceneSize:
     events: int | None
     characters: int
     segments: int = 0
+    polygons: int = 0
 
     @staticmethod
     def of(scene: Scene) -> SceneSize:
         """The size of a scene."""
         counts = len(scene.circles), len(scene.walls), len(scene.pockets)
-        return SceneSize(*counts, scene.events, length(scene), len(scene.segments))
+        return SceneSize(*counts, scene.events, length(scene), len(scene.segments), len(scene.polygons))
 
 
 @dataclass(frozen=True)
@@ -337,7 +354,7 @@ class Smallest:
 
     @property
     def minimal(self) -> bool:
-        """Whether it is 1-minimal: without any one circle, wall, segment, pocket, corner, setting, its
+        """Whether it is 1-minimal: without any one circle, wall, segment, polygon, pocket, corner, setting, its
         last event, or the digits that
         any one number has beyond the next shorter rounding, the divergence (or the breach of the law) is gone, or the
         scene is none."""

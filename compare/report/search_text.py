@@ -451,6 +451,7 @@ def size_phrase(size: SceneSize) -> str:
         (size.circles, "circle"),
         (size.walls, "wall"),
         (size.segments, "segment"),
+        (size.polygons, "polygon"),
         (size.pockets, "pocket"),
         (size.events, "event"),
     ]

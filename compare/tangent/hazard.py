@@ -22,9 +22,10 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.state import ReplayState
+from ...exact.replay.state import ReplayState, SeenWall
 from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
+from .flight_aside import out_of, stretches
 from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
 
@@ -160,7 +161,8 @@ class Course:
         partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
         things = [thing for impact in met for thing in self._things_of(impact)]
         at = {impact.wall for impact in met if impact.wall is not None}
-        at |= {wall for thing in things for wall in thing.faces}  # which part of a thing it is changes no history
+        # which part of a convex thing it is changes no history; of another one a face of a corner comes after the other
+        at |= {wall for thing in things if thing.convex for wall in thing.faces}
         unknown = sum(impact.b is None and impact.wall is None for impact in met)
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
@@ -193,7 +195,10 @@ class Course:
 
     def passing(self, impact: Impact) -> Passing | None:
         """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall."""
-        ends = sorted({end for thing in self._things_of(impact) for end in thing.ends})
+        things = self._things_of(impact)
+        if any(not thing.convex for thing in things):
+            return self._out_of(impact.a, things)
+        ends = sorted({end for thing in things for end in thing.ends})
         if not ends:
             return None
         (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
@@ -203,6 +208,23 @@ class Course:
         below, above = float(reach[low] - offset[low]), float(offset[high] + reach[high])
         depth, end = (below, low) if below < above else (above, high)
         return Passing(max(depth, 0.0), float(dx[end] * vx + dy[end] * vy) / speed**2)
+
+    def _out_of(self, i: int, things: Sequence[ThingParts]) -> Passing | None:
+        """The same of things of which some are not convex: of what of them lies ahead of circle i."""
+        (x, y), (vx, vy), r = self.places[i], self.speeds[i], self._radii[i]
+        faces = sorted({wall for thing in things for wall in thing.faces})
+        ends = sorted({end for thing in things for end in thing.ends})
+        lines = [
+            SeenWall(*map(arb, (x0, y0, nx * long, ny * long, long * long, long)))
+            for (x0, y0, nx, ny), long in zip(self._walls[faces].tolist(), self._length[faces].tolist(), strict=True)
+        ]
+        places, radii = self.places[ends].tolist(), self._radii[ends].tolist()
+        round_ones = [(e, arb(ex), arb(ey), arb(er)) for e, (ex, ey), er in zip(ends, places, radii, strict=True)]
+        way = arb(float(x)), arb(float(y)), arb(float(vx)), arb(float(vy))
+        passed = out_of(stretches(way, arb(float(r)), lines, round_ones))
+        if passed is None:
+            return None
+        return Passing(max(-float(passed.aside.mid()), 0.0), passed.ahead / hypot(vx, vy))
 
     def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
         """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""

@@ -13,7 +13,7 @@ from fuzz.generators import case_of
 from fuzz.ingredients import exercised, mixed
 from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, cells_from, check_relations
+from fuzz.relations import FEW_CELLS, again, cells_from, check_relations, resumed_on_the_way, the_same, with_one_at_rest
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_engine import DEFAULT_WORK
@@ -24,6 +24,28 @@ MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
 """Which further check a seed gets."""
 BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart", "dyads")
 """Kinds whose plain seeds get the interval engine in doubles: their ties are closer than those."""
+THERE_AND_BACK = ("undone", "again", "home", "strayed")
+"""Kinds whose plain seeds are broken off and resumed: what the way out tells of the way back has to be kept."""
+AIMED = (
+    "alike",
+    "hairs",
+    "late",
+    "neighbours",
+    "home",
+    "strayed",
+    "undone",
+    "again",
+    "abreast",
+    "strokes",
+    "on_rim",
+    "dips",
+    "dyads",
+    "raft",
+    "swift",
+    "loose",
+)
+"""Kinds that each aim at one thing which scenes by the covering array seldom bring close enough: one of them is played
+beside each of those, by turns."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +109,14 @@ def examine(kind: str, seed: int, modes: bool = True, work: int = DEFAULT_WORK) 
     return verdict("ok", len(told.events), "", extra, endless)
 
 
+def aimed(seed: int) -> tuple[str, int]:
+    """The scene of an older kind that is played beside one by the covering array."""
+    return AIMED[seed % len(AIMED)], seed // len(AIMED)
+
+
 def examine_mixed(seed: int, modes: bool = True, work: int = DEFAULT_WORK) -> Verdict:
-    """As `examine`, for a scene by the covering array: with the relations of its row, and what of the row took part."""
+    """As `examine`, for a scene by the covering array: with the relations of its row, a scene of an older kind beside
+    it, and what of the row took part."""
     start = clock.perf_counter()
 
     def verdict(outcome: str, events: int, message: str = "", extra: str = "", **more: Any) -> Verdict:
@@ -116,6 +144,12 @@ def examine_mixed(seed: int, modes: bool = True, work: int = DEFAULT_WORK) -> Ve
             return verdict(wrong, count, str(difference), endless=endless)
         except Exception as error:
             return verdict("failure", count, f"{type(error).__name__}: {error}", endless=endless)
+    if modes:
+        kind, number = aimed(seed)
+        other = examine(kind, number, work=work)
+        if other.outcome in ("failure", "interval"):
+            return verdict(other.outcome, count, f"beside it, {kind} {number}: {other.message}", endless=endless)
+        checks |= {"beside"} if other.outcome == "ok" else set()
     stop, found = run.stop.reason.name, tuple(sorted(exercised(mix, told, run, checks)))
     outcome = stop.lower() if stop in GAVE_UP else "ok"
     message = run.stop.message if stop in GAVE_UP else ""
@@ -134,7 +168,14 @@ def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:
         return "map" if check_map(run, case, by, engine) else ""
     if mode == "cut":
         return "cut" if check_cut(run, case, draw, engine) else ""
+    if mode == "plain" and kind in THERE_AND_BACK:
+        return "resume" if resumed_on_the_way(run, case, draw, engine) else ""
+    if mode == "plain" and kind == "loose":
+        with cells_from(FEW_CELLS):
+            return "cells" if the_same(run, again(case, engine), "with cells") else ""
     plain = mode == "plain" and kind in BY_INTERVALS
+    if plain:
+        with_one_at_rest(run, case, engine)
     if (mode == "interval" or plain) and run.stop.reason.name not in GAVE_UP:
         check_interval(run, case, IntervalEngine(bits=53 if plain else draw.choice([53, 120, 300])))
         return "interval"

@@ -136,7 +136,7 @@ def simple(value: fmpz, told: Told) -> Fraction | None:
 
 
 COMPOSED: dict[str, Callable[[Random], Case]] = {"ends": ends, "returns": returns}
-MIXED: dict[str, Maker] = {"twins": twins, "long": long, "specks": specks}
+MIXED: dict[str, Maker] = {"twins": twins, "long": long, "specks": specks, "loose": rooms.loose}
 KINDS: tuple[str, ...] = (*PLAIN, *MIXED, *COMPOSED, *CRUEL, "mixed")
 
 

@@ -49,6 +49,8 @@ GAVE_UP = ("undecided", "budget")
 WRONG = ("failure", "interval", "hang")
 APPLY = {"cells", "deep", "form", "map", "midpoints", "past", "scale"}
 """Relations that apply to most scenes, unless one of their runs gives up."""
+BESIDE = {"beside"}
+"""That the scene of an older kind beside one by the covering array is decided."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +165,8 @@ def lacks(verdict: dict[str, Any]) -> set[str]:
     if verdict.get("kind") != "mixed" or verdict["outcome"] != "ok":
         return set()
     seed = verdict["seed"]
-    return APPLY.intersection(wanted_of(row_of(seed), seed)).difference(verdict["extra"].split())
+    wanted = APPLY.intersection(wanted_of(row_of(seed), seed)) | BESIDE
+    return wanted.difference(verdict["extra"].split())
 
 
 def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]], patience: float) -> str:

@@ -321,7 +321,7 @@ GATHERING = (
         "return {*done.standing, *lasting} if lasting else done.standing",
         "return done.standing",
         "lasting contacts are predicted",
-        why_it_survives="costs time: that two which move together do not approach is asked, and told, once more",
+        why_it_survives="costs time: that two which move together do not approach is asked, and answered, once more",
     ),
 )  # fmt: skip
 
@@ -693,7 +693,7 @@ FILTERS = (
         "filter_late_approach", FILTER,
         "early = off + 2.0 * (square + loose) * late",
         "early = off",
-        "whether two come nearer is told at the clock, not at the instant",
+        "whether two come nearer is decided at the clock, not at the instant",
         why_it_survives="the clock misses the instant by less than 2**-96 of the time; the bound on products is "
         "over 2**40 times that",
     ),
@@ -799,7 +799,7 @@ NUMBERS = (
         "gap_at_the_clock", "exact/replay/state.py",
         "        if late is None:\n            return pair_gap(",
         "        if True:\n            return pair_gap(",
-        "whether two are apart is told at the clock, not at the instant",
+        "whether two are apart is decided at the clock, not at the instant",
         why_it_survives="the middle of a ball is cut off towards zero, so a clock stands before its instant but for "
         "the radius: two that come nearer are further apart there, and gap zero does not reach the question",
     ),
@@ -807,7 +807,11 @@ NUMBERS = (
         "approach_at_the_clock", "exact/replay/state.py",
         "        if late is None:\n            return pair_approach(",
         "        if True:\n            return pair_approach(",
-        "whether two come nearer is told at the clock, not at the instant",
+        "whether two come nearer is decided at the clock, not at the instant",
+        why_it_survives=(
+            "the clock is off by the last bit of a time; it shows only where a gap, no zero, is below the square of"
+            " what a circle flies meanwhile: 2,570 scenes, of which 1,070 were made for it, show nothing"
+        ),
     ),
     Mutant(
         "late_not_mixed", BALLS,

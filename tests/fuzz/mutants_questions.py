@@ -237,6 +237,7 @@ CERTIFIED = (
         "                if t + wait > self._begun(moment.link):\n                    return t + wait",
         "                return t + wait",
         "a time that may be past is taken as it is",
+        why_it_survives="the ball holds the time all the same, only wider: what it leaves open is asked with more bits",
     ),
     Mutant(
         "unsure_parting_met",

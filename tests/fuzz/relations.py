@@ -123,6 +123,42 @@ def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     return the_same(run, engine.resume(first, **limits), f"resumed after {len(first.events)} events")
 
 
+def resumed_on_the_way(run: Trajectory, case: Case, draw: Random, engine: Any) -> bool:
+    """Broken off after some events of the way out, and resumed to the last event: the same as in one go; False where
+    there is too little of it.
+
+    Raises:
+        Difference: where the two differ.
+    """
+    out = run.reversal.after if run.reversal else len(run.events) - 1
+    if not 1 <= out < len(run.events) or run.stop.reason.name in GAVE_UP:
+        return False
+    limits, k = {"events": len(run.events)}, draw.randrange(max(1, out // 2), out + 1)
+    first = engine.run(case.scene, events=k)
+    if first.stop.reason.name in GAVE_UP:
+        return False
+    whole, rest = engine.run(case.scene, **limits), engine.resume(first, **limits)
+    expect(rest.stop.reason == whole.stop.reason, f"resumed after {k} events: stops with {rest.stop}")
+    return the_same(whole, rest, f"resumed after {k} events")
+
+
+def with_one_at_rest(run: Trajectory, case: Case, engine: Any) -> bool:
+    """With a small circle at rest beside all others, listed last: the same; False where it is met.
+
+    Raises:
+        Difference: where the two differ.
+    """
+    scene = case.scene
+    x, y = (max(abs(getattr(circle, key)) + circle.r for circle in scene.circles) + 9 for key in ("x", "y"))
+    aside = Circle(x, y, Quantity.of("1/64"), id="aside")
+    if scene.walls or scene.pockets or any(circle.id == "aside" for circle in scene.circles):
+        return False
+    other = again(replace(case, scene=scene.with_changes(circles=[*scene.circles, aside])), engine)
+    if any("aside" in contact for event in other.events for contact in event.contacts):
+        return False
+    return the_same(run, other, "with one at rest")
+
+
 def _between(run: Trajectory, k: int) -> Quantity:
     """A time between two events, or of the first of them where doubles tell none."""
     early, late = (float(run.events[j].time) for j in (k - 1, k))

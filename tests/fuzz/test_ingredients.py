@@ -13,11 +13,20 @@ from command_line import said
 
 from fuzz.check import Difference, compare
 from fuzz.draft import Case
-from fuzz.examine import examine
+from fuzz.examine import AIMED, aimed, examine
+from fuzz.generators import KINDS, case_of
 from fuzz.ingredients import FEWEST, INGREDIENTS, PAIRS, ROWS, Mixed, array, exercised, mixed, row_of
 from fuzz.maps import MAPS
 from fuzz.referee import referee
-from fuzz.relations import FEW_CELLS, RELATIONS, _far_from, cells_from, wanted_of
+from fuzz.relations import (
+    FEW_CELLS,
+    RELATIONS,
+    _far_from,
+    cells_from,
+    resumed_on_the_way,
+    wanted_of,
+    with_one_at_rest,
+)
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified.cascade import ByForm, ByWayBack
 from truebreak.exact.simulation.instant import Resolver
@@ -176,6 +185,52 @@ def test_a_run_may_give_up_between_events_that_are_closer_than_what_is_agreed() 
             half = replace(run.events[0], ties=(), contacts=run.events[0].contacts[:1])
             with pytest.raises(Difference, match="contacts"):
                 compare(replace(run, events=(half,)), told)
+
+
+# -- what is played beside
+
+
+def test_each_kind_that_aims_at_something_has_its_turn() -> None:
+    assert [aimed(seed)[0] for seed in range(len(AIMED))] == list(AIMED)
+    assert aimed(2 * len(AIMED) + 3) == (AIMED[3], 2)
+    assert len(set(AIMED)) == len(AIMED) and set(AIMED) < set(KINDS) - {"mixed"}
+
+
+def test_what_is_wrong_beside_a_scene_is_a_failure_of_its_seed(monkeypatch: pytest.MonkeyPatch) -> None:
+    seed = AIMED.index("home")
+    assert "beside" in examine("mixed", seed).extra.split()
+    scene, run = case_of("home", 0).scene, ExactEngine.run
+
+    def forgetful(self: Any, of: Scene, **limits: Any) -> Any:
+        whole = run(self, of, **limits)
+        return replace(whole, events=whole.events[1:]) if of.digest == scene.digest else whole
+
+    monkeypatch.setattr(ExactEngine, "run", forgetful)
+    verdict = examine("mixed", seed)
+    assert (verdict.kind, verdict.seed, verdict.outcome) == ("mixed", seed, "failure")
+    assert verdict.message.startswith("beside it, home 0: ")
+
+
+def test_a_circle_at_rest_beside_all_others_changes_nothing() -> None:
+    case = Case(HIT.with_changes(walls=()), None, 1)
+    run = ExactEngine().run(case.scene, events=1)
+    assert with_one_at_rest(run, case, ExactEngine())
+    with pytest.raises(Difference, match="with one at rest"):
+        with_one_at_rest(run, case, Wrong(0))
+    struck = Scene([Circle(0, 0), Circle(-5, -5, vx=1, vy=1), Circle(9, 9, vx=1, vy=1)])
+    run = ExactEngine().run(struck, events=2)
+    assert not with_one_at_rest(run, Case(struck, None, 2), ExactEngine())  # it is met
+
+
+def test_what_is_broken_off_on_the_way_out_comes_home_too() -> None:
+    case = Case(HIT.with_changes(reverse_after=2), None, 4)
+    run = ExactEngine().run(case.scene, events=4)
+    assert run.reversal is not None and len(run.events) == 4
+    assert resumed_on_the_way(run, case, Random(1), ExactEngine())
+    with pytest.raises(Difference, match="resumed after"):
+        resumed_on_the_way(run, case, Random(1), Wrong(2))
+    short = ExactEngine().run(HIT, events=1)
+    assert not resumed_on_the_way(short, Case(HIT, None, 1), Random(1), ExactEngine())
 
 
 # -- what was found

@@ -37,6 +37,16 @@ def test_quick_ones_are_found(tmp_path):
     assert all((TOP / file).read_bytes() == text for file, text in files.items())
 
 
+def test_what_aims_at_a_fault_finds_it_beside_a_scene_by_the_covering_array(tmp_path):
+    """As docs/fuzz.md lists them: the seed that shows it."""
+    command = [sys.executable, str(Path(__file__).with_name("mutants.py")), "--kinds", "mixed", "--scenes", "1"]
+    command += ["--only", "bar_of_any_rival", "--start", "15", "--out", str(tmp_path / "out"), "--patience", "60"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    row = json.loads((tmp_path / "out").read_text())
+    assert (row["outcome"], row["message"][:19]) == ("found", "beside it, loose 0:")
+
+
 def test_the_docs_list_those_that_survive():
     text = (TOP / "docs" / "fuzz.md").read_text()
     rows = [f"| `{m.name}` | {m.breaks} | {m.why_it_survives} |" for m in MUTANTS if m.why_it_survives]
@@ -45,9 +55,9 @@ def test_the_docs_list_those_that_survive():
 
 
 def test_a_relation_that_gives_up_shows_a_fault_where_it_does_not_without_it() -> None:
-    right = {"kind": "mixed", "seed": 1, "outcome": "ok", "extra": "form", "seconds": 0.1}
+    right = {"kind": "mixed", "seed": 1, "outcome": "ok", "extra": "form beside", "seconds": 0.1}
     assert not shows(right, lambda: right, 20)
-    assert lacks(right | {"extra": ""}) == {"form"}
+    assert lacks(right | {"extra": ""}) == {"form", "beside"}
     assert shows(right | {"extra": ""}, lambda: right, 20) == "undecided"
     assert not shows(right | {"extra": ""}, lambda: right | {"extra": ""}, 20)
     assert not shows(right | {"kind": "gas", "extra": ""}, lambda: right, 20)

@@ -16,8 +16,9 @@ from truebreak.compare.cli import main
 from truebreak.compare.deadline import Clock
 from truebreak.compare.reduction import minimal_scene as module
 from truebreak.compare.reduction.minimal_scene import Reducing
-from truebreak.compare.reduction.smallest import End, Smallest, corners, ddmin
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, Segment, Wall, catalogue
+from truebreak.compare.reduction.smallest import End, SceneSize, Smallest, corners, ddmin, digits
+from truebreak.compare.report.search_text import size_phrase
+from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, Wall, catalogue
 from truebreak.scenarios.files import dump_toml, load_scene, loads_toml
 
 TIE = 10**40
@@ -348,3 +349,25 @@ def test_a_corner_is_straightened_once_and_named_by_the_first() -> None:
     (left,) = parts.keeping([]).segments
     assert (left.id, left.x0, left.y0, left.x1, left.y1) == ("a", 0, 0, 3, 1)
     assert [s.id for s in parts.keeping(["b/c"]).segments] == ["a", "c"]
+
+
+def test_polygons_are_left_out_and_their_corners_straightened() -> None:
+    """What decides is one corner of one of them; the others go, and their numbers get short."""
+    small = Quantity.of(Fraction(1, 2**60))
+    tip = Polygon([("-1/3", "3/7"), (0, 0), ("-1/3", "-13/7"), (-3, -2), (-3, "1/2")], id="tip")
+    beside = Polygon([(6, 0), (8, 0), (8, 2)], id="beside")
+    scene = Scene([Circle(1 - small, 5, vy=-1, id="disc")], polygons=[tip, beside], until=20)
+    found = smallest(scene, "double")
+    assert found.minimal
+    (left,) = found.scene.polygons
+    assert (left.id, len(left.points)) == ("tip", 3)
+    assert {"polygons", "corners", "digits"} <= {step.kind for step in found.steps}
+    assert "1 polygon" in size_phrase(SceneSize.of(found.scene))
+
+
+def test_numbers_of_polygons_have_names() -> None:
+    scene = Scene([Circle(0, 9)], polygons=[Polygon([("22/7", 0), (0, "22/7"), (0, 0)], "g", "1/3")])
+    parts = digits(scene, 1)
+    assert [name for name in parts.items if name.startswith("g.")] == ["g.r", "g.x1", "g.y2"]
+    changed = parts.keeping([name for name in parts.items if name != "g.y2"]).polygons[0]
+    assert [[value.text() for value in place] for place in changed.points] == [["22/7", "0"], ["0", "3"], ["0", "0"]]

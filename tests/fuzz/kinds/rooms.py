@@ -4,7 +4,22 @@ from __future__ import annotations
 
 from random import Random
 
-from fuzz.draft import Body, Draft, F, directions, flaw, has_room, mass, reversal, size, span, speed, velocity
+from fuzz.draft import (
+    AXES,
+    PYTHAGOREAN,
+    Body,
+    Draft,
+    F,
+    directions,
+    flaw,
+    has_room,
+    mass,
+    reversal,
+    size,
+    span,
+    speed,
+    velocity,
+)
 from truebreak.scenarios.catalogue.scene_entry import cosine, sine
 
 
@@ -201,3 +216,22 @@ def swift(draw: Random) -> Draft:
     draft.bodies.append(Body(-20, 0, 1, -pace, 0, mass(draw)))
     draft.events = draw.randrange(4, 12)
     return reversal(draft, draw, 0.1)
+
+
+def loose(draw: Random) -> Draft:
+    """Pairs that meet about when one grazes, slow ones and fast ones, beside a circle so swift that doubles tell the
+    times of the slow ones loosely: what comes first is among those whose bounds begin after the graze, or comes from
+    another cell meanwhile."""
+    time, draft = F(draw.randrange(8, 40), 4), Draft([])
+    draft.bodies += [b.back(time) for b in (Body(0, 0, 1, 1, 0, mass(draw)), Body(0, 2, 1, 0, 0, mass(draw)))]
+    slow, fast = [F(1, 32), F(1, 16), F(1, 8), F(1, 4)], [F(1, 2), 1, 2, 4, 8, 16, 32]
+    for k in range(draw.randrange(2, 7)):
+        s = draw.choice(fast if k % 2 else slow)
+        r = draw.choice([F(1, 4), 1, 1, 4])
+        late = F(draw.randrange(1, 100), draw.choice([100, 100, 1000])) if draw.random() < 0.9 else 0
+        pair = Body(0, 10 * k + 10, r, s, 0, mass(draw)), Body(2 * r, 10 * k + 10, r, 0, 0, mass(draw))
+        draft.bodies += [b.back(time + late) for b in pair]
+    pace = F(10) ** draw.choice([11, 12, 12, 13]) * draw.choice([1, 2, 5])
+    draft.bodies.insert(draw.randrange(len(draft.bodies)), Body(-20, -30, 1, -pace, 0, mass(draw)))
+    draft.events = draw.randrange(2, 7)
+    return draft.moved(*draw.choice([*AXES, *PYTHAGOREAN[4:8]]), 0, 0)

@@ -21,11 +21,26 @@ Way: TypeAlias = tuple[arb, arb, arb, arb]
 
 
 class Stretch(NamedTuple):
-    """What a face or an end covers of a line across a flight, by how far aside of it; `end` is None of a face."""
+    """What a face or an end covers of a line across a flight, by how far aside of it.
+
+    Attributes:
+        low, high: from where to where.
+        low_at, high_at: how far ahead these two are.
+        end: which end it is; None of a face.
+    """
 
     low: arb
     high: arb
+    low_at: float = 0.0
+    high_at: float = 0.0
     end: int | None = None
+
+
+class Passed(NamedTuple):
+    """How far aside a flight passes, negative where it has to be moved to pass; and how far ahead that is decided."""
+
+    aside: arb
+    ahead: float
 
 
 def middle(value: arb) -> float:
@@ -65,29 +80,33 @@ def stretches(
             if back[k]:
                 share = (along[1 - k] + r) / (along[1 - k] - along[k])
                 aside[k] = aside[1 - k] + share * (aside[k] - aside[1 - k])
-        low, high = sorted(aside, key=middle)
-        found.append(Stretch(low, high))
+                along[k] = -r
+        (low, first), (high, last) = sorted(zip(aside, along, strict=True), key=lambda place: middle(place[0]))
+        found.append(Stretch(low, high, middle(first), middle(last)))
     for end, ex, ey, radius in ends:
         dx, dy = ex - x, ey - y
         if middle(pair_approach(dx, dy, -vx, -vy)) < 0.0:
-            off = (dy * vx - dx * vy) / speed
-            found.append(Stretch(off - r - radius, off + r + radius, end))
+            off, ahead = (dy * vx - dx * vy) / speed, middle((dx * vx + dy * vy) / speed)
+            found.append(Stretch(off - r - radius, off + r + radius, ahead, ahead, end))
     return found
 
 
-def out_of(covered: Sequence[Stretch]) -> arb | None:
-    """How far 0 is from what some stretches cover; negative: how far it is from the nearer end of what covers it.
+def out_of(covered: Sequence[Stretch]) -> Passed | None:
+    """How far 0 is from what some stretches cover together, or from the nearer end of what covers it.
 
     None of no stretches.
 
     >>> three = [Stretch(arb(-3), arb(-1)), Stretch(arb(-2), arb(1)), Stretch(arb(5), arb(6))]
-    >>> float(out_of(three)), float(out_of(three[2:])), out_of([])
+    >>> float(out_of(three).aside), float(out_of(three[2:]).aside), out_of([])
     (-1.0, 5.0, None)
     """
-    joined: list[tuple[arb, arb]] = []
-    for low, high, _ in sorted(covered, key=lambda stretch: middle(stretch.low)):
-        if joined and middle(low) <= middle(joined[-1][1]):
-            joined[-1] = joined[-1][0], joined[-1][1].max(high)
+    joined: list[Stretch] = []
+    for one in sorted(covered, key=lambda stretch: (middle(stretch.low), stretch.low_at)):
+        last = joined[-1] if joined else None
+        if last is None or middle(one.low) > middle(last.high):
+            joined.append(one)
         else:
-            joined.append((low, high))
-    return min((low.max(-high) for low, high in joined), key=middle, default=None)
+            farther = max(last, one, key=lambda stretch: (middle(stretch.high), -stretch.high_at))
+            joined[-1] = last._replace(high=last.high.max(one.high), high_at=farther.high_at)
+    sides = [Passed(s.low.max(-s.high), s.low_at if middle(s.low) > middle(-s.high) else s.high_at) for s in joined]
+    return min(sides, key=lambda passed: middle(passed.aside), default=None)
