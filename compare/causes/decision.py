@@ -140,15 +140,11 @@ def _pairing(
         known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
         if name == body:
             known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
-        elif theirs is not None and any(c < theirs for c in _unmatched(walks[name])):
-            return None
+        elif theirs is not None and (parted := walks[name].mismatch) is not None:
+            if parted.theirs is not None and parted.theirs < theirs:
+                return None
         anchors[name] = max(known, default=None)
     return Pairing(body, partner, anchors)
-
-
-def _unmatched(walked: Walk) -> list[int]:
-    mismatch = walked.mismatch
-    return [] if mismatch is None or mismatch.theirs is None else [mismatch.theirs]
 
 
 def _own_events(reference: Trajectory, name: str) -> list[int]:
