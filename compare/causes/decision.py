@@ -140,11 +140,14 @@ def _pairing(
         known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
         if name == body:
             known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
-        elif theirs is not None and (parted := walks[name].mismatch) is not None:
-            if parted.theirs is not None and parted.theirs < theirs:
-                return None
+        elif theirs is not None and _parted_before(walks[name], theirs):
+            return None
         anchors[name] = max(known, default=None)
     return Pairing(body, partner, anchors)
+
+
+def _parted_before(walked: Walk, theirs: int) -> bool:
+    return walked.mismatch is not None and walked.mismatch.theirs is not None and walked.mismatch.theirs < theirs
 
 
 def _own_events(reference: Trajectory, name: str) -> list[int]:
