@@ -385,7 +385,7 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     reference = study.reference
     if reference.scene.segments or reference.scene.polygons:
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
-    plain = reference.scene.elastic and len(reference.scene.circles) <= MOST_CIRCLES
+    plain = reference.scene.elastic and reference.scene.gravity is None and len(reference.scene.circles) <= MOST_CIRCLES
     if not plain or study.truth.rounds_input:
         return found
     reach = reach_of(reference, local_error(engine, reference, engine.bits))
@@ -434,6 +434,7 @@ def explained(
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     new = "" if study.scene.elastic else "whose restitution is below 1"
+    new = new if study.scene.gravity is None else "with gravity"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

@@ -220,7 +220,11 @@ def states_at(run: Trajectory, time: float) -> list[list[float]]:
     if time < final:
         return [list(row) for row in rows_of(run, [time])[0]]
     flown = time - final if run.stop.reason is StopReason.QUIET else 0.0
-    return [[x + vx * flown, y + vy * flown, vx, vy] for x, y, vx, vy in run.final.rows()]
+    gx, gy = map(float, run.scene.gravity or (0, 0))
+    return [
+        [x + vx * flown + gx * flown**2 / 2, y + vy * flown + gy * flown**2 / 2, vx + gx * flown, vy + gy * flown]
+        for x, y, vx, vy in run.final.rows()
+    ]
 
 
 def _discs_at(

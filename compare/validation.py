@@ -95,6 +95,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "reverse_at": scene.reverse_at is not None,
         "reverse_after": scene.reverse_after is not None,
         "restitution": not scene.elastic,
+        "gravity": scene.gravity is not None,
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 
@@ -119,6 +120,7 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         or told.segments != scene.segments
         or told.polygons != scene.polygons
         or told.restitution != scene.restitution
+        or told.gravity != scene.gravity
     ):
         raise EngineError(
             f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "

@@ -23,10 +23,10 @@ from .certified.certified_decider import FIRST_BITS, CertifiedDecider
 from .exact_motion import (
     ExactMotion,
     ExactValue,
-    RunLog,
     RunTime,
     Source,
     TimeFormula,
+    ending_of,
     time_of,
     time_of_return,
     time_zero,
@@ -36,7 +36,7 @@ from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
 from .replay.contact import NamedContacts
 from .simulation import cells
-from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, run_limits
+from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, RunLog, run_limits
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy
@@ -77,9 +77,10 @@ def may_be_taken_up(scene: Scene, tape: Tape) -> bool:
     """Whether what lies ahead of a log's end can be predicted from there alone.
 
     Not among cells where something touched and left a flight as it was: on its way from there to the end that flight
-    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments or polygons.
+    crosses cells again, and in each it would be held to meet anew what it has touched. Nor beside segments or polygons,
+    nor under gravity, where a flight may come back to what it has touched.
     """
-    if scene.segments or scene.polygons:
+    if scene.segments or scene.polygons or scene.gravity is not None:
         return False
     touched = any(isinstance(found, Instant) and (found.touches or found.rims) for found in tape.whole())
     return not (touched and len(scene.circles) >= cells.FEWEST)
@@ -411,15 +412,15 @@ class ExactEngine(Declared):
             if policy is None:
                 tape = loop.tape
                 tape.rises, tape.grazes = decider.history.rises, decider.grazes
-            run = self._trajectory(outer, scene, decider, limits, stop, tape)
+            run = self._trajectory(outer, loop, decider, limits, stop, tape)
             decider.close()
             check_doubles()
             return run
 
     def _trajectory(
-        self, outer: Scene, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None
+        self, outer: Scene, loop: Loop, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None
     ) -> Trajectory:
-        history = decider.history
+        scene, history = loop.scene, decider.history
         state = decider.state
         log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
         ids, records = scene.ids, history.records
@@ -452,6 +453,7 @@ class ExactEngine(Declared):
             assumptions=tuple(history.assumptions),
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
+            ending=None if loop.endings is None else ending_of(log, history.last, loop.endings.found),
         )
 
 

@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
@@ -26,18 +26,15 @@ from ..scenarios.numbers.precision import (
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
-from ..scenarios.numbers.tower_ring import TowerLimit
-from ..scenarios.scene import Scene
-from ..scenarios.work import Work
-from .laws.formulas import advance
+from .laws.formulas import advance, fall_speed, sag
 from .numbers import ball
-from .numbers.ball import Known, NestedNumbers, known_ball, reduced
-from .numbers.double_pairs import advanced_pairs, pair_of
-from .numbers.system import N, Undecided, number_system
-from .replay.centred_state import CentredState
+from .numbers.ball import Known, known_ball, reduced
+from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
+from .numbers.system import N, Undecided
 from .replay.contact import Link
-from .replay.state import Constant, OtherRun, ReplayState, Step, Velocity, causal_past, replay, step_units
-from .simulation.decider import Knot, Mark, PackedRecords
+from .replay.state import Constant, OtherRun, ReplayState, Velocity
+from .simulation.decider import Formula, Knot, Mark, RunLog
+from .simulation.endings import Accumulating
 from .simulation.loop import Tape
 
 if TYPE_CHECKING:
@@ -45,105 +42,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..scenarios.trajectory import Event, Trajectory
-    from .numbers.expression import SymPyExpression
-
-# -- The log of a finished run, from which every number of it is computed again.
-
-TEXT_DEPTH = 5
-"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
-
-TEXT_WORK = 1_000_000
-"""Units of work that writing out one value may take: about a second."""
-
-STATES_KEPT = 3
-"""Of how many numbers of bits a log keeps how far it was replayed."""
-
-
-class Formula(Protocol):
-    """Computes a number from a state, in its numbers."""
-
-    def __call__(self, state: ReplayState[N], /) -> N: ...
-
-
-class RunLog:
-    """A scene and the log of its run: enough to compute every number of the run again.
-
-    Attributes:
-        scene: the scene.
-        steps: the log.
-        lost: how many bits of its precision the run lost, at most, in the time of an event.
-        centred: whether that was with the deviations in a set (see `CentredState`).
-        events: those of the run, whose times are at hand; None where it was read from a file.
-    """
-
-    events: PackedRecords | None = None
-
-    def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
-        self.scene = scene.surfaces
-        self.steps = steps
-        self.lost = lost
-        self.centred = centred
-        self._reached: dict[tuple[int, int], CentredState] = {}
-        self._too_deep: list[frozenset[int]] = []
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but what is computed again at need."""
-        return {**self.__dict__, "_reached": {}, "_too_deep": [], "events": None}
-
-    def in_balls(self, bits: int, upto: int) -> CentredState:
-        """The state after the first `upto` steps, in balls computed with `bits` bits.
-
-        The one that came farthest with these bits, but not too far, goes on from there, so that numbers asked for in
-        the order of the run cost one replay together.
-        """
-        ball.use_bits(bits)
-        done = max((reached for width, reached in self._reached if width == bits and reached <= upto), default=0)
-        state = self._reached.pop((bits, done), None)  # what is ended half-way is not kept
-        if state is None:
-            state = CentredState(self.scene, self.centred)
-        if done < upto:
-            replay(state, self.steps, range(done, upto))
-        while len(self._reached) >= STATES_KEPT:
-            del self._reached[next(iter(self._reached))]
-        self._reached[bits, upto] = state
-        return state
-
-    def begins(self, other: RunLog, upto: int) -> bool:
-        """Whether another log has the same first `upto` steps, of the same scene: then its numbers are the same."""
-        same = other is self or (len(other.steps) >= upto and other.scene == self.scene)
-        ours, theirs = (self.steps, other.steps) if other is not self else ((), ())
-        return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
-
-    def units(self, bits: int, upto: int) -> int:
-        """The work of that."""
-        return (len(self.scene.circles) + upto) * step_units(bits)
-
-    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
-        """A number after the first `upto` steps in nested roots, or None if it is too deep.
-
-        A value whose causal past contains one that was too deep is not tried.
-        """
-        steps = self.steps[:upto]
-        needed, held = causal_past(steps, bodies)
-        past = frozenset(needed)
-        if any(deep <= past for deep in self._too_deep):
-            return None
-        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
-        try:
-            state = ReplayState(self.scene, numbers, only=held)
-            replay(state, steps, needed)
-            return formula(state)
-        except TowerLimit:
-            self._too_deep.append(past)
-            return None
-
-    def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
-        """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
-        needed, held = causal_past(self.steps[:upto], bodies)
-        state: ReplayState[SymPyExpression] = ReplayState(self.scene, number_system("expression"), only=held)
-        replay(state, self.steps, needed)
-        return state
-
 
 # -- Numbers of an exact run that know their exact value: to any digits, as SymPy, as text.
 
@@ -410,6 +308,14 @@ def time_zero(log: RunLog, zero: Known) -> ExactValue:
     return time_of(log, Mark(0, zero, 0, START))
 
 
+def ending_of(log: RunLog, last: Mark[Known] | None, bounces: Accumulating | None) -> ExactValue | None:
+    """When the bounces that ended a run have all happened; None where none did."""
+    if bounces is None:
+        return None
+    assert last is not None
+    return ExactValue(log, last.step, bounces.circles, bounces, arb.nan())
+
+
 # -- The motion of an exact run between its events.
 
 RunTime: TypeAlias = ExactValue | Quantity
@@ -431,12 +337,32 @@ class Place:
     time: ExactValue | Quantity
 
     def __call__(self, state: ReplayState[N]) -> N:
-        flight = state.bodies[self.body].flight
+        flight, falling = state.bodies[self.body].flight, state.falling
         place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
-        if flight.rest:
+        if flight.rest and falling is None:
             return place
-        when = self.time.formula(state) if isinstance(self.time, ExactValue) else state.constant(self.time)
-        return advance(place, speed, when - flight.t)
+        when = _moment(self.time, state)
+        if falling is None:
+            return advance(place, speed, when - flight.t)
+        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, falling.half(self.axis), when)
+
+
+def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
+    return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
+
+
+@dataclass(frozen=True)
+class FallSpeed:
+    """Computes a component of a circle's velocity at a time under gravity: v = V + g t, where the frame has V."""
+
+    body: int
+    axis: int
+    time: ExactValue | Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        assert state.falling is not None
+        speed = Velocity(self.body, self.axis)(state)
+        return fall_speed(speed, state.falling.half(self.axis), _moment(self.time, state))
 
 
 class ExactMotion:
@@ -472,6 +398,17 @@ class ExactMotion:
     def _beside(self) -> dict[tuple[int, float], int]:
         """Which knot a circle is past, at times beside an event that were asked for."""
         return {}
+
+    @kept
+    def _halves(self) -> tuple[Known, Known] | None:
+        """Half of gravity: then knots are in the falling frame (see `Gravity`)."""
+        g = self.log.scene.gravity
+        if g is None:
+            return None
+        hx, hy = ((part / 2).rational if part.rational is not None else (part / 2).ball(READ_BITS) for part in g)
+        assert hx is not None
+        assert hy is not None
+        return hx, hy
 
     @kept
     def _rough(self) -> list[list[float]]:
@@ -591,6 +528,18 @@ class ExactMotion:
 
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
+        if self._halves is not None:
+            speeds: list[ExactValue] = []
+            for axis, v in enumerate((vx, vy)):
+                near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
+                speed = OtherRun() if isinstance(where(axis), OtherRun) else FallSpeed(i, axis, time)
+                speeds.append(make(self.log, upto, bodies, speed, near))
+            near_x, near_y = (
+                ball.combined(_sunk, (near, half, near_time), READ_BITS)
+                for near, half in zip((near_x, near_y), self._halves, strict=True)
+            )
+            places = (make(self.log, upto, bodies, where(axis), near) for axis, near in enumerate((near_x, near_y)))
+            return (*places, *speeds)  # pyright: ignore[reportReturnType]
         return (
             make(self.log, upto, bodies, where(0), near_x),
             make(self.log, upto, bodies, where(1), near_y),
@@ -613,12 +562,20 @@ class ExactMotion:
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
+                if self._halves is not None:
+                    hx, hy = (pair_of(_ball(half)) for half in self._halves)
+                    result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
+                    result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
+                    continue
                 result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
                 result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
             else:
                 for row, time in enumerate(times):
                     t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]
                     then = fmpq(*float(time).as_integer_ratio())
+                    if self._halves is not None:
+                        result[row, i] = [float(value) for value in self._of_circle(i, Quantity.of(float(time)))]
+                        continue
                     near = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS), vx, vy)
                     result[row, i] = [_double(value) for value in near]
         return result
@@ -647,8 +604,21 @@ class ExactMotion:
         return told
 
     def _pairs(self, i: int, k: int) -> list[tuple[float, float]]:
-        """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits."""
-        return [pair_of(_ball(number)) for number in self.knots[i][k][:5]]
+        """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits.
+
+        Under gravity in true coordinates, at the knot.
+        """
+        t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
+        if self._halves is not None:
+            with ball.precision(READ_BITS):
+                hx, hy = map(_ball, self._halves)
+                x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)
+        return [pair_of(number) for number in (t, x, y, vx, vy)]
+
+
+def _sunk(x: N, half: N, time: N) -> N:
+    """The true coordinate, at a time, of what is at x in the falling frame."""
+    return x + half * time * time
 
 
 SMALL = 1e-140

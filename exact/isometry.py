@@ -30,6 +30,8 @@ class SceneData:
         self.walls: list[tuple[Vector, Vector]] = [
             ((constant(w.x0), constant(w.y0)), (constant(w.normal[0]), constant(w.normal[1]))) for w in scene.walls
         ]
+        g = scene.gravity
+        self.gravity: Vector | None = None if g is None else (constant(g[0]), constant(g[1]))
         self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
         self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
         self.ends = [(constant(w.x1), constant(w.y1)) if k in scene.faces else None for k, w in enumerate(scene.walls)]
@@ -109,6 +111,7 @@ class Isometry:
         self.matrix = matrix
         self.shift = shift
         self.matched: dict[int, bool] = {}
+        self._keeps_gravity = data.gravity is None or turned(matrix, data.gravity) == data.gravity
         self._circles: dict[int, int | None] = {}
         self._walls: dict[int, int | None] = {}
 
@@ -127,8 +130,12 @@ class Isometry:
         return x + self.shift[0], y + self.shift[1]
 
     def circle(self, i: int) -> int | None:
-        """The circle whose data at time 0 are the image of circle i's; None if there is none."""
-        if i not in self._circles:
+        """The circle whose data at time 0 are the image of circle i's; None if there is none.
+
+        One that turns gravity takes no fall to a fall, and so no circle to any."""
+        if i not in self._circles and not self._keeps_gravity:
+            self._circles[i] = None
+        elif i not in self._circles:
             data = self._data
             key = (*self.move(data.places[i]), *self.turn(data.speeds[i]), *data.kinds[i])
             self._circles[i] = data.circle_of.get(key)

@@ -216,6 +216,15 @@ class Discriminant(OfOne[Round]):
         return state.discriminant(self.link)
 
 
+class Arrives(OfOne[AtWall]):
+    """Does a circle that gravity pulls away from a wall hit (positive), graze (zero) or miss it (negative)?"""
+
+    words = "whether {} hit, graze or miss"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.wall_discriminant(self.link)
+
+
 class RelativeSpeed(OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
@@ -249,6 +258,8 @@ class Moment:
         """The clock from which it is reckoned, and the time from that."""
         if self.graze and not is_flat(self.link):
             return state.graze(self.link)
+        if self.graze and is_flat(self.link):
+            return state.wall_graze(self.link)
         return self.link.hit(state)
 
     def parts(self, state: ReplayState[N]) -> tuple[N, N, N]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import Undecided
+from ..exact.replay.contact import Gravity
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
@@ -182,12 +183,16 @@ class IntervalMotion:
         knots: for each circle (t, x, y, vx, vy, number of the instant), in intervals, ascending.
         bits: the precision.
         end: the last time that may be asked for.
+        falling: half of gravity; None without.
     """
 
-    def __init__(self, knots: Sequence[Sequence[tuple[Any, ...]]], bits: int, end: Any) -> None:
+    def __init__(
+        self, knots: Sequence[Sequence[tuple[Any, ...]]], bits: int, end: Any, falling: Gravity[Any] | None = None
+    ) -> None:
         self.knots = knots
         self.bits = bits
         self.end = end
+        self.falling = falling
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -215,12 +220,15 @@ class IntervalMotion:
                     held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
                     sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
                     places = [k for k in held if k >= sure] or [0]
-                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at) for k in places]))))
+                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at, self.falling) for k in places]))))
             return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the middles; what is at rest throughout is looked up once."""
-        flies = [i for i, row in enumerate(self.knots) if len(row) > 1 or row[0][3] != ZERO or row[0][4] != ZERO]
+        still = self.falling is None
+        flies = [
+            i for i, row in enumerate(self.knots) if not still or len(row) > 1 or row[0][3] != ZERO or row[0][4] != ZERO
+        ]
         result = np.empty((len(times), len(self.knots), 4))
         if len(flies) < len(self.knots) and len(times):
             result[:] = [[float(IntervalNumber(value)) for value in row[0][1:5]] for row in self.knots]
@@ -234,8 +242,10 @@ def _instant(knot: tuple[Any, ...]) -> int:
     return knot[-1]
 
 
-def _flown(knot: tuple[Any, ...], time: Any) -> tuple[Any, ...]:
+def _flown(knot: tuple[Any, ...], time: Any, falling: Gravity[Any] | None) -> tuple[Any, ...]:
     t, x, y, vx, vy, _ = knot
+    if falling is not None:
+        return falling.flown((x, y, vx, vy), time - t)
     return advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
 
 
@@ -299,12 +309,13 @@ class IntervalEngine(EventDriven):
     ) -> Trajectory:
         """The history as far as intervals certify it (see `Engine.run`)."""
         with INTERVALS.at(self.bits):
+            state = PlainState(scene.surfaces, INTERVALS)
             return run_plain(
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene.surfaces, PlainState(scene.surfaces, INTERVALS), INTERVALS),
-                lambda knots, end: IntervalMotion(knots, self.bits, end),
+                PlainDecider(scene.surfaces, state, INTERVALS),
+                lambda knots, end: IntervalMotion(knots, self.bits, end, state.falling),
                 IntervalNumber,
                 until=until,
                 events=events,

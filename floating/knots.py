@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+NEXT_TO = 1e-6
+"""A share of a step within which a time is that of the step."""
+
 DoubleKnot: TypeAlias = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
 
@@ -73,6 +76,78 @@ class DoubleMotion:
         start = max((knots[0][0] for knots in self.knots), default=0.0)
         if not start <= time <= self.end:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
+
+
+@dataclass(frozen=True)
+class FallingMotion(DoubleMotion):
+    """The same under gravity: flights between knots are parabolas.
+
+    Attributes:
+        halves: half of gravity, along x and along y.
+
+    >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
+    >>> motion.state(1.0), motion.sample([2.0]).tolist()
+    ([(1.0, 6.0, 1.0, -4.0)], [[[2.0, 0.0, 1.0, -8.0]]])
+    """
+
+    halves: tuple[float, float] = (0.0, 0.0)
+
+    def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
+        """See `DoubleMotion.state`."""
+        t, (hx, hy) = float(time), self.halves
+        self._check(t)
+        rows: list[tuple[float, float, float, float]] = []
+        for knots in self.knots:
+            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
+            lag = t - t0
+            x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
+            rows.append((x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag))
+        return rows
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """See `DoubleMotion.sample`."""
+        import numpy as np
+
+        return np.array([self.state(time) for time in times], dtype=np.float64).reshape(len(times), len(self.knots), 4)
+
+
+@dataclass(frozen=True)
+class SteppedFall(DoubleMotion):
+    """The same under gravity by steps, of an engine that moves a circle first, and adds g dt to its velocity after.
+
+    Attributes:
+        gravity: along x and along y.
+        dt: the step; straight flight in between.
+
+    >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5)
+    >>> motion.state(0.5), motion.state(1.0), motion.state(1.25)
+    ([(0.5, 8.0, 1.0, -2.0)], [(1.0, 7.0, 1.0, -4.0)], [(1.25, 6.0, 1.0, -4.0)])
+    """
+
+    gravity: tuple[float, float] = (0.0, 0.0)
+    dt: float = 1.0
+
+    def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
+        """See `DoubleMotion.state`."""
+        t, (gx, gy), dt = float(time), self.gravity, self.dt
+        self._check(t)
+        rows: list[tuple[float, float, float, float]] = []
+        for knots in self.knots:
+            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
+            lag = t - t0
+            steps = round(lag / dt)
+            if abs(lag - steps * dt) > NEXT_TO * dt:  # not at a step, but for rounding
+                steps = math.floor(lag / dt)
+            fallen = dt * dt * steps * (steps - 1) / 2 + (lag - steps * dt) * steps * dt
+            x, y = x + vx * lag + gx * fallen, y + vy * lag + gy * fallen
+            rows.append((x, y, vx + gx * steps * dt, vy + gy * steps * dt))
+        return rows
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """See `DoubleMotion.sample`."""
+        import numpy as np
+
+        return np.array([self.state(time) for time in times], dtype=np.float64).reshape(len(times), len(self.knots), 4)
 
 
 @dataclass(frozen=True)

@@ -8,22 +8,25 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
+from flint import arb
+
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
-from ..exact.question import Approach, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtWall, Body, Entry, Link, NamedContacts, is_flat, name_of
+from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..exact.replay.contact import AtWall, Body, Entry, Gravity, Link, NamedContacts, is_flat, name_of
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
+from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
-from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, TieProof, Trajectory
-from .knots import DoubleMotion
+from .knots import DoubleMotion, FallingMotion
 
 # -- The state of a run in finite precision.
 
@@ -32,8 +35,15 @@ class PlainState(ReplayState[M]):
     """See `ReplayState`; two that rounding has put into each other, and that approach, collide at once.
 
     What the law of their meeting tells is then when they would have met on their way here: before the instant at which
-    they stand, and long before it where they are all but at rest with each other.
+    they stand, and long before it where they are all but at rest with each other. Under gravity it is kept in true
+    coordinates, as users' engines keep theirs.
     """
+
+    bends = True
+
+    def surely_falls(self, speed: M) -> bool:
+        """See `Flights.surely_falls`."""
+        return bool(speed < self.zero)
 
     def _hit_from_base(self, source: Link) -> tuple[M, M]:
         clock, wait = super()._hit_from_base(source)
@@ -139,6 +149,18 @@ class PlainReading(Generic[M]):
         """None: the state is not exact."""
         return None
 
+    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+        """In the numbers that there are."""
+        told = self._ball
+        time = self._state.bodies[link.circle].flight.instant
+        rows = [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in true_rows(self._state, time)]
+        return told(time), told(Accumulating(link).wait(self._state)), rows
+
+    def _ball(self, number: M) -> arb:
+        """What holds a number, to doubles."""
+        low, high = self._bounds(number)
+        return hull(arb(low), arb(high))
+
     def note(self) -> str:
         """Nothing to add."""
         return ""
@@ -243,6 +265,8 @@ class PlainMeetings(Generic[M]):
         Raises:
             Undecided: where that cannot be told.
         """
+        if is_flat(link) and (pull := self._pull(link)):
+            return self._meeting_fallen(link, pull)
         approach = self._ask(Approach(link))
         if is_flat(link) and link.wall in self._predictor.faces:
             return self._meeting_face(link, approach)
@@ -257,6 +281,28 @@ class PlainMeetings(Generic[M]):
             return link.later(self._state).flight.t, False
         try:
             clock, wait = Moment(link, disc == 0).wait(self._state)
+        except ZeroDivisionError:
+            return None
+        return clock + wait, disc == 0
+
+    def _pull(self, link: AtWall) -> int:
+        """See `Sides.pull`; 0 without gravity."""
+        return 0 if self._state.falling is None else self._state.sides.pull(*link[:2])
+
+    def _meeting_fallen(self, link: AtWall, pull: int) -> tuple[M, bool] | None:
+        """As `_meeting`, under gravity; what rounding has put into a wall to which it is pulled comes back to it."""
+        state, approach, disc = self._state, self._ask(Approach(link)), 1
+        now = link.later(state).flight.t
+        if pull > 0 and (approach >= 0 or (disc := self._ask(Arrives(link))) < 0):
+            return None
+        if self._ask(Gap(link)) <= 0:
+            if approach <= 0:
+                return None if disc == 0 else (now, False)
+            if self._ask(Arrives(link)) < 0:  # in it for all of its way up and down
+                clock, wait = state.wall_graze(link)
+                return clock + wait, False
+        try:
+            clock, wait = Moment(link, disc == 0).wait(state)
         except ZeroDivisionError:
             return None
         return clock + wait, disc == 0
@@ -349,10 +395,10 @@ class PlainDecider(Generic[M]):
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
-        zero = self.state.zero
+        zero, falls = self.state.zero, self.state.falling is not None
         for body in bodies:
             flight = body.flight
-            rest = bool(flight.vx == zero) and bool(flight.vy == zero)
+            rest = not falls and bool(flight.vx == zero) and bool(flight.vy == zero)
             if rest is not flight.rest:
                 body.flight = flight._replace(rest=rest)
             body.q = flight[:5]
@@ -416,7 +462,11 @@ def run_plain(
     """
     limits = run_limits(scene, until, events)
     inner = decider.scene
-    stop = (Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)).run()
+    made = Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)
+    stop = made.run()
+    ending = None
+    if made.endings is not None and made.endings.found is not None:
+        ending = shown(made.endings.found(decider.state), 0)
     ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(inner)
 
     def at(mark: Mark[M]) -> Real:
@@ -462,6 +512,7 @@ def run_plain(
             Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), at(e.mark)) for e in history.entries
         ),
         plan=dict(sorted(history.plan.items())),
+        ending=ending,
     )
 
 
@@ -509,6 +560,12 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
         return DoubleMotion(rows, float(end))
 
+    def fallen_motion(self, knots: Sequence[Sequence[Passed[F]]], end: Real, falling: Gravity[F]) -> Motion:
+        """As `motion`, under gravity."""
+        halves = float(falling.hx), float(falling.hy)
+        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
+        return FallingMotion(rows, float(end), halves)
+
     def shown(self, time: F, instant: int) -> Real:
         """A time of the trajectory, from a number and the number of its instant."""
         return Double(float(time))
@@ -545,12 +602,14 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
         inner = scene.surfaces
+        state = PlainState(inner, self.numbers)
+        falling = state.falling
         return run_plain(
             scene,
             self.name,
             self.parameters,
-            PlainDecider(inner, PlainState(inner, self.numbers), self.numbers),
-            self.motion,
+            PlainDecider(inner, state, self.numbers),
+            self.motion if falling is None else lambda knots, end: self.fallen_motion(knots, end, falling),
             self.shown,
             until=until,
             events=events,

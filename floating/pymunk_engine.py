@@ -14,7 +14,16 @@ from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .pymunk_run import Run
-from .pymunk_space import COLLISION_PERSISTENCE, DAMPING, ELASTICITY, FRICTION, GRAVITY, PymunkSpace, build_space
+from .pymunk_space import (
+    COLLISION_PERSISTENCE,
+    DAMPING,
+    ELASTICITY,
+    FALLING_FOR,
+    FRICTION,
+    GRAVITY,
+    PymunkSpace,
+    build_space,
+)
 
 DEFAULT_MAX_STEPS = 10_000_000
 """Some fifteen seconds for ten circles."""
@@ -32,6 +41,8 @@ class PymunkEngine(Declared):
     - all impulses of one step are one event, with the evidence `TieProof.FLOAT`;
     - a contact is a collision if pymunk gave it an impulse; circles that only touch are none;
     - the order among contacts of one step is pymunk's own, whatever the scene's tie policy;
+    - under gravity it moves a circle first, and adds g dt to its velocity after: from a knot on, n steps take it
+      g dt**2 n (n - 1) / 2 far, half a step late;
     - `until` and `reverse_at` between two steps are reached by straight flight from the step before.
 
     The time step never varies within a run: after a change, pymunk rescales the impulse that it keeps for a
@@ -124,6 +135,10 @@ class PymunkEngine(Declared):
             "chipmunk": pymunk.chipmunk_version,
         }
 
+    def steps_for(self, scene: Scene) -> int:
+        """Steps after which a run of a scene stops: `max_steps`, and under gravity not beyond `FALLING_FOR`."""
+        return self.max_steps if scene.gravity is None else min(self.max_steps, max(1, int(FALLING_FOR / self.dt)))
+
     def space(self, scene: Scene) -> PymunkSpace:
         """The scene as a pymunk space; see `build_space`.
 
@@ -133,7 +148,7 @@ class PymunkEngine(Declared):
         return build_space(
             scene,
             dt=self.dt,
-            duration=self.max_steps * self.dt,
+            duration=self.steps_for(scene) * self.dt,
             iterations=self.iterations,
             slop=self.collision_slop,
             bias=self.collision_bias,

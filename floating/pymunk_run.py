@@ -30,7 +30,7 @@ from ..scenarios.trajectory import (
     TieProof,
     Trajectory,
 )
-from .knots import DoubleKnot, DoubleMotion
+from .knots import DoubleKnot, DoubleMotion, SteppedFall
 from .pocket_entries import entries, last_entry
 from .pymunk_space import PymunkSpace
 
@@ -63,6 +63,7 @@ class Recorder:
         self._pushed: list[tuple[int, int]] = []
         self._world = world
         self._corrects = world.space.collision_bias < 1
+        self._falls = scene.gravity is not None
         self._ids = scene.ids
         self._moving = {
             place: (body, self.knots[place])
@@ -101,7 +102,7 @@ class Recorder:
             if place in moving:
                 body, knots = moving[place]
                 vx, vy = body.velocity
-                if all_of_them or knots[-1][3:] != (vx, vy):
+                if all_of_them or self._falls or knots[-1][3:] != (vx, vy):
                     x, y = body.position
                     knots.append((time, x, y, vx, vy))
 
@@ -237,7 +238,11 @@ class Stepper(Protocol):
 
     @property
     def max_steps(self) -> int:
-        """Steps after which a run stops."""
+        """Steps after which no run goes on."""
+        ...
+
+    def steps_for(self, scene: Scene) -> int:
+        """Steps after which a run of a scene stops."""
         ...
 
     def space(self, scene: Scene) -> PymunkSpace:
@@ -267,6 +272,7 @@ class Run:
             self.end, self.event_limit = 2 * self.turn_at, None
         self.world = engine.space(scene)
         self.record = Recorder(scene, self.world)
+        self.most = engine.steps_for(scene)
         self.reversal: Reversal | None = None
         self.steps = self.last_event_step = 0
         self.base, self.base_step = 0.0, 0
@@ -295,11 +301,11 @@ class Run:
         return Trajectory(
             scene=self.scene,
             engine=self.engine.name,
-            parameters=self.engine.parameters,
+            parameters=self.parameters(),
             events=tuple(self.record.events),
             stop=stop,
             final_time=Double(final),
-            motion=DoubleMotion(self.record.knots, final),
+            motion=self.motion(final),
             reversal=self.reversal,
             pocketings=entries(self.scene, self.record.knots, final) if self.scene.pockets else (),
             plan={
@@ -309,6 +315,18 @@ class Run:
             },
             notes=tuple(self.notes()),
         )
+
+    def parameters(self) -> dict[str, Any]:
+        """The engine's; under gravity with that of the scene."""
+        told = self.engine.parameters
+        return told if self.scene.gravity is None else {**told, "gravity": tuple(self.world.space.gravity)}
+
+    def motion(self, final: float) -> DoubleMotion:
+        """Straight flight between knots, and between steps under gravity."""
+        if self.scene.gravity is None:
+            return DoubleMotion(self.record.knots, final)
+        gx, gy = self.world.space.gravity
+        return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt)
 
     def play(self) -> tuple[Stop, float]:
         """Runs to the end; why it ended, and when."""
@@ -333,7 +351,9 @@ class Run:
             elif reason is StopReason.INTERRUPTED:
                 return Stop(reason, f"{reason.value}: after {self.done} events"), self.now
             elif reason is StopReason.BUDGET:
-                limit = self.budget or f"{self.engine.max_steps} steps of {self.engine.dt!r}; raise max_steps, or dt"
+                limit = self.budget or f"{self.most} steps of {self.engine.dt!r}; raise max_steps, or dt"
+                if not self.budget and self.most < self.engine.max_steps:
+                    limit = f"time {self.now:g}, up to which walls reach under gravity; end the run before"
                 return Stop(reason, f"{reason.value}: {limit}"), self.now
 
     def horizon_stop(self) -> Stop:
@@ -346,7 +366,7 @@ class Run:
         step, dt, base, base_step = self.world.space.step, self.engine.dt, self.base, self.base_step
         record, touched, settling = self.record, self.record.touched, self.record.settling
         wanted = self.last_step(goal)
-        last = int(min(wanted, self.engine.max_steps))
+        last = int(min(wanted, self.most))
         while self.steps < last:
             stretch_end = min(self.steps + STRETCH, last)
             for number in range(self.steps + 1, stretch_end + 1):
@@ -407,7 +427,7 @@ class Run:
         """Whether to look: after 1, 2, 4... stretches without an event, unless a reversal is due by time."""
         idle = (self.steps - self.last_event_step) // STRETCH
         due = self.reversal is None and self.turn_at <= self.end and self.turn_at < math.inf
-        return not due and idle > 0 and idle & (idle - 1) == 0
+        return self.scene.gravity is None and not due and idle > 0 and idle & (idle - 1) == 0
 
     def quiet(self) -> bool:
         """Whether no two circles and no circle and wall come nearer to each other: then none ever will."""

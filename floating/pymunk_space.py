@@ -45,6 +45,11 @@ def clipped(region: Sequence[Point], nx: float, ny: float, height: float) -> lis
 # -- A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run.
 
 GRAVITY = (0.0, 0.0)
+"""Where a scene has none."""
+
+FALLING_FOR = 64.0
+"""The longest run under gravity: a circle may fall for as long, and walls have to reach as far."""
+
 DAMPING = 1.0
 """Share of the velocity kept in a unit of time: all of it."""
 
@@ -146,14 +151,15 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
             `MAX_CELLS` groups.
     """
     space = pymunk.Space()
-    space.gravity = GRAVITY
+    gravity = GRAVITY if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
+    space.gravity = gravity
     space.damping = DAMPING
     space.iterations = iterations
     space.collision_slop = slop
     space.collision_bias = bias
     space.collision_persistence = COLLISION_PERSISTENCE
     try:
-        speed = _top_speed(scene.circles)
+        speed = _top_speed(scene.circles) + math.hypot(*gravity) * duration
         lines = tuple(_line(wall) for wall in scene.walls)
         sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
         cells = _cells(scene.name, sides)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 from ..exact.laws.formulas import advance
 from ..exact.numbers.double_pairs import quick_two_sum, two_product, two_sum
 from ..exact.numbers.system import NumberSystem
+from ..exact.replay.contact import Gravity
 from ..scenarios.lazy import Later
 from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
@@ -164,11 +165,18 @@ class QuadMotion:
     Args:
         knots: for each circle (t, x, y, vx, vy, number of the instant), ascending.
         end: the last time that may be asked for.
+        falling: half of gravity; None without.
     """
 
-    def __init__(self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real) -> None:
+    def __init__(
+        self,
+        knots: Sequence[Sequence[Passed[DoubleDouble]]],
+        end: Real,
+        falling: Gravity[DoubleDouble] | None = None,
+    ) -> None:
         self.knots = knots
         self.end = end
+        self.falling = falling
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
@@ -187,6 +195,10 @@ class QuadMotion:
                 k = bisect_right(knots, at, key=_time) - 1
             t, x, y, vx, vy, _ = knots[max(k, 0)]
             lag = at - t
+            if self.falling is not None:
+                x, y, vx, vy = map(float, self.falling.flown((x, y, vx, vy), lag))
+                rows.append((x, y, vx, vy))
+                continue
             rows.append((float(advance(x, vx, lag)), float(advance(y, vy, lag)), float(vx), float(vy)))
         return rows
 
@@ -241,6 +253,12 @@ class QuadEngine(EventEngine[DoubleDouble]):
     def motion(self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real) -> Motion:
         """See `EventEngine.motion`."""
         return QuadMotion(knots, end)
+
+    def fallen_motion(
+        self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real, falling: Gravity[DoubleDouble]
+    ) -> Motion:
+        """See `EventEngine.fallen_motion`."""
+        return QuadMotion(knots, end, falling)
 
     def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
         """See `EventEngine.shown`."""

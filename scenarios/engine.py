@@ -20,7 +20,7 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon"}
+ALL_KEYS = SCENE_KEYS | {"polygon", "gravity"}
 """These, and the keys that an engine follows only where it says so: `Declared` leaves them out."""
 
 

@@ -26,7 +26,7 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
-TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "capture", "circle", "wall", "segment", "polygon", "pocket")
+TOP = (*TEXTS, *COUNTS, *TIMES, "restitution", "gravity", "capture", "circle", "wall", "segment", "polygon", "pocket")
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
 SEGMENT = (*WALL, "r")
@@ -36,7 +36,7 @@ POCKET = ("id", "x", "y", "r")
 ABSENT = frozenset(
     [
         *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
-        *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
+        *("drag", "elasticity", "field", "force", "friction", "joint", "line", "motor", "mu", "omega"),
         *("period_x", "period_y", "rectangle", "rotation", "settle", "spin"),
         *("spring", "torque"),
     ]
@@ -69,6 +69,8 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
         values: dict[str, Any] = {key: _text(key, data[key]) for key in TEXTS if key in data}
         values |= {key: _count(key, data[key]) for key in COUNTS if key in data}
         values |= {key: _number("", key, data[key]) for key in (*TIMES, "restitution") if key in data}
+        if "gravity" in data:
+            values["gravity"] = _gravity(data["gravity"])
         if "capture" in data:
             values["capture"] = _truth("capture", data["capture"])
         return Scene(
@@ -178,6 +180,13 @@ def _number(label: str, key: str, value: Any) -> Quantity:
         raise SceneError(f"{place} = {error}") from None
 
 
+def _gravity(value: Any) -> list[Quantity]:
+    shown, parts = cut(value), cast("list[object]", value) if isinstance(value, list) else []
+    if len(parts) != 2:
+        raise SceneError(f"gravity = {shown} is not a pair; write gravity = [0, -10]")
+    return [_number("gravity", key, part) for key, part in zip("xy", parts, strict=True)]
+
+
 def _count(key: str, value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value < 10**18:
         raise SceneError(f"{key} = {cut(value)}: must be a whole number from 1")
@@ -230,8 +239,8 @@ def _is_physics(key: str) -> bool:
 
 def _check_keys(label: str, table: dict[str, Any], known: Iterable[str]) -> None:
     for key in table:
-        if label and key == "restitution":
-            raise SceneError(f"{label}: restitution: one holds for the whole scene; write it above the first table")
+        if label and key in ("restitution", "gravity"):
+            raise SceneError(f"{label}: {key}: one holds for the whole scene; write it above the first table")
         if key not in known:
             near = difflib.get_close_matches(key[:SHOWN].lower(), known, n=1, cutoff=0.5)
             remedy = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(known)}"
@@ -400,7 +409,7 @@ def dump_toml(scene: Scene) -> str:
     """
     lines: list[str] = []
     for key, value in _data(scene).items():
-        if not isinstance(value, list):
+        if not isinstance(value, list) or key == "gravity":
             lines.append(_toml_line(key, value))
             continue
         for row in cast("list[dict[str, Any]]", value):
@@ -421,7 +430,7 @@ def dump_json(scene: Scene) -> str:
     items: list[str] = []
     for key, value in _data(scene).items():
         text = _json(value)
-        if isinstance(value, list):
+        if isinstance(value, list) and key != "gravity":
             rows = ",\n".join(f"    {_json(row)}" for row in cast("list[object]", value))
             text = f"[\n{rows}\n  ]"
         items.append(f"  {json.dumps(key)}: {text}")
@@ -442,6 +451,7 @@ def _data(scene: Scene) -> dict[str, Any]:
     """The scene's keys and values, once it is sure that a file can hold them."""
     data = scene.data()
     _check_table("", data)
+    _check_table("gravity: ", dict(zip("xy", data.get("gravity", ()), strict=False)))
     for kind in ("circle", "wall", "segment", "polygon", "pocket"):
         rows: list[dict[str, Any]] = data.get(kind, [])
         for row in rows:
@@ -468,6 +478,8 @@ def _check_table(place: str, table: dict[str, Any]) -> None:
 def _toml_line(key: str, value: Any) -> str:
     if isinstance(value, bool):
         return f"{key} = {'true' if value else 'false'}"
+    if key == "gravity":
+        return f"{key} = [{', '.join(map(_toml_number, value))}]"
     if isinstance(value, list):
         pairs = [", ".join(_toml_number(part) for part in pair) for pair in cast("list[list[str]]", value)]
         text = ", ".join(f"[{pair}]" for pair in pairs)

@@ -11,7 +11,15 @@ from .errors import SceneError
 from .lazy import kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
-from .settings import ELASTIC, TiePolicy, checked_restitution, checked_truth, positive_count, positive_time
+from .settings import (
+    ELASTIC,
+    TiePolicy,
+    checked_gravity,
+    checked_restitution,
+    checked_truth,
+    positive_count,
+    positive_time,
+)
 from .things import Circle, Pocket, Polygon, Segment, Wall
 
 MAX_CIRCLES = 100_000
@@ -39,12 +47,14 @@ class Scene:
         segments: straight segments, after the walls in that order.
         polygons: solid polygons, after the segments in that order.
         restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
+        gravity: (gx, gy), a uniform acceleration of every circle; None without.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: segments and polygons as faces and ends; itself without.
 
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
-            restitution out of its range, and one below 1 together with a reversal.
+            restitution out of its range, and one below 1 together with a reversal; for gravity beside anything but
+            walls and circles that move.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -66,6 +76,7 @@ class Scene:
     segments: tuple[Segment, ...] = ()
     polygons: tuple[Polygon, ...] = ()
     restitution: Quantity = ELASTIC
+    gravity: tuple[Quantity, Quantity] | None = None
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -85,6 +96,7 @@ class Scene:
         segments: Iterable[Segment] = (),
         polygons: Iterable[Polygon] = (),
         restitution: QuantityLike = 1,
+        gravity: tuple[QuantityLike, QuantityLike] | None = None,
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
@@ -103,6 +115,7 @@ class Scene:
             description=description,
             source=source,
             restitution=restitution,
+            gravity=gravity,
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
@@ -129,6 +142,7 @@ class Scene:
         description: str,
         source: str,
         restitution: QuantityLike,
+        gravity: tuple[QuantityLike, QuantityLike] | None,
     ) -> None:
         """Sets all but the circles, walls and pockets."""
         put = object.__setattr__
@@ -141,6 +155,7 @@ class Scene:
         put(self, "until", positive_time("until", until))
         put(self, "capture", checked_truth("capture", capture))
         put(self, "restitution", checked_restitution(restitution))
+        put(self, "gravity", checked_gravity(gravity))
         if not isinstance(name, str) or not name:
             raise SceneError(f"name = {name!r} is not text; give the scene a name")
         put(self, "name", name)
@@ -150,6 +165,21 @@ class Scene:
             key = "reverse_at" if self.reverse_after is None else "reverse_after"
             raise SceneError(
                 f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
+            )
+        if self.gravity is not None:
+            self._check_falling()
+
+    def _check_falling(self) -> None:
+        """Refuses what is round, fixed, and met under gravity: when that comes is a zero of a quartic."""
+        fixed = next((circle for circle in self.circles if circle.fixed), None)
+        found = f"circle {fixed.id!r} is fixed" if fixed is not None else ""
+        for kind, things in (("pocket", self.pockets), ("segment", self.segments), ("polygon", self.polygons)):
+            if things:
+                found = f"{kind} {things[0].id!r} is there"
+        if found:
+            raise SceneError(
+                f"gravity: {found}; under gravity there are walls and circles that move, and nothing else yet: "
+                "leave the one or the other out"
             )
 
     def _check_things(self) -> None:
@@ -262,6 +292,8 @@ class Scene:
             data["capture"] = True
         if not self.elastic:
             data["restitution"] = self.restitution.text()
+        if self.gravity is not None:
+            data["gravity"] = [part.text() for part in self.gravity]
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):
             if circle.point:

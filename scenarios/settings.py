@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from .errors import SceneError
 from .numbers.quantity import Quantity, QuantityLike
@@ -106,6 +106,26 @@ def checked_restitution(value: QuantityLike) -> Quantity:
     if found.sign() < 0 or (ELASTIC - found).sign() < 0:
         raise SceneError(f"restitution = {found.brief()}: is not in 0 to 1; write a number above 0, up to 1")
     return found
+
+
+def checked_gravity(value: Any) -> tuple[Quantity, Quantity] | None:
+    """A uniform acceleration; None for none, or for one of zero.
+
+    Raises:
+        SceneError: unless it is two exact numbers.
+
+    >>> checked_gravity([0, "-981/100"]), checked_gravity([0, 0])
+    ((Quantity('0'), Quantity('-981/100')), None)
+    """
+    if value is None:
+        return None
+    if not isinstance(value, (list, tuple)) or len(cast("list[Any]", value)) != 2:
+        raise SceneError(f"gravity = {value!r}: must be two numbers; write gravity = [0, -10]")
+    try:
+        gx, gy = (Quantity.of(part) for part in cast("list[Any]", value))
+    except SceneError as error:
+        raise SceneError(f"gravity: {error}") from None
+    return None if gx.sign() == 0 == gy.sign() else (gx, gy)
 
 
 def positive_count(key: str, value: Any) -> int | None:

@@ -176,6 +176,8 @@ class StopReason(Enum):
     HORIZON = "reached the time limit"
     EVENTS = "reached the limit on instants"
     QUIET = "no further collision: nothing left to happen"
+    REST = "at rest: a circle stands on a wall to which gravity pulls it"
+    ACCUMULATION = "infinitely many collisions in finite time"
     UNDECIDED = "undecided: what happens next could not be proved"
     BUDGET = "the budget is spent"
     INTERRUPTED = "interrupted"
@@ -234,6 +236,7 @@ class Trajectory:
         assumptions: decisions that rest on less than proof, in order.
         plan: what each rung of the decision ladder decided and what was skipped, as counts.
         notes: what the run says of itself, one sentence each (such as an exact return to the start).
+        ending: where it stopped at an ACCUMULATION, the time by which all of the infinitely many have happened.
     """
 
     scene: Scene
@@ -248,6 +251,7 @@ class Trajectory:
     assumptions: tuple[Assumption, ...] = ()
     plan: Mapping[str, Any] = field(default_factory=dict[str, Any])
     notes: tuple[str, ...] = ()
+    ending: Real | None = None
 
     def at(self, time: str | SupportsFloat) -> State:
         """The state at a time from 0 to `final_time`; at an event, as it leaves it.

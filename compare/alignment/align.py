@@ -479,7 +479,7 @@ def rows_of(run: Trajectory, times: Sequence[float]) -> Sequence[Sequence[Sequen
         return run.sample(times).tolist()
     except ModuleNotFoundError:
         motion = motion_of(run)
-        if motion is not None:
+        if motion is not None and run.scene.gravity is None:
             return _exact_rows(motion, times)
         return [[tuple(map(float, row)) for row in run.motion.state(time)] for time in times]
 

@@ -189,6 +189,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if not run.scene.elastic:
         return Audit(None, "a restitution below 1 is not audited yet")
+    if run.scene.gravity is not None:
+        return Audit(None, "gravity is not audited yet")
     if engine.step is not None:
         return _audited_steps(run, engine)
     transcript = Transcript(run, engine.bits is not None, 0.0 if engine.bits is None else 2.0**-engine.bits)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb, arb_mat
 
 from ...exact.numbers import ball
-from ...exact.replay.state import Sides
+from ...exact.replay.contact import Sides
 from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:

@@ -176,6 +176,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     """
     if not scene.elastic:
         return "it has no restitution, which certificates do not know yet"
+    if scene.gravity is not None:
+        return "it has no gravity, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())

@@ -72,6 +72,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
+    if trajectory.scene.gravity is not None:
+        raise CertificateError("the scene has gravity, which certificates do not know yet")
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")

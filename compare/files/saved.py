@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
-from ...exact.exact_motion import ExactMotion, ExactValue, RunLog, TimeFormula, time_of
+from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, time_of
 from ...exact.replay.contact import Entry, can_push
-from ...exact.simulation.decider import Limits, Mark
+from ...exact.simulation.decider import Limits, Mark, RunLog
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
 from ...scenarios.disk import Seal, fits, text_of

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
+from ...scenarios.errors import SceneError
 from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 
@@ -63,6 +64,8 @@ class Impacts:
     """
 
     def __init__(self, scene: Scene) -> None:
+        if scene.gravity is not None:
+            raise SceneError(f"{scene.name!r}: has gravity, of which no log is judged yet")
         self._change = 1.0 + float(scene.restitution)
         self.things = tuple(parts_of(scene))
         self._near = PartsNear(scene, DOUBLES) if self.things else None

@@ -335,7 +335,8 @@ def compared(study: Study, candidate: Candidate, index: int, scene: str) -> Row:
 def energy_drift(trajectory: Trajectory) -> float | None:
     """The energy gained by the end of a run, as a share of that at its start.
 
-    None where there is none at all, or the scene's restitution takes some.
+    None where there is none at all, or the scene's restitution takes some. Under gravity that of the fall counts, and
+    the share is of the larger kinetic energy of the start and the end.
 
     >>> from truebreak.floating import DoubleEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -344,13 +345,21 @@ def energy_drift(trajectory: Trajectory) -> float | None:
     """
     circles = [circle for circle in trajectory.scene.circles if not circle.fixed]
     before = sum((float(c.vx) ** 2 + float(c.vy) ** 2) / float(c.inverse_mass) for c in circles)
-    if not before or not trajectory.scene.elastic:
+    if not trajectory.scene.elastic or (not before and trajectory.scene.gravity is None):
         return None
     final = trajectory.final
     after = sum(
         (float(final[str(c.id)].vx) ** 2 + float(final[str(c.id)].vy) ** 2) / float(c.inverse_mass) for c in circles
     )
-    return after / before - 1.0
+    if trajectory.scene.gravity is None:
+        return after / before - 1.0
+    gx, gy = map(float, trajectory.scene.gravity)
+    ways = ((final[str(c.id)].x, final[str(c.id)].y, c) for c in circles)
+    spent = sum(
+        2.0 * (gx * (float(x) - float(c.x)) + gy * (float(y) - float(c.y))) / float(c.inverse_mass) for x, y, c in ways
+    )
+    most = max(before, after)
+    return (after - before - spent) / most if most else None
 
 
 # -- its JSON schema, from its types and what its docstring says of each

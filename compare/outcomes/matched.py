@@ -278,7 +278,9 @@ class Left:
             told = circle if index is None else states[index][circle.id]
             lag = float(time) - (0.0 if index is None else float(self.events[index].time))
             vx, vy = float(told.vx), float(told.vy)
-            rows.append((float(told.x) + vx * lag, float(told.y) + vy * lag, vx, vy))
+            gx, gy = map(float, self.candidate.scene.gravity or (0, 0))
+            x, y = float(told.x) + vx * lag + gx * lag * lag / 2, float(told.y) + vy * lag + gy * lag * lag / 2
+            rows.append((x, y, vx + gx * lag, vy + gy * lag))
         return rows
 
     def sample(self, times: Sequence[float]) -> Any:

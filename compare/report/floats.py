@@ -44,6 +44,11 @@ def floats_json(scene: Scene) -> dict[str, Any]:
         data["segments"] = [_thing(s, SEGMENT) for s in scene.segments]
     if scene.polygons:
         data["polygons"] = [_polygon(p) for p in scene.polygons]
+    if not scene.elastic:
+        data["restitution"], data["restitution_error"] = double_and_error(scene.restitution, "restitution")
+    if scene.gravity is not None:
+        pairs = [double_and_error(part, "gravity") for part in scene.gravity]
+        data["gravity"], data["gravity_error"] = [double for double, _ in pairs], [error for _, error in pairs]
     for key in ("until", "reverse_at"):
         if getattr(scene, key) is not None:
             data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
@@ -60,8 +65,12 @@ def floats_csv(scene: Scene) -> str:
     The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
 
     Raises:
-        SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
+        SceneError: for a number beyond the doubles, for an id that a spreadsheet would take for a formula, and for
+            gravity or a restitution, of which there is no row.
     """
+    for key, used in (("gravity", scene.gravity is not None), ("restitution", not scene.elastic)):
+        if used:
+            raise SceneError(f"{scene.name!r}: has {key}, of which rows of things do not tell; leave out --csv")
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     rows: list[tuple[str, str | None, list[tuple[float, float]]]] = []

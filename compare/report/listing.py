@@ -114,6 +114,10 @@ def print_scene(scene: Scene, as_json: bool) -> None:
         value = getattr(scene, key)
         if value is not None:
             facts[key.replace("_", " ")] = str(value)
+    if not scene.elastic:
+        facts["restitution"] = str(scene.restitution)
+    if scene.gravity is not None:
+        facts["gravity"] = f"({', '.join(map(str, scene.gravity))})"
     say(out, ", ".join(f"{key}: {value}" for key, value in facts.items()))
     data = scene.data()
     for kind, keys in (

@@ -116,7 +116,8 @@ def played(
         "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
         **({"segments": [segment_line(s) for s in scene.segments]} if scene.segments else {}),
         **({"polygons": [polygon_outline(p) for p in scene.polygons]} if scene.polygons else {}),
-        "view": _view(scene, truth["knots"]),
+        **({"gravity": [*map(float, scene.gravity)]} if scene.gravity is not None else {}),
+        "view": _view(scene, _passed(scene, truth)),
         "begin": begin,
         "end": end,
         "total": len(first.events),
@@ -182,22 +183,61 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
         flights.append((len(times) - 1, times[-1], max(final, times[-1])))
         rows.append(run.final.rows())
     room = JUMP * max(1e-300, *(abs(value) for row in rows for state in row for value in state[:2]))
+    gravity = _gravity(run.scene)
     for (k, begin, middle), row in zip(flights, rows, strict=True):
         for i, (x, y, vx, vy) in enumerate(row):
-            if i in known and _follows(known[i], middle, (x, y, vx, vy), room):
+            if i in known and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
-            back = middle - begin
-            known[i] = (begin, x - vx * back, y - vy * back, vx, vy)
+            known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
             knots.append([k, i, *(float(f"{value:.9g}") for value in known[i][1:])])
     return knots
 
 
-def _follows(knot: tuple[float, ...], time: float, state: tuple[float, ...], room: float) -> bool:
-    """Whether a state is the straight flight from a knot."""
-    begin, x, y, vx, vy = knot
-    flown = time - begin
-    same = (vx, vy) == state[2:]
-    return same and math.hypot(x + vx * flown - state[0], y + vy * flown - state[1]) <= room
+def _gravity(scene: Scene) -> tuple[float, float]:
+    gx, gy = scene.gravity or (0, 0)
+    return float(gx), float(gy)
+
+
+def _flown(state: Sequence[float], since: float, gravity: tuple[float, float]) -> tuple[float, float, float, float]:
+    """x, y, vx, vy of a flight so much later."""
+    (x, y, vx, vy), (gx, gy) = state, gravity
+    return (
+        x + vx * since + gx * since * since / 2,
+        y + vy * since + gy * since * since / 2,
+        vx + gx * since,
+        vy + gy * since,
+    )
+
+
+def _follows(
+    knot: tuple[float, ...], time: float, state: tuple[float, ...], room: float, gravity: tuple[float, float]
+) -> bool:
+    """Whether a state is the flight from a knot: under gravity, whose velocities are rounded, by its place alone."""
+    begin, *start = knot
+    x, y, vx, vy = _flown(start, time - begin, gravity)
+    same = (
+        (vx, vy) == state[2:]
+        if gravity == (0.0, 0.0)
+        else math.isclose(vx, state[2], abs_tol=room) and math.isclose(vy, state[3], abs_tol=room)
+    )
+    return same and math.hypot(x - state[0], y - state[1]) <= room
+
+
+PIECES = 8
+"""Places of each flight under gravity by which it is told how far to look."""
+
+
+def _passed(scene: Scene, run: Mapping[str, Any]) -> list[list[float]]:
+    """The knots of a run; under gravity with places on the way from each to the end of its flight."""
+    gravity, knots, times = _gravity(scene), run["knots"], run["times"]
+    if gravity == (0.0, 0.0):
+        return knots
+    ends = [*times[1:], run["end"]]
+    return [
+        [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, gravity)]
+        for k, i, *state in knots
+        for piece in range(PIECES + 1)
+    ]
 
 
 def _told(comparison: Comparison, candidate: Candidate, predicted: list[float] | None) -> dict[str, Any]:

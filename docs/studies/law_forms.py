@@ -21,6 +21,7 @@ share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, wait, mx, my, weight, turn, push, shift = symbols("e, tau, wait, mx, my, weight, turn, push, shift")
 before, after, share = symbols("before, after, share")
+half, depth, pull = symbols("half, depth, pull")
 c, slope, bxx, bxy, byy, spin = symbols("c, slope, bxx, bxy, byy, spin")
 
 
@@ -283,6 +284,57 @@ FORMS = (
 
         The first equation of `derivation.pair_touch`.""",
         ("advance(Q(1), Q(-2), Q(3))", "Fraction(-5, 1)"),
+    ),
+    StableForm(
+        "sag",
+        (x, v, half, dt),
+        (),
+        (x + (v + half * dt) * dt,),
+        """A coordinate after a flight of duration dt under gravity, of which `half` is half of the part along it.
+
+        So too the gap of a circle and a wall, with gravity along n. Equals `derivation.falling_flight`.""",
+        ("sag(Q(1), Q(2), Q(-2), Q(3))", "Fraction(-11, 1)"),
+    ),
+    StableForm(
+        "fall_speed",
+        (v, half, dt),
+        (),
+        (v + 2 * half * dt,),
+        """The speed after a flight of duration dt under gravity, of which `half` is half of the part along it.
+
+        The derivative of `sag` by dt. Equals `derivation.falling_flight`.""",
+        ("fall_speed(Q(2), Q(-2), Q(3))", "Fraction(-10, 1)"),
+    ),
+    StableForm(
+        "fall_discriminant",
+        (gap, approach, half),
+        ((pull, 2 * half), (depth, 2 * gap * pull)),
+        (approach * approach - depth,),
+        """The square of the speed at which a circle under gravity comes to a wall: positive if it does, 0 if it grazes.
+
+        `gap` and `approach` are `wall_gap` and `wall_approach`, `half` is half of n.g.""",
+        ("fall_discriminant(Q(3), Q(-4), Q(1))", "Fraction(4, 1)"),
+    ),
+    StableForm(
+        "fall_time",
+        (gap, approach, root),
+        (),
+        (2 * gap / (root - approach),),
+        """Time until a circle under gravity, which approaches a wall, touches it; `root` as in `fall_time_back`.
+
+        The same zero as `fall_time_back`, freed from its cancellation where `approach` is negative.""",
+        ("fall_time(Q(3), Q(-4), Q(2))", "Fraction(1, 1)"),
+    ),
+    StableForm(
+        "fall_time_back",
+        (approach, half, root),
+        ((pull, 2 * half),),
+        (-(approach + root) / pull,),
+        """Time until the gap of a circle and a wall under gravity is 0 and falls, whatever the sign of n.g.
+
+        `root` is the square root of `fall_discriminant`: the gap then changes at the speed -root. Of the two zeros
+        it is the later one where gravity pulls towards the wall, and the earlier one where it pulls away.""",
+        ("fall_time_back(Q(-4), Q(1), Q(2))", "Fraction(1, 1)"),
     ),
 )
 

@@ -21,9 +21,11 @@ from law_forms import (
     TANGENT_FORMS,
     R,
     StableForm,
+    approach,
     dx,
     dy,
     e,
+    gap,
     px,
     py,
     qx,
@@ -57,7 +59,9 @@ from truebreak.exact.laws.derivation import (
     b_y,
     bprime_x,
     bprime_y,
+    falling_flight,
     fixed_circle_velocities,
+    gravity,
     is_zero,
     pair_instant_speed,
     pair_restitution_velocities,
@@ -288,6 +292,25 @@ def _wall_damped(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]
     return tuple(mine - law for mine, law in zip(ours, wall_restitution_velocities(), strict=True))
 
 
+def _falling_flight(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    place, speed = falling_flight()
+    half = gravity / 2
+    return formulas["sag"](a_x, a_vx, half, t) - place, formulas["fall_speed"](a_vx, half, t) - speed
+
+
+def _falling_zeros(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """At either form's time the gap is 0, and its derivative is -root: it is where the gap falls."""
+    place, speed = falling_flight()
+    at = {a_x: gap, a_vx: approach}
+    root = sqrt(formulas["fall_discriminant"](gap, approach, gravity / 2))
+    waits = formulas["fall_time"](gap, approach, root), formulas["fall_time_back"](approach, gravity / 2, root)
+    found = [
+        (place.subs(at | {t: wait}, simultaneous=True), speed.subs(at | {t: wait}, simultaneous=True) + root)
+        for wait in waits
+    ]
+    return tuple(difference for pair in found for difference in pair)
+
+
 PROOFS = (
     Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
     Proof("time until two circles touch", pair_times, _pair_times),
@@ -305,6 +328,8 @@ PROOFS = (
     Proof("velocity off a wall, by a matrix", wall_velocities, _wall_mirrored),
     Proof("two circles collide with a restitution", pair_restitution_velocities, _damped),
     Proof("a circle bounces off a wall with a restitution", wall_restitution_velocities, _wall_damped),
+    Proof("flight under gravity", falling_flight, _falling_flight),
+    Proof("time until a circle under gravity touches a wall", falling_flight, _falling_zeros),
 )
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from typing import Protocol
 
 from flint import arb, fmpq
 
 from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower_element import sign_of_root_sum
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
@@ -17,12 +19,14 @@ from ...scenarios.trajectory import TieProof
 from ...scenarios.work import Work
 from ..log_symmetry import LogSymmetry, Retrace
 from ..numbers import ball
-from ..numbers.ball import LeavesField, NestedNumbers, field_sign
+from ..numbers.ball import Known, LeavesField, NestedNumbers, field_ball, field_sign, field_text
 from ..numbers.system import Undecided
-from ..question import Decision, Question
-from ..replay.contact import Link
+from ..question import Decision, Moment, Question
+from ..replay.contact import AtWall, Body, Entry, Link
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
+from ..simulation.endings import Accumulating, Rows, true_rows
+from .filtered import QUICK_BITS
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.
 
@@ -375,3 +379,88 @@ class RootsAndBits:
         state.sync(question.bodies)
         size = question.value(state.balls).abs_upper()
         return 0 if not size.is_finite() else max(0, -int(size.log().__truediv__(arb(2).log()).upper().ceil().fmpz()))
+
+
+# -- What the history keeps of a certified run: exact numbers where they are at hand, else short balls.
+
+
+class Timed(Protocol):
+    """What tells the time of a meeting."""
+
+    def time(self, moment: Moment) -> arb:
+        """As a ball of full precision."""
+        ...
+
+
+def rough(time: Known) -> float:
+    """The double below a time, a ball or exact."""
+    return ball.double_bounds(time if isinstance(time, arb) else field_ball(time, QUICK_BITS))[0]
+
+
+class CertifiedReading:
+    """Reads a state off.
+
+    Args:
+        state: that state.
+        meetings: knows the times of entries.
+    """
+
+    def __init__(self, state: RefinableState, meetings: Timed) -> None:
+        self._state = state
+        self._meetings = meetings
+
+    def knot(self, body: Body[arb]) -> tuple[Known, Known, Known, Known, Known]:
+        """The state: exact numbers if the body is exact, else short balls."""
+        exact = self._state.exact[body.index]
+        x, y, vx, vy, t = self._state.flight(body.index)[:5] if exact else body.q
+        return t, x, y, vx, vy
+
+    def now(self, body: Body[arb]) -> Known:
+        """The instant of a body's last contact: exact if the body is, else a short ball."""
+        if self._state.exact[body.index]:
+            return self._state.flight(body.index).t
+        ball.use_bits(QUICK_BITS)
+        return +body.flight.instant
+
+    def entry_time(self, link: Entry) -> arb:
+        """The time of an entry as a short ball."""
+        time = self._meetings.time(Moment(link))
+        with ball.precision(QUICK_BITS):
+            return +time
+
+    def reversal_time(self) -> Known:
+        """The time of the reversal: exact if it is at hand exactly, else a ball."""
+        state = self._state.field
+        if state is not None and all(self._state.exact):
+            return state.flip_time
+        return self._state.flip_time
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """The bodies' numbers as text, where all are exact."""
+        state = self._state.field
+        if state is None or not self._state.all_exact(tuple(bodies)):
+            return None
+        return tuple(field_text(number) for i in bodies for number in state.bodies[i].flight[:5])
+
+    def rough(self, time: Known) -> float:
+        """The double below a time."""
+        return rough(time)
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        ball.use_bits(self._state.bits)
+        if time is None:
+            return ball.double_bounds(self._state.flip_time + self._state.flip_time)
+        return ball.double_bounds(ball.constant(time))
+
+    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+        """In balls of full precision."""
+        ball.use_bits(self._state.bits)
+        self._state.sync(tuple(range(self._state.n)))
+        balls = self._state.balls
+        time = balls.bodies[link.circle].flight.instant
+        return time, Accumulating(link).wait(balls), true_rows(balls, time)
+
+    def note(self) -> str:
+        """The precision at work."""
+        return f"{self._state.bits} bits"

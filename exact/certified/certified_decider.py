@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
-from typing import Protocol
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import NoReturn, Protocol
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption
 from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
-from ..numbers.ball import Known, field_ball, field_text
+from ..numbers.ball import Known
 from ..numbers.system import BudgetSpent, Undecided
-from ..question import Approach, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of
+from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_flat, name_of, touching_at_start
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
-from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
-from .cascade import Cascade, Grounds, InBalls, TieRule
-from .filtered import QUICK_BITS, FilteredPredictor
+from ..simulation.prediction import Arrival, ArrivalQueue
+from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
+from .filtered import FilteredPredictor
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -109,7 +108,8 @@ class Precision:
             )
         self._history.plan["precision raised"] += 1
         given_up = any(many >= LONG_BITS and not in_set for many, in_set in self._history.rises)
-        centred = self._state.centred or (bits >= LONG_BITS and not given_up)
+        plain = self._state.balls.falling is None  # no set of deviations is carried to a wall that falls
+        centred = self._state.centred or (bits >= LONG_BITS and plain and not given_up)
         begun = centred and not self._state.centred
         if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
@@ -137,11 +137,6 @@ class Precision:
         share = SET_FORESIGHT if self._state.centred else FORESIGHT
         whole = min(wholes) / done * lost * share + once + 2 * SAFE_BITS
         return int(min(whole, MOST_FORESIGHT * self._state.bits))  # also where times are beyond doubles
-
-
-def rough(time: Known) -> float:
-    """The double below a time, a ball or exact."""
-    return ball.double_bounds(time if isinstance(time, arb) else field_ball(time, QUICK_BITS))[0]
 
 
 # -- When two meet next, certified: predictions through the filter, times in balls, doubts settled by the cascade.
@@ -230,7 +225,7 @@ class CertifiedMeetings:
             return None
         if self._misses(link):
             return None
-        disc = 1 if is_flat(link) else self._judge.decide(Discriminant(link)).sign
+        disc = self._judge.decide(reached).sign if (reached := self._reached(link)) else 1
         if disc < 0:
             return None
         time = self._meeting(link, disc)
@@ -294,14 +289,27 @@ class CertifiedMeetings:
                 return
         if gap == 0:
             if not self._misses(link):
-                who, when = self._judge.name(link), self._precision.where()
-                raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+                self._overlap(link)
             return
         ball.use_bits(self._state.bits)
         if None in feet:
             doubtful(link)
         else:
             self.predictor.push(self._meeting(link, 1), link)
+
+    def _overlap(self, link: Link) -> NoReturn:
+        who, when = self._judge.name(link), self._precision.where()
+        raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+
+    def _pull(self, link: AtWall) -> int:
+        """See `Sides.pull`; 0 without gravity."""
+        return 0 if self.predictor.falling is None else self._state.balls.sides.pull(*link[:2])
+
+    def _reached(self, link: Link) -> Question | None:
+        """Whether two that approach meet at all; None where they always do."""
+        if is_flat(link):
+            return Arrives(link) if self._pull(link) else None
+        return Discriminant(link)
 
     def _meeting(self, link: Link, disc: int) -> arb:
         """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""
@@ -323,6 +331,11 @@ class CertifiedMeetings:
         """
         self._plan["full predictions"] += 1
         ball.use_bits(self._state.bits)
+        if is_flat(link) and self._pull(link) < 0:
+            if self._sign(Gap(link)) == -1:
+                self._overlap(link)
+            self.predictor.push(self._meeting(link, 1), link)
+            return
         if is_flat(link) and link.wall in self.predictor.faces:
             self._unsure_face(link)
             return
@@ -338,9 +351,8 @@ class CertifiedMeetings:
         if gap <= 0:
             if not link.pushes and gap < 0:
                 return
-            who, when = self._judge.name(link), self._precision.where()
-            raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
-        disc = 1 if is_flat(link) else self._sign(Discriminant(link))
+            self._overlap(link)
+        disc = self._sign(reached) if (reached := self._reached(link)) else 1
         if disc is not None and disc < 0:
             return
         ball.use_bits(self._state.bits)
@@ -348,70 +360,6 @@ class CertifiedMeetings:
             self.predictor.push_doubtful(link)
         else:
             self.predictor.push(self._meeting(link, disc), link, disc == 0)
-
-
-# -- What the history keeps of a certified run: exact numbers where they are at hand, else short balls.
-
-
-class CertifiedReading:
-    """Reads a state off.
-
-    Args:
-        state: that state.
-        meetings: knows the times of entries.
-    """
-
-    def __init__(self, state: RefinableState, meetings: CertifiedMeetings) -> None:
-        self._state = state
-        self._meetings = meetings
-
-    def knot(self, body: Body[arb]) -> tuple[Known, Known, Known, Known, Known]:
-        """The state: exact numbers if the body is exact, else short balls."""
-        exact = self._state.exact[body.index]
-        x, y, vx, vy, t = self._state.flight(body.index)[:5] if exact else body.q
-        return t, x, y, vx, vy
-
-    def now(self, body: Body[arb]) -> Known:
-        """The instant of a body's last contact: exact if the body is, else a short ball."""
-        if self._state.exact[body.index]:
-            return self._state.flight(body.index).t
-        ball.use_bits(QUICK_BITS)
-        return +body.flight.instant
-
-    def entry_time(self, link: Entry) -> arb:
-        """The time of an entry as a short ball."""
-        time = self._meetings.time(Moment(link))
-        with ball.precision(QUICK_BITS):
-            return +time
-
-    def reversal_time(self) -> Known:
-        """The time of the reversal: exact if it is at hand exactly, else a ball."""
-        state = self._state.field
-        if state is not None and all(self._state.exact):
-            return state.flip_time
-        return self._state.flip_time
-
-    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
-        """The bodies' numbers as text, where all are exact."""
-        state = self._state.field
-        if state is None or not self._state.all_exact(tuple(bodies)):
-            return None
-        return tuple(field_text(number) for i in bodies for number in state.bodies[i].flight[:5])
-
-    def rough(self, time: Known) -> float:
-        """The double below a time."""
-        return rough(time)
-
-    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
-        """Doubles that enclose a set time (None: the return)."""
-        ball.use_bits(self._state.bits)
-        if time is None:
-            return ball.double_bounds(self._state.flip_time + self._state.flip_time)
-        return ball.double_bounds(ball.constant(time))
-
-    def note(self) -> str:
-        """The precision at work."""
-        return f"{self._state.bits} bits"
 
 
 # -- Many instants in one go: each of one contact alone, which nothing comes near.

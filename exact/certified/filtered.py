@@ -534,6 +534,11 @@ class FilteredPredictor(Predictor[arb]):
             if len(faces) == len(walls):
                 return
             walls = walls[: len(walls) - len(faces)]
+        if self.falling is not None:
+            self.prepare()
+            for k in walls:
+                self.wall(a, k, standing)
+            return
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
         else:

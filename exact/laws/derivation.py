@@ -7,7 +7,23 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from sympy import QQ, Eq, Expr, Integer, Poly, Symbol, cancel, field, limit, linsolve, oo, sqf_list, sqrt, symbols
+from sympy import (
+    QQ,
+    Eq,
+    Expr,
+    Integer,
+    Poly,
+    Symbol,
+    cancel,
+    field,
+    integrate,
+    limit,
+    linsolve,
+    oo,
+    sqf_list,
+    sqrt,
+    symbols,
+)
 from sympy.polys.fields import FracElement
 
 # -- Solve a system of polynomial equations by eliminating the unknowns that occur linearly.
@@ -189,6 +205,7 @@ aprime_x, aprime_y, bprime_x, bprime_y = symbols("a'_x, a'_y, b'_x, b'_y")
 ahat_vx, ahat_vy, bhat_vx, bhat_vy = symbols("ahat_vx, ahat_vy, bhat_vx, bhat_vy")
 x0, y0, x1, y1, x2, y2 = symbols("x_0, y_0, x_1, y_1, x_2, y_2")
 restitution = symbols("e")
+gravity = symbols("g")
 w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy = symbols("w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy")
 
 
@@ -457,6 +474,18 @@ def wall_restitution_velocities() -> tuple[Expr, ...]:
     [1, e]
     """
     return _linear(wall_restitution())
+
+
+@cache
+def falling_flight() -> tuple[Expr, Expr]:
+    """(x, v) of circle a along an axis at time t, where it has the acceleration g from time 0 on.
+
+    >>> falling_flight()[0].subs({a_x: 1, a_vx: 2, gravity: -4, t: 3})
+    -11
+    """
+    s, u = symbols("s, u")
+    speed = a_vx + integrate(gravity, (s, 0, u))
+    return a_x + integrate(speed, (u, 0, t)), speed.subs(u, t)
 
 
 @cache

@@ -293,3 +293,67 @@ def advance(x: N, v: N, dt: N) -> N:
     Fraction(-5, 1)
     """
     return x + v * dt
+
+
+def sag(x: N, v: N, half: N, dt: N) -> N:
+    """A coordinate after a flight of duration dt under gravity, of which `half` is half of the part along it.
+
+    So too the gap of a circle and a wall, with gravity along n. Equals `derivation.falling_flight`.
+
+    >>> from fractions import Fraction as Q
+    >>> sag(Q(1), Q(2), Q(-2), Q(3))
+    Fraction(-11, 1)
+    """
+    return x + (v + half * dt) * dt
+
+
+def fall_speed(v: N, half: N, dt: N) -> N:
+    """The speed after a flight of duration dt under gravity, of which `half` is half of the part along it.
+
+    The derivative of `sag` by dt. Equals `derivation.falling_flight`.
+
+    >>> from fractions import Fraction as Q
+    >>> fall_speed(Q(2), Q(-2), Q(3))
+    Fraction(-10, 1)
+    """
+    return v + (half + half) * dt
+
+
+def fall_discriminant(gap: N, approach: N, half: N) -> N:
+    """The square of the speed at which a circle under gravity comes to a wall: positive if it does, 0 if it grazes.
+
+    `gap` and `approach` are `wall_gap` and `wall_approach`, `half` is half of n.g.
+
+    >>> from fractions import Fraction as Q
+    >>> fall_discriminant(Q(3), Q(-4), Q(1))
+    Fraction(4, 1)
+    """
+    pull = half + half
+    depth = (gap + gap) * pull
+    return approach * approach - depth
+
+
+def fall_time(gap: N, approach: N, root: N) -> N:
+    """Time until a circle under gravity, which approaches a wall, touches it; `root` as in `fall_time_back`.
+
+    The same zero as `fall_time_back`, freed from its cancellation where `approach` is negative.
+
+    >>> from fractions import Fraction as Q
+    >>> fall_time(Q(3), Q(-4), Q(2))
+    Fraction(1, 1)
+    """
+    return (gap + gap) / (root - approach)
+
+
+def fall_time_back(approach: N, half: N, root: N) -> N:
+    """Time until the gap of a circle and a wall under gravity is 0 and falls, whatever the sign of n.g.
+
+    `root` is the square root of `fall_discriminant`: the gap then changes at the speed -root. Of the two zeros
+    it is the later one where gravity pulls towards the wall, and the earlier one where it pulls away.
+
+    >>> from fractions import Fraction as Q
+    >>> fall_time_back(Q(-4), Q(1), Q(2))
+    Fraction(1, 1)
+    """
+    pull = half + half
+    return (-approach - root) / pull

@@ -164,6 +164,29 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     return [time for time in found if time is not None]
 
 
+def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
+    """As `touch_times`, of a circle under gravity and a wall: n.(p + v t + g t**2/2 - p0) = r on its one side, and -r.
+
+    >>> from sympy import Integer as I
+    >>> floor = Line(I(0), I(0), I(1), I(0))
+    >>> fall_times(Disc(I(0), I(3), I(0), I(0), I(1), I(1)), floor, (I(0), I(-4)))
+    [1, -1, sqrt(2), -sqrt(2)]
+    """
+    ux, uy = b.x1 - b.x0, b.y1 - b.y0
+    length = root(normal(ux**2 + uy**2))
+    nx, ny = normal(-uy / length), normal(ux / length)
+    square, linear = normal((nx * g[0] + ny * g[1]) / 2), normal(nx * a.vx + ny * a.vy)
+    if sign(square) == 0:
+        return touch_times(a, b)
+    found: list[Expr] = []
+    for side in (1, -1):
+        rest = normal(nx * (a.x - b.x0) + ny * (a.y - b.y0) - side * a.r)
+        radicand = normal(linear**2 - 4 * square * rest)
+        if sign(radicand) >= 0:
+            found += [normal((-linear - way * root(radicand)) / (2 * square)) for way in (1, -1)]
+    return found
+
+
 def approach_sign(a: Disc, b: Disc | Line) -> int:
     """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
     (solution,) = _solutions("wall speed" if isinstance(b, Line) else "pair speed")

@@ -37,8 +37,10 @@ from .symbolic_contacts import (
     Line,
     Touching,
     UnendingCollision,
+    approach_sign,
     collide,
     coupled,
+    fall_times,
     touch_times,
 )
 from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
@@ -47,7 +49,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-# -- Straight flights between instants, in SymPy numbers.
+ZERO: Any = Integer(0)
+
+# -- Flights between instants, in SymPy numbers: straight ones, or parabolas under gravity.
 
 
 @dataclass(frozen=True)
@@ -58,11 +62,13 @@ class SymbolicMotion:
         starts: when each leg starts; of legs that start at one time the last holds.
         legs: all circles at that time, with the velocities that they leave it with.
         end: when the run ends.
+        gravity: what bends them.
     """
 
     starts: tuple[Any, ...]
     legs: tuple[tuple[Disc, ...], ...]
     end: Any
+    gravity: tuple[Any, Any] = (ZERO, ZERO)
 
     def state(self, time: Any) -> list[tuple[Real, Real, Real, Real]]:
         """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it.
@@ -76,15 +82,8 @@ class SymbolicMotion:
         for begun, leg in zip(reversed(self.starts), reversed(self.legs), strict=True):
             since = at - begun
             if sign(since) >= 0:
-                return [
-                    (
-                        quantity(normal(disc.x + disc.vx * since)),
-                        quantity(normal(disc.y + disc.vy * since)),
-                        quantity(disc.vx),
-                        quantity(disc.vy),
-                    )
-                    for disc in leg
-                ]
+                flown = (_flown(disc, since, self.gravity) for disc in leg)
+                return [(quantity(d.x), quantity(d.y), quantity(d.vx), quantity(d.vy)) for d in flown]
         raise AssertionError("the first leg starts at time 0")
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -97,7 +96,23 @@ class SymbolicMotion:
         found = legs[places].copy()
         since = np.array(times, dtype=float) - np.array(starts)[places]
         found[:, :, :2] += found[:, :, 2:] * since[:, None, None]
+        g = np.array([float(quantity(part)) for part in self.gravity])
+        if g.any():
+            found[:, :, :2] += g / 2 * since[:, None, None] ** 2
+            found[:, :, 2:] += g * since[:, None, None]
         return found
+
+
+def _flown(disc: Disc, since: Any, g: tuple[Any, Any]) -> Disc:
+    """A circle so much later."""
+    gx, gy = g
+    return replace(
+        disc,
+        x=normal(disc.x + disc.vx * since + gx * since**2 / 2),
+        y=normal(disc.y + disc.vy * since + gy * since**2 / 2),
+        vx=normal(disc.vx + gx * since),
+        vy=normal(disc.vy + gy * since),
+    )
 
 
 # -- The article's engine taken literally, in SymPy alone: slow, the oracle for small scenes.
@@ -113,8 +128,6 @@ class SymbolicMotion:
 #
 # Source: Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python', parts 1 and 3, 2023. It uses no
 # formula, number system or decision of the exact engine.
-
-ZERO: Any = Integer(0)
 
 
 @dataclass(frozen=True)
@@ -200,6 +213,10 @@ class _Run:
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
         self.e = normal(scene.restitution.sympy())
+        self.g: tuple[Any, Any] = (ZERO, ZERO)
+        if scene.gravity is not None:
+            gx, gy = scene.gravity
+            self.g = normal(gx.sympy()), normal(gy.sympy())
         self._leg()
 
     def trajectory(self) -> Trajectory:
@@ -212,7 +229,7 @@ class _Run:
             events=tuple(self.events),
             stop=stop,
             final_time=quantity(self.now),
-            motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now),
+            motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now, self.g),
             reversal=self.reversal,
             plan=self.plan,
         )
@@ -249,6 +266,9 @@ class _Run:
                 if self.reversal is None and len(self.events) == self.scene.reverse_after:
                     self._reverse()
                     continue
+            resting = self._resting(touching.after({i: (d.vx, d.vy) for i, d in enumerate(self.discs)}))
+            if resting:
+                return self._stop(StopReason.REST, resting)
             if self._reversal_due() and sign(self.now - self._reverse_at) == 0:
                 self._reverse()
                 continue
@@ -286,23 +306,49 @@ class _Run:
 
     def _hit(self, pair: Indices, touches: bool) -> Any:
         """When a pair will touch next, if it does not touch now. It is predicted once a flight."""
-        if pair not in self.hits:
+        known = pair in self.hits and not (touches and not self._straight(pair))
+        if not known:
             i, j = pair
             n = len(self.discs)
             b = self.lines[j - n] if j >= n else self.discs[j]
             self.plan["predictions"] += 1
-            times = [] if touches else [time for time in touch_times(self.discs[i], b) if sign(time) >= 0]
+            times = self._touches_to_come(self.discs[i], b, touches)
             found = _smallest(times)
             self.hits[pair] = None if found is None else normal(self.now + found)
         elif touches:
             self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
         return self.hits[pair]
 
+    def _straight(self, pair: Indices) -> bool:
+        """Whether the gap of two is that of straight flights: of a circle and a wall under gravity it is not."""
+        return pair[1] < len(self.discs) or self.scene.gravity is None
+
+    def _touches_to_come(self, a: Disc, b: Disc | Line, touches: bool) -> list[Any]:
+        """The times from now at which two will touch, where they touch now or not."""
+        if self.scene.gravity is None or isinstance(b, Disc):
+            return [] if touches else [time for time in touch_times(a, b) if sign(time) >= 0]
+        return [time for time in fall_times(a, b, self.g) if sign(time) > (0 if touches else -1)]
+
+    def _resting(self, touching: Touching) -> str:
+        """Who stands at a wall to which gravity pulls it, in words."""
+        if self.scene.gravity is None:
+            return ""
+        found: list[str] = []
+        for pair in touching.pairs:
+            a, b = touching.things(pair)
+            if isinstance(b, Line) and approach_sign(a, b) == 0:
+                ux, uy = b.x1 - b.x0, b.y1 - b.y0
+                side = sign(normal(ux * (a.y - b.y0) - uy * (a.x - b.x0)))
+                along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
+                if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
+                    found.append(" and ".join(self._contact(pair)))
+        return " as well as ".join(found)
+
     def _move(self, time: Any) -> None:
         duration = normal(time - self.now)
         before = self.discs
         self.plan["moves"] += 1
-        self.discs = tuple(replace(d, x=normal(d.x + d.vx * duration), y=normal(d.y + d.vy * duration)) for d in before)
+        self.discs = tuple(_flown(d, duration, self.g) for d in before)
         for pair, hit in self.hits.items():
             if hit is not None and sign(hit - time) == 0:
                 self.came[pair] = before

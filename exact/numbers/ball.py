@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, nan, nextafter
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from flint import arb, fmpq, fmpz
 
@@ -336,17 +336,21 @@ GUARD_BITS = 32
 
 
 def flown(x: Known, v: Known, time: Known, t: Known, bits: int) -> Known:
-    """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball of so many bits."""
-    numbers = (x, v, time, t)
+    """x + v (time - t) in the numbers at hand; see `combined`."""
+    return combined(_advanced, (x, v, time, t), bits)
+
+
+def combined(formula: Callable[..., Any], numbers: Sequence[Known], bits: int) -> Known:
+    """A formula of numbers at hand: exact if they all are and share a field, else a ball of so many bits."""
     rational = [number for number in numbers if isinstance(number, fmpq)]
     if len(rational) == len(numbers):
-        return _advanced(*rational)
+        return formula(*rational)
     towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
     if len(towers) == 1 and not any(isinstance(number, arb) for number in numbers):
         (tower,) = towers.values()
-        return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
+        return formula(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers))
     with precision(bits):
-        return advance(known_ball(x, bits), known_ball(v, bits), known_ball(time, bits) - known_ball(t, bits))
+        return formula(*(known_ball(n, bits) for n in numbers))
 
 
 def _advanced(x: N, v: N, time: N, t: N) -> N:

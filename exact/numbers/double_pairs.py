@@ -59,6 +59,37 @@ def pair_of(value: arb) -> tuple[float, float]:
     return high, float((value.mid() - high).mid())
 
 
+def fallen_pairs(
+    x: NDArray[np.float64],
+    v: NDArray[np.float64],
+    half: tuple[float, float],
+    since: NDArray[np.float64],
+    times: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """x + v t + half t^2 and v + 2 half t as doubles, where t = times - since, and x, v, since and half are pairs.
+
+    Args:
+        x, v, since: shape (n, 2).
+        times: shape (n,), exact doubles.
+
+    >>> import numpy as np
+    >>> zero = np.zeros((1, 2))
+    >>> [float(row[0]) for row in fallen_pairs(zero, zero, (-5.0, 0.0), zero, np.array([2.0]))]
+    [-20.0, -20.0]
+    """
+    total, error = two_sum(times, -since[:, 0])
+    high, low = quick_two_sum(total, error - since[:, 1])
+    way, lost = two_product(half[0] + 0.0 * high, high)
+    lost = lost + (half[0] * low + half[1] * high)
+    mean, rest = two_sum(v[:, 0], way)
+    mean, more = quick_two_sum(mean, rest + (v[:, 1] + lost))
+    step, off = two_product(mean, high)
+    place, rest = two_sum(x[:, 0], step)
+    speed, left = two_sum(v[:, 0], 2.0 * way)
+    fast = speed + (left + (v[:, 1] + 2.0 * lost))
+    return place + (rest + (x[:, 1] + (off + (mean * low + more * high)))), fast
+
+
 def advanced_pairs(
     x: NDArray[np.float64], v: NDArray[np.float64], t: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -219,7 +219,10 @@ class BallState(ReplayState[arb]):
         )
 
     def bounce_wall(self, link: AtWall) -> None:
-        """As `ReplayState.bounce_wall`: the line is mirrored."""
+        """As `ReplayState.bounce_wall`: the line is mirrored, which one that falls is not."""
+        if self.falling is not None:
+            super().bounce_wall(link)
+            return
         body, line = self.bodies[link.circle], self.line(link.circle, link.wall)
         xx, xy, yy = self.mirror_of(link)
         x, y, vx, vy, t, instant, late, last, rest = body.flight
@@ -228,6 +231,10 @@ class BallState(ReplayState[arb]):
             shift = self.damping(speed_change(offset)) / line.nn
             x, y = xx * x + xy * y + shift * line.nx, xy * x + yy * y + shift * line.ny
         body.flight = Flight(x, y, xx * vx + xy * vy, xy * vx + yy * vy, t, instant, late, last, rest)
+
+    def surely_falls(self, speed: arb) -> bool:
+        """See `Flights.surely_falls`."""
+        return speed < ball.ZERO
 
     def damping(self, change: arb) -> arb:
         """What is left of an elastic change at the scene's restitution."""
@@ -530,7 +537,7 @@ class LoneContacts:
         """A circle and a wall."""
         body = self._state.bodies[link[0]]
         x, y, vx, vy, base, _, _, _, rest = body.flight
-        if rest:
+        if rest or self._state.falling is not None:
             return None
         wall = self._known.wall(link)
         worst = body.acc + SPARE_BITS

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from math import inf
+from functools import lru_cache
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias
 
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Contact
+from ..laws.formulas import fall_speed, pair_gap, sag
 from ..numbers.system import N
 
 if TYPE_CHECKING:
@@ -226,7 +228,7 @@ class AtWall(NamedTuple):
         return state.wall_approach(self)
 
     def closing(self, state: Formulas[N]) -> N:
-        """See `Flights.wall_approach`: the same at every instant of a flight."""
+        """See `Flights.wall_approach`: without gravity the same at every instant of a flight."""
         return state.wall_approach(self)
 
     def hit(self, state: Formulas[N]) -> tuple[N, N]:
@@ -234,9 +236,8 @@ class AtWall(NamedTuple):
         return state.wall_hit(self)
 
     def parts(self, state: Formulas[N]) -> tuple[N, N, N]:
-        """The time itself: it needs no root."""
-        clock, wait = state.wall_hit(self)
-        return clock + wait, state.zero, state.zero
+        """See `Flights.wall_parts`."""
+        return state.wall_parts(self)
 
     def bounce(self, state: Formulas[N]) -> None:
         """See `State.bounce_wall`."""
@@ -324,6 +325,7 @@ class Formulas(Bodies[N], Protocol[N]):
     def round_hit(self, link: Round) -> tuple[N, N]: ...
     def wall_hit(self, link: AtWall) -> tuple[N, N]: ...
     def round_parts(self, link: Round) -> tuple[N, N, N]: ...
+    def wall_parts(self, link: AtWall) -> tuple[N, N, N]: ...
     def bounce_pair(self, link: Pair) -> None: ...
     def bounce_wall(self, link: AtWall) -> None: ...
     def pair_arms(self, link: Pair) -> list[tuple[int, N, N]]: ...
@@ -437,3 +439,129 @@ def name_of(scene: Scene, link: Link) -> str:
         pocket = str(scene.pockets[link.pocket].id)
         return f"{scene.ids[link.circle]} and {'' if pocket.startswith('pocket') else 'pocket '}{pocket}"
     return " and ".join(contact_of(scene, link))
+
+
+# -- Which circles, walls and rims of a scene touch at time 0, decided exactly.
+
+
+@lru_cache(maxsize=8)
+def touching_at_start(scene: Scene) -> tuple[Touch, ...]:
+    """The contacts at gap zero at time 0, in scene order.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> touching_at_start(Scene([Circle(0, 0), Circle("sqrt(2)", "sqrt(2)"), Circle(5, 5)]))
+    (Pair(a=0, b=1),)
+    """
+    circles = scene.circles
+    fixed = [circle.fixed for circle in circles]
+    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
+
+
+@lru_cache(maxsize=8)
+def rims_at_start(scene: Scene) -> tuple[Entry, ...]:
+    """The centres of movable circles on the rim of a pocket at time 0.
+
+    >>> from truebreak.scenarios import Circle, Pocket, Scene
+    >>> rims_at_start(Scene([Circle(0, 0, vx=1)], pockets=[Pocket(2, 0, 2)]))
+    (Entry(circle=0, pocket=0, kind='pocket'),)
+    """
+    found: list[Entry] = []
+    for i, circle in enumerate(scene.circles):
+        for k, pocket in enumerate(scene.pockets):
+            dx, dy = pocket.x - circle.x, pocket.y - circle.y
+            if not circle.fixed and pair_gap(dx, dy, pocket.r).sign() == 0:
+                found.append(Entry(i, k))
+    return tuple(found)
+
+
+# -- On which side of a wall a circle lies.
+
+CLEAR = 2.0**-40
+"""Share of its terms beyond which a height in doubles has the sign of the true one. Six roundings to doubles, of
+2**-53 each, and the roundings of five operations come to less than 2**-49 of them."""
+
+
+class Sides:
+    """On which side of each wall each circle starts, and so stays: decided exactly, once, when asked."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._known: dict[tuple[int, int], bool] = {}
+        self._pulls: dict[int, int] = {}
+        self._walls: dict[int, tuple[float, float, float, float] | None] = {}
+
+    def negative(self, circle: int, wall: int) -> bool:
+        """Whether the circle lies where the wall's own normal does not point."""
+        key = (circle, wall)
+        if key not in self._known:
+            where = self.scene.circles[circle]
+            told = False if wall in self.scene.faces else self._in_doubles(circle, wall)
+            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
+        return self._known[key]
+
+    def pull(self, circle: int, wall: int) -> int:
+        """Whether gravity pulls the circle towards the wall (negative), along it (0; also without) or away from it."""
+        if wall not in self._pulls:
+            (nx, ny), g = self.scene.walls[wall].normal, self.scene.gravity
+            self._pulls[wall] = 0 if g is None else (nx * g[0] + ny * g[1]).sign()
+        sign = self._pulls[wall]
+        return -sign if sign and self.negative(circle, wall) else sign
+
+    def _in_doubles(self, circle: int, wall: int) -> bool | None:
+        """The same, where doubles tell it."""
+        if wall not in self._walls:
+            exact = self.scene.walls[wall]
+            try:
+                nx, ny = exact.normal
+                self._walls[wall] = (float(nx), float(ny), float(exact.x0), float(exact.y0))
+            except OverflowError:
+                self._walls[wall] = None
+        line, where = self._walls[wall], self.scene.circles[circle]
+        if line is None:
+            return None
+        nx, ny, x0, y0 = line
+        try:
+            x, y = float(where.x), float(where.y)
+        except OverflowError:
+            return None
+        height = nx * (x - x0) + ny * (y - y0)
+        terms = abs(nx) * (abs(x) + abs(x0)) + abs(ny) * (abs(y) + abs(y0))
+        lost = CLEAR * terms + TINIEST * (1.0 + abs(nx) + abs(ny) + abs(x) + abs(y) + abs(x0) + abs(y0))
+        return height < 0.0 if isfinite(terms) and abs(height) > lost else None
+
+
+TINIEST = 1e-280
+"""More than what underflow may take from a factor, or from a product: half of 2**-1074 each."""
+
+
+# -- Gravity, in one number system.
+
+
+class Gravity(NamedTuple, Generic[N]):
+    """Half of the gravity of a scene; and whether flights are kept in true coordinates, where they are parabolas.
+
+    Else they are kept in the falling frame, X = x - g t^2 / 2 and V = v - g t, in which every flight is straight: so
+    pairs of circles keep all their formulas, and walls alone move.
+    """
+
+    hx: N
+    hy: N
+    bent: bool
+
+    def half(self, axis: int) -> N:
+        """Half of gravity along x (0) or y (1)."""
+        return self.hx if axis == 0 else self.hy
+
+    def flown(self, flight: tuple[N, N, N, N], lag: N) -> tuple[N, N, N, N]:
+        """(x, y, vx, vy) after a time, in true coordinates."""
+        x, y, vx, vy = flight
+        hx, hy, _ = self
+        return sag(x, vx, hx, lag), sag(y, vy, hy, lag), fall_speed(vx, hx, lag), fall_speed(vy, hy, lag)
+
+
+class WallFall(NamedTuple, Generic[N]):
+    """The gap of a circle and a wall under gravity at the circle's clock, how fast it grows, and half of n.g."""
+
+    gap: N
+    approach: N
+    half: N

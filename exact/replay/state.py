@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import isfinite
-from typing import Generic, Literal, NamedTuple, TypeAlias
+from typing import ClassVar, Generic, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -15,12 +14,17 @@ from ..laws.formulas import (
     damped,
     face_along,
     face_foot,
+    fall_discriminant,
+    fall_speed,
+    fall_time,
+    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
     pair_hit_time,
     pair_impulse,
     pair_nearest_time,
+    sag,
     speed_change,
     wall_approach,
     wall_bounce,
@@ -28,7 +32,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtWall, Body, Entry, Flight, Link, Pair, Round, Touch
+from .contact import AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch, WallFall
 
 # -- The event log: what happened, as steps without decisions, and which of them a number rests on.
 #
@@ -139,57 +143,6 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
     return tuple(range(count))
 
 
-# -- On which side of a wall a circle lies.
-
-CLEAR = 2.0**-40
-"""Share of its terms beyond which a height in doubles has the sign of the true one. Six roundings to doubles, of
-2**-53 each, and the roundings of five operations come to less than 2**-49 of them."""
-
-
-class Sides:
-    """On which side of each wall each circle starts, and so stays: decided exactly, once, when asked."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._known: dict[tuple[int, int], bool] = {}
-        self._walls: dict[int, tuple[float, float, float, float] | None] = {}
-
-    def negative(self, circle: int, wall: int) -> bool:
-        """Whether the circle lies where the wall's own normal does not point."""
-        key = (circle, wall)
-        if key not in self._known:
-            where = self.scene.circles[circle]
-            told = False if wall in self.scene.faces else self._in_doubles(circle, wall)
-            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
-        return self._known[key]
-
-    def _in_doubles(self, circle: int, wall: int) -> bool | None:
-        """The same, where doubles tell it."""
-        if wall not in self._walls:
-            exact = self.scene.walls[wall]
-            try:
-                nx, ny = exact.normal
-                self._walls[wall] = (float(nx), float(ny), float(exact.x0), float(exact.y0))
-            except OverflowError:
-                self._walls[wall] = None
-        line, where = self._walls[wall], self.scene.circles[circle]
-        if line is None:
-            return None
-        nx, ny, x0, y0 = line
-        try:
-            x, y = float(where.x), float(where.y)
-        except OverflowError:
-            return None
-        height = nx * (x - x0) + ny * (y - y0)
-        terms = abs(nx) * (abs(x) + abs(x0)) + abs(ny) * (abs(y) + abs(y0))
-        lost = CLEAR * terms + TINIEST * (1.0 + abs(nx) + abs(ny) + abs(x) + abs(y) + abs(x0) + abs(y0))
-        return height < 0.0 if isfinite(terms) and abs(height) > lost else None
-
-
-TINIEST = 1e-280
-"""More than what underflow may take from a factor, or from a product: half of 2**-1074 each."""
-
-
 # -- The circles and walls of a scene in one number system, as they fly: how far two are apart, and when they meet.
 
 
@@ -227,8 +180,12 @@ class Flights(Generic[N]):
         bodies: the circles, by index.
         pockets: the pockets, as bodies at rest.
         sides: on which side of each wall each circle lies.
+        falling: half of the scene's gravity; None without.
         share: (1 + e) / 2 with the scene's restitution e, the part of an elastic impulse that there is; None for e = 1.
     """
+
+    bends: ClassVar[bool] = False
+    """Whether flights under gravity are kept in true coordinates (see `Gravity`)."""
 
     def __init__(self, scene: Scene, numbers: Arithmetic[N], only: Iterable[int] | None = None) -> None:
         self.scene = scene
@@ -238,6 +195,9 @@ class Flights(Generic[N]):
         self.zero: N = constant(Quantity.of(0))
         self.one: N = constant(Quantity.of(1))
         self.share: N | None = None if scene.elastic else constant((scene.restitution + 1) / 2)
+        self.falling: Gravity[N] | None = None
+        if scene.gravity is not None:
+            self.falling = Gravity(constant(scene.gravity[0] / 2), constant(scene.gravity[1] / 2), self.bends)
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
@@ -247,7 +207,7 @@ class Flights(Generic[N]):
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
         x, y, vx, vy = constant(circle.x), constant(circle.y), constant(circle.vx), constant(circle.vy)
-        flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest)
+        flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest and not self.bends)
         r, m = circle.r, circle.m
         if r.rational is None or (isinstance(m, Quantity) and m.rational is None):
             return Body(i, flight, constant(r), constant(circle.inverse_mass))
@@ -278,6 +238,8 @@ class Flights(Generic[N]):
         """The two of a contact at the later of their clocks, which the log's order tells without a comparison."""
         a, b = link.ends(self)
         f, g = a.flight, b.flight
+        if self.falling is not None and self.falling.bent:
+            return self._bent_relation(self.falling, a, b)
         ax, ay, bx, by = f.x, f.y, g.x, g.y
         if f.last >= g.last:
             t = f.t
@@ -290,6 +252,14 @@ class Flights(Generic[N]):
                 lag = g.t - f.t
                 ax, ay = advance(ax, f.vx, lag), advance(ay, f.vy, lag)
         return Relation(t, bx - ax, by - ay, g.vx - f.vx, g.vy - f.vy, self.reach(a, b))
+
+    def _bent_relation(self, falling: Gravity[N], a: Body[N], b: Body[N]) -> Relation[N]:
+        """As `relation`, in true coordinates, where velocities change too until the later of the clocks."""
+        f, g = a.flight, b.flight
+        t = f.t if f.last >= g.last else g.t
+        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f[:4], t - f.t)
+        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g[:4], t - g.t)
+        return Relation(t, bx - ax, by - ay, bvx - avx, bvy - avy, self.reach(a, b))
 
     def later(self, link: Round) -> Body[N]:
         """The one of the two of a contact whose flight is newer."""
@@ -344,6 +314,9 @@ class Flights(Generic[N]):
     def wall_gap(self, link: AtWall) -> N:
         """The distance of a circle from a wall, less its radius, times |n|; when, see `round_gap`."""
         x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
+        if self.falling is not None:
+            fall = self.fall(self.falling, link)
+            return fall.gap if late is None else sag(fall.gap, fall.approach, fall.half, late)
         if late is None:
             return self._wall_gap(link, x, y)
         return self._wall_gap(link, advance(x, vx, late), advance(y, vy, late))
@@ -353,14 +326,66 @@ class Flights(Generic[N]):
         return wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, self.bodies[link.circle].r * line.length)
 
     def wall_approach(self, link: AtWall) -> N:
-        """n.v: negative while the circle comes nearer."""
+        """n.v: negative while the circle comes nearer; under gravity at the instant at which its flight begins."""
         flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        if self.falling is not None:
+            fall = self.fall(self.falling, link)
+            return fall.approach if flight.late is None else fall_speed(fall.approach, fall.half, flight.late)
         return wall_approach(flight.vx, flight.vy, line.nx, line.ny)
 
     def wall_hit(self, link: AtWall) -> tuple[N, N]:
         """As `round_hit`."""
         flight = self.bodies[link.circle].flight
+        if self.falling is not None and (pull := self.sides.pull(*link[:2])):
+            fall = self.fall(self.falling, link)
+            root = self.root(fall_discriminant(fall.gap, fall.approach, fall.half))
+            if pull > 0 or self.surely_falls(fall.approach):
+                return flight.t, fall_time(fall.gap, fall.approach, root)
+            return flight.t, fall_time_back(fall.approach, fall.half, root)
         return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))
+
+    def wall_parts(self, link: AtWall) -> tuple[N, N, N]:
+        """As `round_parts`; without gravity across the wall there is no root in it."""
+        clock = self.bodies[link.circle].flight.t
+        if self.falling is not None and self.sides.pull(*link[:2]):
+            fall = self.fall(self.falling, link)
+            pull = fall.half + fall.half
+            return (
+                clock - fall.approach / pull,
+                -(self.one / pull),
+                fall_discriminant(fall.gap, fall.approach, fall.half),
+            )
+        clock, wait = self.wall_hit(link)
+        return clock + wait, self.zero, self.zero
+
+    def wall_graze(self, link: AtWall) -> tuple[N, N]:
+        """As `graze`, of a circle and a wall that gravity pulls it away from."""
+        assert self.falling is not None
+        fall = self.fall(self.falling, link)
+        return self.bodies[link.circle].flight.t, -fall.approach / (fall.half + fall.half)
+
+    def wall_discriminant(self, link: AtWall) -> N:
+        """The square of the speed at which a circle comes to a wall under gravity; negative if it never does."""
+        assert self.falling is not None
+        fall = self.fall(self.falling, link)
+        return fall_discriminant(fall.gap, fall.approach, fall.half)
+
+    def fall(self, falling: Gravity[N], link: AtWall) -> WallFall[N]:
+        """A circle and a wall under gravity, at the circle's clock."""
+        x, y, vx, vy, t, *_ = self.bodies[link.circle].flight
+        line = self.line(*link[:2])
+        half = wall_approach(falling.hx, falling.hy, line.nx, line.ny)
+        gap, approach = self._wall_gap(link, x, y), wall_approach(vx, vy, line.nx, line.ny)
+        if falling.bent:
+            return WallFall(gap, approach, half)
+        return WallFall(sag(gap, self.zero, half, t), fall_speed(approach, half, t), half)
+
+    def surely_falls(self, speed: N) -> bool:
+        """Whether a speed is surely below zero: of two forms of one number it chooses the one that is sharp there.
+
+        Exact numbers need no choice.
+        """
+        return False
 
     def face_foot(self, link: AtWall, far: bool) -> N:
         """Where along a face an approaching circle meets its line, from its start or, `far`, to its end.
@@ -434,11 +459,14 @@ class ReplayState(Flights[N]):
         else:
             clock = self.constant(source)
             self.instant, self.late = clock, None
-        instant, late, done = self.instant, self.late, self.steps_done
+        instant, late, done, falls = self.instant, self.late, self.steps_done, self.falling
         for index in bodies:
             body = self.bodies[index]
             x, y, vx, vy, t, _, _, _, rest = body.flight
-            if not rest and t is not clock:
+            if falls is not None and falls.bent:
+                if t is not clock:
+                    x, y, vx, vy = falls.flown((x, y, vx, vy), lag if lag is not None and t is base else clock - t)
+            elif not rest and t is not clock:
                 step = lag if lag is not None and t is base else clock - t
                 x, y = advance(x, vx, step), advance(y, vy, step)
             body.flight = Flight(x, y, vx, vy, clock, instant, late, done, rest)
@@ -507,6 +535,11 @@ class ReplayState(Flights[N]):
     def bounce_wall(self, link: AtWall) -> None:
         """The bounce of a circle off a wall."""
         body, line = self.bodies[link.circle], self.line(link.circle, link.wall)
+        if self.falling is not None:
+            change = speed_change(self.wall_approach(link)) / line.nn
+            change = change if self.share is None else change * self.share
+            self._turn(body, -(line.nx * change), -(line.ny * change))
+            return
         x, y, vx, vy, t, instant, late, last, rest = body.flight
         wx, wy = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
         vx, vy = (wx, wy) if self.share is None else (damped(vx, wx, self.share), damped(vy, wy, self.share))
@@ -516,8 +549,11 @@ class ReplayState(Flights[N]):
         """Gives a circle an impulse; a fixed one takes none."""
         if self.scene.circles[body.index].fixed:
             return
+        self._turn(body, body.w * jx, body.w * jy)
+
+    def _turn(self, body: Body[N], ux: N, uy: N) -> None:
+        """Changes a circle's velocity at the instant."""
         x, y, vx, vy, t, instant, own, last, _ = body.flight
-        ux, uy = body.w * jx, body.w * jy
         if self.late is not None:
             x, y = x - ux * self.late, y - uy * self.late
         body.flight = Flight(x, y, vx + ux, vy + uy, t, instant, own, last)
@@ -577,9 +613,16 @@ class ReplayState(Flights[N]):
         """Negates every velocity, and keeps the moment."""
         self.flip_time = self.instant
         twice = None if self.late is None else self.late + self.late
+        falls = self.falling
         for body in self.bodies.values():
             x, y, vx, vy, t, instant, late, _, rest = body.flight
-            if not rest:
+            if falls is not None and not falls.bent:
+                fourfold = self.instant + self.instant + self.instant + self.instant
+                wx, wy = -vx - falls.hx * fourfold, -vy - falls.hy * fourfold  # v = V + g t turns to -v = W + g t
+                if self.late is not None:
+                    x, y = advance(x, vx - wx, self.late), advance(y, vy - wy, self.late)
+                vx, vy, rest = wx, wy, False
+            elif not rest:
                 if twice is not None:
                     x, y = advance(x, vx, twice), advance(y, vy, twice)
                 vx, vy = -vx, -vy

@@ -8,20 +8,29 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast, overload
 
 from flint import arb, arb_mat
 
 from ...scenarios.engine import horizon
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption, Tie
-from ..numbers.ball import Known
-from ..numbers.system import N
+from ...scenarios.work import Work
+from ..numbers import ball
+from ..numbers.ball import Known, NestedNumbers
+from ..numbers.system import N, number_system
 from ..question import Decision, Question
+from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
-from ..replay.state import Step
+from ..replay.state import ReplayState, Step, causal_past, replay, step_units
+from .endings import Rows
 from .prediction import Arrival, ArrivalQueue
+
+if TYPE_CHECKING:
+    from ..numbers.expression import SymPyExpression
 
 # -- Where an event-driven run ends.
 
@@ -351,6 +360,104 @@ def _is_plain(row: Record[Known]) -> bool:
     return plain and not row.ties and not row.coupled and type(mark.time) is arb and type(mark.source) is int
 
 
+# -- The log of a finished run, from which every number of it is computed again.
+
+TEXT_DEPTH = 5
+"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
+
+TEXT_WORK = 1_000_000
+"""Units of work that writing out one value may take: about a second."""
+
+STATES_KEPT = 3
+"""Of how many numbers of bits a log keeps how far it was replayed."""
+
+
+class Formula(Protocol):
+    """Computes a number from a state, in its numbers."""
+
+    def __call__(self, state: ReplayState[N], /) -> N: ...
+
+
+class RunLog:
+    """A scene and the log of its run: enough to compute every number of the run again.
+
+    Attributes:
+        scene: the scene.
+        steps: the log.
+        lost: how many bits of its precision the run lost, at most, in the time of an event.
+        centred: whether that was with the deviations in a set (see `CentredState`).
+        events: those of the run, whose times are at hand; None where it was read from a file.
+    """
+
+    events: PackedRecords | None = None
+
+    def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
+        self.scene = scene.surfaces
+        self.steps = steps
+        self.lost = lost
+        self.centred = centred
+        self._reached: dict[tuple[int, int], CentredState] = {}
+        self._too_deep: list[frozenset[int]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is computed again at need."""
+        return {**self.__dict__, "_reached": {}, "_too_deep": [], "events": None}
+
+    def in_balls(self, bits: int, upto: int) -> CentredState:
+        """The state after the first `upto` steps, in balls computed with `bits` bits.
+
+        The one that came farthest with these bits, but not too far, goes on from there, so that numbers asked for in
+        the order of the run cost one replay together.
+        """
+        ball.use_bits(bits)
+        done = max((reached for width, reached in self._reached if width == bits and reached <= upto), default=0)
+        state = self._reached.pop((bits, done), None)  # what is ended half-way is not kept
+        if state is None:
+            state = CentredState(self.scene, self.centred)
+        if done < upto:
+            replay(state, self.steps, range(done, upto))
+        while len(self._reached) >= STATES_KEPT:
+            del self._reached[next(iter(self._reached))]
+        self._reached[bits, upto] = state
+        return state
+
+    def begins(self, other: RunLog, upto: int) -> bool:
+        """Whether another log has the same first `upto` steps, of the same scene: then its numbers are the same."""
+        same = other is self or (len(other.steps) >= upto and other.scene == self.scene)
+        ours, theirs = (self.steps, other.steps) if other is not self else ((), ())
+        return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
+
+    def units(self, bits: int, upto: int) -> int:
+        """The work of that."""
+        return (len(self.scene.circles) + upto) * step_units(bits)
+
+    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
+        """A number after the first `upto` steps in nested roots, or None if it is too deep.
+
+        A value whose causal past contains one that was too deep is not tried.
+        """
+        steps = self.steps[:upto]
+        needed, held = causal_past(steps, bodies)
+        past = frozenset(needed)
+        if any(deep <= past for deep in self._too_deep):
+            return None
+        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
+        try:
+            state = ReplayState(self.scene, numbers, only=held)
+            replay(state, steps, needed)
+            return formula(state)
+        except TowerLimit:
+            self._too_deep.append(past)
+            return None
+
+    def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
+        """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
+        needed, held = causal_past(self.steps[:upto], bodies)
+        state: ReplayState[SymPyExpression] = ReplayState(self.scene, number_system("expression"), only=held)
+        replay(state, self.steps, needed)
+        return state
+
+
 # -- The contract between the event loop and a number system: how it keeps bodies, and what it can decide.
 
 
@@ -434,6 +541,13 @@ class Reading(Protocol[N, K]):
 
     def note(self) -> str:
         """What progress says beside the counts."""
+        ...
+
+    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+        """Under gravity, right after a bounce: when it was, how long its like go on alone, and where all circles are.
+
+        See `Accumulating` and `true_rows`.
+        """
         ...
 
 

@@ -12,7 +12,19 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N, Undecided
 from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim
-from ..replay.contact import AtWall, Entry, Link, Touch, can_push, contact_of, is_flat, is_pair, name_of, scene_order
+from ..replay.contact import (
+    AtWall,
+    Entry,
+    Link,
+    Sides,
+    Touch,
+    can_push,
+    contact_of,
+    is_flat,
+    is_pair,
+    name_of,
+    scene_order,
+)
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .policies import Lasting, Policy, Rounds, components, settle
@@ -109,6 +121,7 @@ class Resolver(Generic[N, K]):
         self.decider = decider
         self.policy = policy
         self.n = len(scene.circles)
+        self._sides = Sides(scene)
         self.touching = Lasting()
         self.gone: set[int] = set()
 
@@ -244,7 +257,9 @@ class Resolver(Generic[N, K]):
 
     def _lasts(self, link: Touch) -> bool:
         """Whether two at gap zero that neither approach nor part stay there: nothing but straight flight together
-        keeps two circles at gap zero, and any flight along a wall does."""
+        keeps two circles at gap zero, and any flight along a wall does, unless gravity bends it."""
+        if is_flat(link):
+            return self._sides.pull(*link[:2]) == 0
         return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0
 
     def _coupled(self, rounds: Rounds) -> bool:

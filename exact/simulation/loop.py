@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import time as clock
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from threading import Lock
@@ -17,11 +17,11 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
 from ..question import Closing
-from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push
+from ..replay.contact import AtWall, Body, Link, Pair, Touch, can_push, name_of, rims_at_start, touching_at_start
 from .decider import Decider, History, K, Limits, Ordinary
+from .endings import Accumulating, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Policy, policy_for
-from .prediction import rims_at_start, touching_at_start
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -183,6 +183,7 @@ class Loop(Generic[N, K]):
 
     Attributes:
         tape: what a run needs that goes on from this one.
+        endings: looks for what ends a run under gravity; None without.
     """
 
     def __init__(
@@ -201,6 +202,8 @@ class Loop(Generic[N, K]):
         self.resolver = Resolver(scene, decider, policy or policy_for(scene.tie_policy))
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
         self.tape = Tape(limits)
+        self.endings = None if scene.gravity is None else Endings(scene)
+        self._ended: Stop | None = None
         self._instants = 0
         self._split = False
         self._next_report = clock.monotonic() + PROGRESS_EVERY
@@ -222,8 +225,12 @@ class Loop(Generic[N, K]):
         try:
             with endable():
                 if not taken_up:
-                    self._predict(list(self.decider.bodies.values()), self._open())
+                    standing = self._open()
+                    if self._ended is None:
+                        self._predict(list(self.decider.bodies.values()), standing)
                 while True:
+                    if self._ended is not None:
+                        return self._ended
                     self._stride()
                     stop = self._limit_on_events()
                     if stop is not None:
@@ -236,7 +243,7 @@ class Loop(Generic[N, K]):
                         self._take_slides(self.decider.meetings.slides)  # seen as cells were crossed
                         self.tape.add(found, whole=self._strides() is not None)
                         done = self._resolve(found)
-                        if done.moved:
+                        if done.moved and self._ended is None:
                             self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
                     self._report()
         except Undecided as outcome:
@@ -261,6 +268,8 @@ class Loop(Generic[N, K]):
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
+        if self.endings is not None and not self.scene.elastic:
+            return None
         return None if self.scene.pockets or self.resolver.touching else self.decider.stride
 
     def _look(self) -> None:
@@ -346,6 +355,7 @@ class Loop(Generic[N, K]):
             self.resolver.admit(link, sign)
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
         self._note(instant, done)
+        self._look_for_endings(done, {**signs, **done.standing})
         return {*links, *rims, *self._standing(done)}
 
     def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
@@ -376,7 +386,28 @@ class Loop(Generic[N, K]):
         reverse_in = None if due is None or self.history.reversal is not None else due - records
         done = self.resolver.resolve(instant, left, reverse_in)
         self._note(instant, done)
+        self._look_for_endings(done, done.standing)
         return done
+
+    def _look_for_endings(self, done: Resolved[K], standing: Mapping[Link, int]) -> None:
+        """Notes where an instant under gravity leaves a circle at rest, or bouncing to an end."""
+        endings = self.endings
+        if endings is None or self._ended is not None:
+            return
+        resting = endings.at_rest(standing)
+        if resting is not None:
+            self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
+            return
+        for _, _, impulses, _, _ in done.events:
+            for link in endings.bounced(impulses):
+                time, wait, rows = self.decider.reading.fallen(link)
+                if endings.ends(link, wait, rows):
+                    endings.found = Accumulating(link)
+                    told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
+                    self._ended = Stop(StopReason.ACCUMULATION, told)
+                    return
+        if self.decider.proves and done.events and self.history.last is not None:
+            endings.look(self.decider.reading.rough(self.history.last.time))
 
     def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from functools import lru_cache
 from heapq import heappop, heappush
 from math import inf, nextafter
 from typing import Generic, NamedTuple, Protocol, TypeAlias
@@ -15,16 +14,21 @@ from ..laws.formulas import (
     advance,
     face_along,
     face_foot,
+    fall_discriminant,
+    fall_speed,
+    fall_time,
+    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
     pair_hit_time,
+    sag,
     wall_approach,
     wall_gap,
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, can_push, is_flat, is_pair, touch_of
+from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, WallFall, can_push, is_flat, is_pair
 from ..replay.state import ReplayState
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
@@ -218,7 +222,7 @@ class ArrivalQueue(Generic[N]):
             serials = (a.serial, b.serial)
         else:
             serials = (a.serial,)
-            if high < a.until and link.flat:
+            if high < a.until and link.flat and not graze:  # one that grazes a wall under gravity flies on
                 a.until = high
         self._order += 1
         heappush(self._heap, Arrival(low, self._order, high, certain, time, link, serials, graze))
@@ -352,39 +356,6 @@ _new = tuple.__new__
 """Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
 
 
-# -- Which circles, walls and rims of a scene touch at time 0, decided exactly.
-
-
-@lru_cache(maxsize=8)
-def touching_at_start(scene: Scene) -> tuple[Touch, ...]:
-    """The contacts at gap zero at time 0, in scene order.
-
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> touching_at_start(Scene([Circle(0, 0), Circle("sqrt(2)", "sqrt(2)"), Circle(5, 5)]))
-    (Pair(a=0, b=1),)
-    """
-    circles = scene.circles
-    fixed = [circle.fixed for circle in circles]
-    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
-
-
-@lru_cache(maxsize=8)
-def rims_at_start(scene: Scene) -> tuple[Entry, ...]:
-    """The centres of movable circles on the rim of a pocket at time 0.
-
-    >>> from truebreak.scenarios import Circle, Pocket, Scene
-    >>> rims_at_start(Scene([Circle(0, 0, vx=1)], pockets=[Pocket(2, 0, 2)]))
-    (Entry(circle=0, pocket=0, kind='pocket'),)
-    """
-    found: list[Entry] = []
-    for i, circle in enumerate(scene.circles):
-        for k, pocket in enumerate(scene.pockets):
-            dx, dy = pocket.x - circle.x, pocket.y - circle.y
-            if not circle.fixed and pair_gap(dx, dy, pocket.r).sign() == 0:
-                found.append(Entry(i, k))
-    return tuple(found)
-
-
 # -- Predicts the next meetings of circles whose flights are new, in the state's own numbers.
 
 ROUNDED_DOWN = 1 - 2.0**-50
@@ -439,6 +410,7 @@ class Predictor(Generic[M]):
         self.few = False
         self.zero = state.zero
         self.root = state.root
+        self.falling = state.falling
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""
@@ -469,7 +441,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-            self.few = self._crowd is None and not self.state.pockets
+            self.few = self._crowd is None and not self.state.pockets and self.falling is None
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
@@ -493,7 +465,7 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
-        if self._count < crowding.FEWEST:
+        if self._count < crowding.FEWEST or self.falling is not None:  # cells stand, and flights are straight in them
             return
         try:
             radii = [float(circle.r) for circle in self.scene.circles]
@@ -519,7 +491,7 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest:
+            if not a.flight.rest or self.falling is not None:
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
@@ -558,7 +530,10 @@ class Predictor(Generic[M]):
         """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
-        if b.flight.rest:
+        if self.falling is not None and self.falling.bent:
+            bx, by, bvx, bvy = self.falling.flown((bx, by, bvx, bvy), at - bt)
+            dx, dy, vx, vy = bx - ax, by - ay, bvx - avx, bvy - avy
+        elif b.flight.rest:
             dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
         else:
             if bt is at:
@@ -587,6 +562,9 @@ class Predictor(Generic[M]):
 
     def wall(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a wall."""
+        if self.falling is not None and (pull := self.state.sides.pull(a.index, wall)):
+            self._fall(a, wall, pull, standing)
+            return
         x0, y0, nx, ny, offset = self.line(a, wall)
         ax, ay, avx, avy, at = a.q
         approach = wall_approach(avx, avy, nx, ny)
@@ -605,6 +583,42 @@ class Predictor(Generic[M]):
         else:
             self.unsure(link)
             self.prepare()
+
+    def _fall(self, a: Body[M], wall: int, pull: int, standing: Collection[Link]) -> None:
+        """As `wall`, where gravity pulls towards the wall (negative) or away from it (positive).
+
+        What stands at gap zero as the flight begins, and does not approach, comes back where it is pulled to; elsewhere
+        it never does. What is pulled towards a wall always comes; what is pulled away may miss it, or graze it.
+        """
+        x0, y0, nx, ny, offset = self.line(a, wall)
+        ax, ay, avx, avy, at = a.q
+        falling, zero, late, link = self.falling, self.zero, a.flight.late, AtWall(a.index, wall)
+        assert falling is not None
+        half = wall_approach(falling.hx, falling.hy, nx, ny)
+        fall = WallFall(wall_gap(ax, ay, x0, y0, nx, ny, offset), wall_approach(avx, avy, nx, ny), half)
+        if not falling.bent:
+            fall = WallFall(sag(fall.gap, zero, half, at), fall_speed(fall.approach, half, at), half)
+        gap, approach, _ = fall
+        still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
+        if link in standing:
+            if pull > 0:
+                return
+            if now > zero:
+                wait = fall_time_back(now, half, now)
+                self.push(at + wait if late is None else at + (late + wait), link)
+                return
+        elif pull > 0 and now >= zero:
+            return
+        else:
+            disc = fall_discriminant(gap, approach, half)
+            if pull > 0 and disc < zero:
+                return
+            if disc > zero and still > zero and (pull < 0 or now < zero):
+                root, early = self.root(disc), approach < zero
+                self.push(at + (fall_time(gap, approach, root) if early else fall_time_back(*fall[1:], root)), link)
+                return
+        self.unsure(link)
+        self.prepare()
 
     def face(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a face: from its own side, strictly between its ends.
@@ -648,6 +662,8 @@ class Predictor(Generic[M]):
     def push_doubtful(self, link: Link) -> None:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""
         low = earliest_possible(self.state, link, self.bounds)
+        if self.falling is not None and is_flat(link):  # whose speed changes on the way
+            low = self.bounds(link.later(self.state).flight.instant)[0]
         if low < inf:
             self.queue.push_doubtful(low, link)
 

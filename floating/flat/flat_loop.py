@@ -254,6 +254,7 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
         not scene.pockets
         and not scene.segments
         and not scene.polygons
+        and scene.gravity is None
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
     )

@@ -328,7 +328,6 @@ def test_bad_input_has_one_line(made, says):
 
 
 def test_what_does_not_know_polygons_says_so():
-    from truebreak.compare.adapters.adapter import SteppedAdapter
     from truebreak.compare.shadowing.shadows import shadow
     from truebreak.compare.validation import unsupported
     from truebreak.scenarios import Declared
@@ -337,4 +336,3 @@ def test_what_does_not_know_polygons_says_so():
     with pytest.raises(SceneError, match="polygons"):
         shadow(scene)
     assert unsupported(Declared(), scene) == "polygon"
-    assert "polygon" not in SteppedAdapter.scene_keys.fget(None)

@@ -82,7 +82,7 @@ def test_a_run_in_intervals_looks_up_what_stands_once(monkeypatch: pytest.Monkey
     times = [float(run.final_time) * k / 3 for k in range(3)]
     each = [[[float(value) for value in row] for row in run.motion.state(time)] for time in times]
     carry = interval._flown
-    monkeypatch.setattr(interval, "_flown", lambda knot, time: flown.append(knot) or carry(knot, time))
+    monkeypatch.setattr(interval, "_flown", lambda knot, *at: flown.append(knot) or carry(knot, *at))
     assert run.motion.sample(times).tolist() == each
     hit = sum(len(row) > 1 for row in run.motion.knots)
     assert 0 < len(flown) <= hit * len(times) < len(run.motion.knots)

@@ -7,13 +7,15 @@ from __future__ import annotations
 from fuzz.mutant import Mutant
 
 HITS = IMPULSES = QUESTION = "exact/question.py"
-MEETINGS = READING = STRIDE = DECIDER = PRECISION = "exact/certified/certified_decider.py"
+MEETINGS = STRIDE = DECIDER = PRECISION = "exact/certified/certified_decider.py"
+READING = "exact/certified/cascade.py"
 PREDICTION = "exact/certified/filtered.py"
 GATHERING = INSTANT = "exact/simulation/instant.py"
 ROUNDS = "exact/simulation/policies.py"
 LOOP = TAPE = "exact/simulation/loop.py"
 HISTORY = LIMITS = "exact/simulation/decider.py"
-INITIAL = PREDICTOR = QUEUE = "exact/simulation/prediction.py"
+PREDICTOR = QUEUE = "exact/simulation/prediction.py"
+INITIAL = "exact/replay/contact.py"
 GRID = "exact/simulation/cells.py"
 
 QUESTIONS = (

@@ -82,9 +82,19 @@ def json_refusal(text: str) -> str:
         ),
         (BALL + "fixed = 1", "x.toml: circle 'a': fixed = 1 is not true or false"),
         (
-            "gravity = [0, -10]\n" + BALL + "spin = 1\n" + BALL.replace('"a"', '"b"') + "spin = 1\n[[box]]",
-            "x.toml: box, gravity, spin (of circle 'a'): physics that is not there; "
+            "damping = 1\n" + BALL + "spin = 1\n" + BALL.replace('"a"', '"b"') + "spin = 1\n[[box]]",
+            "x.toml: box, damping, spin (of circle 'a'): physics that is not there; "
             "docs/scenes.md#what-the-world-has says what is: leave them out",
+        ),
+        ("gravity = 10\n" + BALL, "x.toml: gravity = 10 is not a pair; write gravity = [0, -10]"),
+        (
+            BALL + "gravity = [0, 1]\n",
+            "x.toml: circle 'a': gravity: one holds for the whole scene; write it above the first table",
+        ),
+        (
+            "gravity = [0, -10]\n" + BALL + "fixed = true\n",
+            "x.toml: gravity: circle 'a' is fixed; under gravity there are walls and circles that move, and nothing "
+            "else yet: leave the one or the other out",
         ),
         (
             BALL + "restitution = 1\n",

@@ -5,7 +5,7 @@ const replay = {
     if (state.playing) stop();
     for (const key of Object.keys(data)) delete data[key];
     Object.assign(data, fresh);
-    motions.splice(0, motions.length, ...data.runs.map((run) => new Motion(run, data.bodies)));
+    motions.splice(0, motions.length, ...data.runs.map((run) => new Motion(run, data.bodies, data.gravity)));
     Object.assign(part("scrubber"), { min: data.begin, max: data.end });
     part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option([run.name, run.verdict].filter(Boolean).join(": "), k + 1)));
     part("choice").hidden = data.runs.length < 3;

@@ -2,7 +2,7 @@
 const player = document.getElementById("player");
 const data = JSON.parse(document.getElementById("recording").textContent);
 const part = (name) => document.getElementById(name);
-const motions = data.runs.map((run) => new Motion(run, data.bodies));
+const motions = data.runs.map((run) => new Motion(run, data.bodies, data.gravity));
 const panes = { truth: new Pane(part("pane-truth"), data), engine: new Pane(part("pane-engine"), data) };
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const ONE_INSTANT = 1e-9; // share of the time by which two events may lie apart and still be shown as one instant

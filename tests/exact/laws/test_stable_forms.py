@@ -63,6 +63,11 @@ COSTS = {
     "speed_change": 1,
     "damped": 3,
     "advance": 2,
+    "sag": 4,
+    "fall_speed": 3,
+    "fall_discriminant": 5,
+    "fall_time": 3,
+    "fall_time_back": 4,
 }
 
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from truebreak.exact.replay import state as sides
-from truebreak.exact.replay.state import CLEAR, TINIEST, Sides
+from truebreak.exact.replay import contact as sides
+from truebreak.exact.replay.contact import CLEAR, TINIEST, Sides
 from truebreak.scenarios import Circle, Scene, Wall
 
 UNIT, LEAST = Fraction(1, 2**53), Fraction(1, 2**1075)
