@@ -35,7 +35,7 @@ MOST_HALVINGS = 6
 QUAD, QUAD_BITS = "quad", 106
 """The engine of the widest numbers that do not prove what they decide, and their bits."""
 
-LEAST_SECONDS = 0.002
+LEAST_SECONDS = 0.01
 """Of two runs that both took less processor time than this no ratio is told: it would be another the next time."""
 
 PAST = 2.0

@@ -141,14 +141,16 @@ def _nearest(
 
 STYLE = """
 .frame { fill: #fbfaf7; } .wall { stroke: #555; stroke-width: 1.5; } .pocket { fill: #ddd9cf; }
-.solid { fill: #999; stroke: #999; stroke-width: 0; stroke-linejoin: round; }
+.solid { fill: #aaa; stroke: #aaa; stroke-linejoin: round; } .solid.sharp { stroke: #555; }
+.solid.marked { fill: #777; stroke: #222; }
 .circle { fill: #2b6cb022; stroke: #2b6cb0; } .fixed { fill: #5555; stroke: #555; }
 .other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
 .velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
 text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
 .name { paint-order: stroke; stroke: #fbfaf7; stroke-width: 3; stroke-linejoin: round; }
 @media screen and (prefers-color-scheme: dark) {
-  .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
+  .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .solid { fill: #666; stroke: #666; } .solid.sharp { stroke: #aaa; }
+  .solid.marked { fill: #999; stroke: #fff; } .pocket { fill: #3a3d44; } text { fill: #eee; }
   .name { stroke: #1b1d21; }
   .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; } .velocity { stroke: #63b3ed; }
 }
@@ -217,11 +219,12 @@ def draw(
     parts += [_round("pocket", view, float(p.x), float(p.y), float(p.r)) for p in scene.pockets]
     names = set(marked)
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
-    parts += [_solid(view, *polygon_outline(p), p.id in names, str(p.id)) for p in scene.polygons]
+    solids = sorted(scene.polygons, key=lambda p: p.id in names)  # those in question above those at their sides
+    parts += [_solid(view, *polygon_outline(p), p.id in names, str(p.id)) for p in solids]
     parts += [_segment(view, segment_line(s), s.id in names, str(s.id)) for s in scene.segments]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
-    labels: list[str] = []
+    labels = [_name_in(view, p) for p in solids if p.id in names]
     for disc in discs:
         parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
         if disc.vx or disc.vy:
@@ -269,10 +272,20 @@ def _segment(view: View, line: tuple[float, float, float, float, float], marked:
 def _solid(view: View, points: Sequence[tuple[float, float]], r: float, marked: bool, name: str) -> str:
     """A polygon, with its corners as round as they are."""
     path = " ".join(f"{view.x(x):.2f},{view.y(y):.2f}" for x, y in points)
+    thick = 2 * r * view.scale
+    sharp = thick < 1.0  # a line of its own, which parts it from those at its side
+    width = max(thick, 1.0, 3.0 * marked)
     return (
-        f'<polygon class="solid{" marked" if marked else ""}" points="{path}" '
-        f'style="stroke-width:{max(2 * r * view.scale, 3.0 * marked):.2f}"><title>{escape(name)}</title></polygon>'
+        f'<polygon class="solid{" sharp" if sharp else ""}{" marked" if marked else ""}" points="{path}" '
+        f'style="stroke-width:{width:.2f}"><title>{escape(name)}</title></polygon>'
     )
+
+
+def _name_in(view: View, polygon: Polygon) -> str:
+    """A polygon's name in the middle of its corners."""
+    points, _ = polygon_outline(polygon)
+    x, y = (sum(parts) / len(points) for parts in zip(*points, strict=True))
+    return f'<text class="name" x="{view.x(x):.2f}" y="{view.y(y):.2f}">{escape(str(polygon.id))}</text>'
 
 
 def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:

@@ -11,8 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from ...floating.pymunk_space import Point, clipped
-from ...scenarios.engine import SCENE_KEYS
+from ...scenarios.engine import ALL_KEYS
 from ...scenarios.errors import SceneError
+from ...scenarios.surfaces import sides_of
 from ..foreign.recorded import Playing
 from ..validation import EngineError
 
@@ -155,7 +156,7 @@ class SteppedAdapter(Adapted):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, as there are no pockets, and `tie_policy`: the contacts of a step are solved at once."""
-        return SCENE_KEYS - {"capture", "tie_policy", "restitution"}
+        return ALL_KEYS - {"capture", "tie_policy", "restitution"}
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""
@@ -193,7 +194,7 @@ class SteppedAdapter(Adapted):
                 world.place([(x, y, -vx, -vy) for x, y, vx, vy in rows])
                 base, base_step, turned = turn, number - 1, True
                 now = base + self.dt
-            pairs = world.step()
+            pairs = [*dict.fromkeys(world.step())]  # a polygon has several sides
             if pairs or told.waiting:
                 told.contacts(now, pairs, world.rows())
                 if recording.reversal is not None and not turned:
@@ -406,6 +407,18 @@ class WallStretch:
         (x0, y0), (x1, y1) = self.start, self.end
         ux, uy = x1 - x0, y1 - y0
         return 0.0 <= ux * (x - x0) + uy * (y - y0) <= ux * ux + uy * uy
+
+
+def bars(scene: Scene) -> list[Segment]:
+    """The segments of a scene, and the sides of its polygons, by the names of these.
+
+    A polygon has the surface of its sides: nothing is inside of it.
+
+    >>> from truebreak.scenarios import Circle, Polygon, Scene
+    >>> [bar.id for bar in bars(Scene([Circle(0, 9)], polygons=[Polygon([(0, 0), (2, 0), (1, 1)], "wedge")]))]
+    ['wedge', 'wedge', 'wedge']
+    """
+    return [*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon))]
 
 
 def bar_ends(bar: Segment) -> tuple[Point, Point]:

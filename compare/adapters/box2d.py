@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import OutOfRoom, SteppedAdapter, bar_ends, package, power_of_two, stretches, top_speed
+from .adapter import OutOfRoom, SteppedAdapter, bar_ends, bars, package, power_of_two, stretches, top_speed
 
 if TYPE_CHECKING:
     from ...floating.pymunk_space import Point
@@ -88,7 +88,7 @@ class Box2DWorld:
         self._stretches = stretches(scene)
         for wall, stretch in zip(scene.walls, self._stretches, strict=True):
             self._edge(str(wall.id), (stretch.start, stretch.end), 0.0)
-        for bar in scene.segments:
+        for bar in bars(scene):
             self._edge(str(bar.id), bar_ends(bar), float(bar.r))
         self._listener = self._listen()
         self._world.contactListener = self._listener

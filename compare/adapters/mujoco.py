@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...scenarios.errors import SceneError
-from .adapter import LASTING, Episodes, SteppedAdapter, bar_ends, lines, package, sides
+from .adapter import LASTING, Episodes, SteppedAdapter, bar_ends, bars, lines, package, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -131,14 +131,17 @@ class MujocoWorld:
                 conaffinity=2 << bit,
                 **hard,
             )
-        for bar in scene.segments:
+        for number, bar in enumerate(bars(scene)):
             if bar.r.sign() == 0:
-                told = f"segment {bar.id!r}: r = 0; engine 'mujoco' has segments of some thickness alone"
-                raise SceneError(f"{told}; give it half a thickness, r")
+                if bar in scene.segments:
+                    told = f"segment {bar.id!r}: r = 0; engine 'mujoco' has segments of some thickness alone"
+                    raise SceneError(f"{told}; give it half a thickness, r")
+                told = f"polygon {bar.id!r}: r = 0; engine 'mujoco' has polygons with round corners alone"
+                raise SceneError(f"{told}; give it a radius, r")
             spec.worldbody.add_geom(
-                name=f"bar/{bar.id}",
+                name=f"bar {number}/{bar.id}",
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-                fromto=[number for x, y in bar_ends(bar) for number in (x, y, 0.0)],
+                fromto=[value for x, y in bar_ends(bar) for value in (x, y, 0.0)],
                 size=[float(bar.r), 0, 0],
                 contype=0,
                 conaffinity=1,

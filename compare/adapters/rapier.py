@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import SteppedAdapter, bar_ends, lines, package, power_of_two, sides
+from .adapter import SteppedAdapter, bar_ends, bars, lines, package, power_of_two, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -93,7 +93,7 @@ class RapierWorld:
             group = self._group(2 << bit)
             collider = self._world.add_collider(self._hard(shape).collision_groups(self._groups(group, group)))
             self._names[collider] = str(scene.walls[place].id)
-        for bar in scene.segments:
+        for bar in bars(scene):
             self._names[self._world.add_collider(self._bar(bar))] = str(bar.id)
 
     def _set(self, engine: RapierEngine) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib import util
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -42,7 +42,10 @@ WITHOUT_NUMPY = ("double", "quad")
 """Those of them that run where there is no NumPy: in a browser."""
 
 MOST_CIRCLES, MOST_OTHERS = 400, 400
-"""Circles, and walls, segments and pockets, of a scene that is played: more can hardly be seen."""
+"""Circles, and walls, segments, polygons and pockets, of a scene that is played: more can hardly be seen."""
+
+MOST_CORNERS = 100
+"""Corners of one polygon that is played."""
 
 MOST_NUMBERS = 400
 """Characters of one number: a page is there to type in, not to load into."""
@@ -141,6 +144,7 @@ def scene_of(message: Message) -> Scene:
         ("circle", MOST_CIRCLES),
         ("wall", MOST_OTHERS),
         ("segment", MOST_OTHERS),
+        ("polygon", MOST_OTHERS),
         ("pocket", MOST_OTHERS),
     ):
         rows: Any = data.get(kind, [])
@@ -149,12 +153,31 @@ def scene_of(message: Message) -> Scene:
                 f"the page plays at most {most} {kind}s, and here are {len(rows):,}; run truebreak compare"
             )
         for row in rows if isinstance(rows, list) else []:
-            for key, value in row.items() if isinstance(row, dict) else []:
+            for key, value in _numbers(row) if isinstance(row, dict) else []:
                 if len(str(value)[: MOST_NUMBERS + 1]) > MOST_NUMBERS:
                     raise SceneError(
                         f"{kind} {cut(row.get('id'))}: {key} has over {MOST_NUMBERS} characters; shorten it"
                     )
     return scene_from_table(data, "scene", JSON_LIST)
+
+
+def _numbers(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """What a thing has by its names: of a polygon each number of each corner.
+
+    Raises:
+        SceneError: for more corners than a polygon that is played has.
+    """
+    for key, value in row.items():
+        if key != "points" or not isinstance(value, list):
+            yield key, value
+            continue
+        if len(value) > MOST_CORNERS:
+            raise SceneError(
+                f"the page plays polygons of at most {MOST_CORNERS} corners, and {cut(row.get('id'))} has "
+                f"{len(value):,}; run truebreak compare"
+            )
+        for k, point in enumerate(value, start=1):
+            yield from ((f"corner {k}", part) for part in (point if isinstance(point, list) else [point]))
 
 
 def _small(scene: Scene) -> Scene:

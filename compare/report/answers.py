@@ -211,8 +211,9 @@ def why(comparison: Comparison, candidate: Candidate) -> str:
         return f"{name} does not keep the law: {candidate.laws.finding}."
     if found is None:
         if candidate.verdict == "agree":
-            kept = "" if candidate.laws is None else f"{name} {candidate.laws.sentence}."
-            return kept or f"Every error of {name} stays too small to change an event."
+            if candidate.laws is None:
+                return f"Every error of {name} stays too small to change an event."
+            return f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
         return f"Not looked into. {_capital(candidate.trajectory.stop.message)}."
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
@@ -269,16 +270,22 @@ def _margin_words(candidate: Candidate) -> str:
 
 
 def _growth_words(candidate: Candidate) -> str:
-    """Whether errors grew on the way to the divergence: chaos, or a close call."""
+    """Whether errors grew on the way to the divergence: chaos, a close call, or between the two."""
     margin, parted = candidate.margin, candidate.alignment.divergence
     if parted is not None and not parted.expected_event:
         return "It is a close call, not chaos: nothing happens before that instant in which errors could grow."
-    if margin is None or margin.growth is None or parted is None:
+    if margin is None or margin.error is None or parted is None:
         return ""
+    if (0.0, 0.0) in {margin.gap, margin.distance}:
+        return "It takes no chaos: any error, however small, decides it."
+    if margin.growth is None:
+        return "Whether errors grow on the way is not known."
     bits = margin.growth * parted.expected_event
     if _chaotic(candidate):
         return f"It is chaos: errors grow by {margin.growth:.3g} bits an event."
-    return "It is a close call, not chaos: errors hardly grow on the way." if bits < CALM_BITS else ""
+    if bits < CALM_BITS:
+        return "It is a close call, not chaos: errors hardly grow on the way."
+    return f"It lies between a close call and chaos: errors grow by {bits:.2g} bits on the way."
 
 
 def _chaotic(candidate: Candidate) -> bool:
@@ -491,6 +498,9 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     half = (
         "" if horizon.expected.event is None else f" (half of such engines leave by event {horizon.expected.event:,})"
     )
+    parted = candidate.alignment.divergence
+    if parted is not None and parted.event < horizon.low.event:
+        return f"{name} was predicted to be right until event {horizon.low.event:,}, and diverged before that."
     return f"{name} is predicted to be right until event {horizon.low.event:,}{half}."
 
 

@@ -7,9 +7,6 @@ from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING, Any
 
 from ..files.amounts import counted
-from ..grids.goals import Digits, OutcomeGoal
-from ..grids.setting_search import SearchEnd
-from ..reduction.smallest import SceneSize
 from .documents import Encoder
 from .output import console, grid, say
 from .sentences import divergence_phrase
@@ -22,7 +19,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Stop
     from ..grids.setting_search import Advice, Tried
     from ..orders.all_orders import Leaf, OrderTree
-    from ..reduction.smallest import Smallest
+    from ..reduction.smallest import SceneSize, Smallest
     from ..shadowing.shadows import Proof, Shadow
 
 # -- the cheapest setting that is right
@@ -35,6 +32,8 @@ SHOWN = 4
 
 def advice_json(advice: Advice) -> dict[str, Any]:
     """The object that `truebreak advise --json` prints. `scene` is null for the scene itself, else the seed."""
+    from ..grids.goals import Digits, OutcomeGoal
+
     goal, named, cheaper = advice.goal, advice.named, advice.cheaper
     found = None
     if named is not None and advice.cost is not None:
@@ -120,6 +119,8 @@ def _where(advice: Advice) -> str:
 
 
 def _none(advice: Advice, where: str) -> str:
+    from ..grids.setting_search import SearchEnd
+
     match advice.end:
         case SearchEnd.REFERENCE:
             return f"No advice on {advice.scene.name}: {advice.end.value}."
@@ -426,6 +427,8 @@ def print_shadow(told: Shadow, best: Shadow | None = None) -> None:
 
 def print_smallest(found: Smallest) -> None:
     """Prints what was left out, step by step with the verdict on what was left, and the comparison of the last."""
+    from ..reduction.smallest import SceneSize
+
     out = console()
     say(out, f"{found.original.name}: {size_phrase(SceneSize.of(found.original))}")
     say(out, f"still shown by: {size_phrase(SceneSize.of(found.scene))}", "bold")
@@ -444,6 +447,7 @@ def print_smallest(found: Smallest) -> None:
 def size_phrase(size: SceneSize) -> str:
     """A size in words; the characters are those of the numbers.
 
+    >>> from truebreak.compare.reduction.smallest import SceneSize
     >>> size_phrase(SceneSize(2, 4, 0, None, 39))
     '2 circles, 4 walls, 39 characters'
     """

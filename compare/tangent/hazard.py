@@ -30,7 +30,7 @@ from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     import numpy as np
     from numpy.typing import NDArray
@@ -405,6 +405,9 @@ a fraction of a bit)."""
 FARTHEST = 1000.0
 """Powers of two beyond which a share is nothing, or more than any level: a double ends at 2**1024."""
 
+AT_ONCE = 32
+"""Events whose decisions are made at first, where it is asked when a level is reached; then twice as many."""
+
 HALVINGS = 60
 """Steps of bisection to an engine's unit: beyond the last bit of a double."""
 
@@ -419,11 +422,24 @@ class ErrorCurve:
             share of its margin.
     """
 
-    def __init__(self, model: ErrorModel, events: int, decisions: Sequence[tuple[int, float]]) -> None:
+    def __init__(self, model: ErrorModel, events: int, decisions: Iterable[tuple[int, float]]) -> None:
         self.model = model
         self._events = events
-        self._at = np.array([event for event, _ in decisions], dtype=int)
-        self._shares: NDArray[np.float64] = np.array([share for _, share in decisions], dtype=float)
+        self._decisions = iter(decisions)
+        self._known: list[tuple[int, float]] = []
+        self._at: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+        self._shares: NDArray[np.float64] = np.zeros(0)
+
+    def _through(self, event: int) -> None:
+        """Makes the decisions of all events up to one, if they are not made yet."""
+        made = len(self._known)
+        for decision in self._decisions:
+            self._known.append(decision)
+            if decision[0] > event:
+                break
+        if len(self._known) > made:
+            self._at = np.array([at for at, _ in self._known], dtype=np.intp)
+            self._shares = np.array([share for _, share in self._known], dtype=float)
 
     def hazard(self, unit: float) -> NDArray[np.float64]:
         """Shape (events,): log2 of the sum, over the decisions so far, of an engine's errors as shares of the margins.
@@ -438,6 +454,11 @@ class ErrorCurve:
         >>> ErrorCurve(ErrorModel.ROUNDING, 3, [(0, 0.0), (1, 0.0), (1, 1.0), (2, 99.0)]).hazard(0.0).tolist()
         [0.0, 2.0, 3.584962500721156]
         """
+        self._through(self._events)
+        return self._hazard(unit)
+
+    def _hazard(self, unit: float) -> NDArray[np.float64]:
+        """The hazard by the decisions made so far."""
         most = inf if self.model is ErrorModel.ENCLOSED else TOSS
         shares = np.minimum(most, np.exp2(np.clip(self._shares + unit, -FARTHEST, FARTHEST)))
         sums = np.bincount(self._at, shares, minlength=self._events).cumsum()
@@ -445,8 +466,14 @@ class ErrorCurve:
 
     def reaches(self, level: float, unit: float) -> int | None:
         """The first event at which the hazard of an engine with that log2 unit reaches a level; None if none does."""
-        above = np.nonzero(self.hazard(unit) >= level)[0]
-        return int(above[0]) if len(above) else None
+        upto = 0
+        while upto < self._events:
+            upto = min(max(2 * upto, AT_ONCE), self._events)
+            self._through(upto)
+            above = np.nonzero(self._hazard(unit)[:upto] >= level)[0]
+            if len(above):
+                return int(above[0])
+        return None
 
     def unit_at(self, level: float) -> float:
         """log2 of the unit of error with which the hazard at the last event is at a level.
@@ -478,7 +505,7 @@ def error_curve(
     """
     scene = trajectory.scene
     if model is not ErrorModel.ENCLOSED:
-        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model, known)))
+        return ErrorCurve(model, len(struck), _carried(scene, struck, model, known))
     decisions: list[tuple[int, float]] = []
     widths = _widths(trajectory, struck)
     for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene), known), strict=True)):

@@ -1,5 +1,5 @@
 // The canvas on which a scene is drawn: what is under the pointer, what a drag does, and the keys.
-import { described, rounded, value } from "./scene.js";
+import { MOST_CORNERS, described, rounded, value } from "./scene.js";
 
 const NEAR = 12; // pixels within which a handle is meant; a finger's is larger
 const FINGER = 22;
@@ -9,9 +9,9 @@ const MARGIN = 0.12; // share of the scene's size around it
 const LEAST = 1e-9; // a scene of one point has some size all the same
 
 export class Editor {
-  // `cued` is called once the cue was let go.
+  // `cued` is called once the cue was let go. `corners`: those clicked so far of a polygon that is being drawn.
   constructor(canvas, model, cued) {
-    Object.assign(this, { canvas, model, cued, cue: false, held: null });
+    Object.assign(this, { canvas, model, cued, cue: false, held: null, corners: null });
     this.pane = new Pane(canvas, this.data());
     this.fit();
     canvas.addEventListener("pointerdown", (event) => this.down(event));
@@ -22,13 +22,14 @@ export class Editor {
 
   // What a pane draws.
   data() {
-    const { circle, wall, segment, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, pocket } = this.model.scene;
     const numbers = (rows, keys) => rows.map((row) => keys.map((key) => value(row[key])));
     return {
       bodies: circle.map((c) => [c.id, value(c.r), c.m === "oo"]),
       walls: numbers(wall, ["x0", "y0", "x1", "y1"]),
       pockets: numbers(pocket, ["x", "y", "r"]),
       segments: numbers(segment, ["x0", "y0", "x1", "y1", "r"]),
+      polygons: polygon.map((p) => [outline(p), value(p.r)]),
       view: this.view ?? [0, 0, 1, 1],
     };
   }
@@ -37,7 +38,8 @@ export class Editor {
   whole() {
     const [xs, ys] = [[], []];
     const take = (x, y, r) => { if (Number.isFinite(x + y + r)) { xs.push(x - r, x + r); ys.push(y - r, y + r); } };
-    const { circle, wall, segment, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, pocket } = this.model.scene;
+    for (const p of polygon) for (const [x, y] of outline(p)) take(x, y, value(p.r));
     for (const c of [...circle, ...pocket]) take(value(c.x), value(c.y), value(c.r));
     for (const s of segment) { take(value(s.x0), value(s.y0), value(s.r)); take(value(s.x1), value(s.y1), value(s.r)); }
     for (const w of wall) {
@@ -71,6 +73,7 @@ export class Editor {
     const [thing, kind] = [this.model.thing(), this.model.chosen?.[0]];
     if (!thing) return [];
     if (kind === "wall" || kind === "segment") return [["start", value(thing.x0), value(thing.y0)], ["end", value(thing.x1), value(thing.y1)]];
+    if (kind === "polygon") return outline(thing).map(([x, y], k) => [k, x, y]);
     const [x, y, r] = [value(thing.x), value(thing.y), value(thing.r)];
     const size = [["size", x + r * Math.SQRT1_2, y - r * Math.SQRT1_2]];
     if (kind === "pocket" || thing.m === "oo") return size;
@@ -83,7 +86,7 @@ export class Editor {
   under(x, y, near) {
     const close = (u, v) => Math.hypot(x - u, y - v) < near;
     for (const [part, u, v] of this.handles()) if (close(u, v)) return [this.model.chosen, part];
-    const { circle, wall, segment, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, pocket } = this.model.scene;
     const inside = (rows, kind, most) => {
       for (let k = rows.length - 1; k >= 0; k--) {
         const [u, v, r] = [value(rows[k].x), value(rows[k].y), value(rows[k].r)];
@@ -101,13 +104,19 @@ export class Editor {
       }
       return null;
     };
-    return inside(circle, "circle", near) ?? along(segment, "segment", true) ?? inside(pocket, "pocket", near) ?? along(wall, "wall", false);
+    const within = () => {
+      for (let k = polygon.length - 1; k >= 0; k--) if (far(polygon[k], x, y) <= Math.max(value(polygon[k].r), 0)) return [["polygon", k], "place"];
+      return null;
+    };
+    return inside(circle, "circle", near) ?? along(segment, "segment", true) ?? within() ?? inside(pocket, "pocket", near) ?? along(wall, "wall", false);
   }
 
   down(event) {
     if (event.button) return;
     const [x, y] = this.at(event);
-    const found = this.under(x, y, (event.pointerType === "touch" ? FINGER : NEAR) * this.pixel);
+    const near = (event.pointerType === "touch" ? FINGER : NEAR) * this.pixel;
+    if (this.corners) { event.preventDefault(); this.canvas.focus(); this.corner(x, y, near); return; }
+    const found = this.under(x, y, near);
     if (!found) { this.model.choose(null); return; }
     event.preventDefault();
     this.canvas.focus();
@@ -116,12 +125,13 @@ export class Editor {
     this.model.choose(chosen);
     const thing = this.model.thing();
     const cue = this.cue && chosen[0] === "circle" && thing.m !== "oo";
-    this.held = { part: cue ? "cue" : part, x, y, moved: false, from: { ...thing } };
+    this.held = { part: cue ? "cue" : part, x, y, moved: false, from: structuredClone(thing) };
     this.pointer = [x, y];
     this.model.keep();
   }
 
   move(event) {
+    if (this.corners) { this.pointer = this.at(event); this.draw(); }
     if (!this.held) return;
     const [x, y] = (this.pointer = this.at(event));
     const { part, from } = this.held;
@@ -132,6 +142,8 @@ export class Editor {
     this.held.moved ||= Math.hypot(dx, dy) > STILL * this.pixel;
     if (!this.held.moved) return;
     if (part === "place" && "x" in from) put({ x: value(from.x) + dx, y: value(from.y) + dy });
+    else if (part === "place" && "points" in from) this.put(thing, outline(from).map(([u, v]) => [u + dx, v + dy]), from);
+    else if (typeof part === "number") this.put(thing, outline(from).map((corner, k) => (k === part ? [x, y] : corner)), from, part);
     else if (part === "place") put({ x0: value(from.x0) + dx, y0: value(from.y0) + dy, x1: value(from.x1) + dx, y1: value(from.y1) + dy });
     else if (part === "start") put({ x0: x, y0: y });
     else if (part === "end") put({ x1: x, y1: y });
@@ -139,6 +151,37 @@ export class Editor {
     else if (part === "size") put({ r: Math.max(Math.hypot(x - value(thing.x), y - value(thing.y)), 2 * this.pixel) });
     else if (part === "cue") put({ vx: value(thing.x) - x, vy: value(thing.y) - y });
     this.model.tell("drag");
+  }
+
+  // Puts corners where they are now, those alone that moved: the others stay as exact as they were.
+  put(thing, places, from, only = null) {
+    if (!places.flat().every(Number.isFinite)) return;
+    thing.points = places.map((place, k) => (only === null || only === k ? place.map((number) => rounded(number, this.pixel)) : [...from.points[k]]));
+  }
+
+  // A corner of a polygon that is being drawn; the first one once more ends it.
+  corner(x, y, near) {
+    const [first] = this.corners;
+    if (first && this.corners.length > 2 && Math.hypot(x - value(first[0]), y - value(first[1])) < near) { this.finish(); return; }
+    const place = [rounded(x, this.pixel), rounded(y, this.pixel)];
+    const last = this.corners.at(-1);
+    if (this.corners.length < MOST_CORNERS && !(last && last[0] === place[0] && last[1] === place[1])) this.corners.push(place);
+    this.model.tell("corner");
+  }
+
+  // Begins a polygon; its corners are clicked.
+  begin() {
+    this.model.choose(null);
+    [this.corners, this.pointer] = [[], null];
+    this.model.tell("corner");
+  }
+
+  // Ends what was begun: with fewer than three corners there is none.
+  finish() {
+    const points = this.corners;
+    this.corners = null;
+    if (points?.length > 2) this.model.add("polygon", { points, r: "0" });
+    this.model.tell("corner");
   }
 
   up(event) {
@@ -160,6 +203,14 @@ export class Editor {
       event.preventDefault();
       return;
     }
+    if (this.corners && (event.key === "Enter" || event.key === "Escape" || event.key === "Backspace")) {
+      if (event.key === "Backspace") this.corners.pop();
+      else if (event.key === "Escape") this.corners = [];
+      if (event.key === "Backspace") model.tell("corner");
+      else this.finish();
+      event.preventDefault();
+      return;
+    }
     const turn = { PageDown: 1, PageUp: -1 }[event.key];
     if (turn) {
       const all = model.all();
@@ -174,6 +225,7 @@ export class Editor {
     const step = Math.max(...this.view.slice(2)) / 100;
     const moved = (keys, by) => model.change(() => keys.forEach((key, k) => { thing[key] = rounded(value(thing[key]) + by[k % 2] * step, step / 10); }));
     if (way && event.shiftKey && "vx" in thing && thing.m !== "oo") moved(["vx", "vy"], way);
+    else if (way && "points" in thing) model.change(() => this.shift(thing, way[0] * step, way[1] * step, step / 10));
     else if (way) moved("x" in thing ? ["x", "y"] : ["x0", "y0", "x1", "y1"], way);
     else if ((event.key === "+" || event.key === "-") && "r" in thing && "x" in thing) {
       model.change(() => { thing.r = rounded(Math.max(value(thing.r) + (event.key === "+" ? step : -step), step), step / 10); });
@@ -181,6 +233,10 @@ export class Editor {
     else if (event.key === "Escape") model.choose(null);
     else return;
     event.preventDefault();
+  }
+
+  shift(polygon, dx, dy, pixel) {
+    polygon.points = outline(polygon).map(([x, y]) => [rounded(x + dx, pixel), rounded(y + dy, pixel)]);
   }
 
   draw() {
@@ -200,6 +256,12 @@ export class Editor {
     for (const c of circle) this.arrow(value(c.x), value(c.y), value(c.vx), value(c.vy));
     if (this.held?.part === "cue") this.line(this.pointer[0], this.pointer[1], value(circle[k].x), value(circle[k].y), [8, 4]);
     pen.strokeStyle = pen.fillStyle = look.colour;
+    if (this.corners) {
+      const places = this.corners.map((corner) => corner.map(value));
+      const ways = this.pointer ? [...places, this.pointer] : places;
+      ways.slice(1).forEach(([x, y], k) => this.line(...ways[k], x, y, [6, 3]));
+      for (const [x, y] of places) { this.pane.round(x, y, 5 * this.pixel); pen.fill(); }
+    }
     for (const [part, x, y] of this.handles()) {
       const [px, py] = this.pane.place(x, y);
       pen.beginPath();
@@ -241,7 +303,8 @@ export class Editor {
       const [turn, far] = [k * 2.4, ring * Math.sqrt(k)];
       const [x, y] = [left + width / 2 + far * Math.cos(turn), bottom + height / 2 + far * Math.sin(turn)];
       const apart = circle.every((c) => Math.hypot(x - value(c.x), y - value(c.y)) > r + value(c.r) + 2 * this.pixel);
-      const off = this.model.scene.wall.every((w) => away(w, x, y) > r) && this.model.scene.segment.every((s) => away(s, x, y) > r + value(s.r));
+      const off = this.model.scene.wall.every((w) => away(w, x, y) > r) && this.model.scene.segment.every((s) => away(s, x, y) > r + value(s.r))
+        && this.model.scene.polygon.every((p) => far(p, x, y) > r + value(p.r));
       if (apart && off) return [rounded(x, this.pixel), rounded(y, this.pixel)];
     }
     return [rounded(left + width / 2, this.pixel), rounded(bottom + height / 2, this.pixel)];
@@ -258,4 +321,20 @@ export class Editor {
 function away(line, x, y) {
   const [x0, y0, x1, y1] = ["x0", "y0", "x1", "y1"].map((key) => value(line[key]));
   return Math.abs((x - x0) * (y1 - y0) - (y - y0) * (x1 - x0)) / Math.hypot(x1 - x0, y1 - y0);
+}
+
+const outline = (polygon) => polygon.points.map((point) => point.map(value));
+
+// How far a point is from a polygon; 0 inside of it.
+function far(polygon, x, y) {
+  const points = outline(polygon);
+  let [within, least] = [false, Infinity];
+  points.forEach(([x1, y1], k) => {
+    const [x0, y0] = points.at(k - 1);
+    const [dx, dy] = [x1 - x0, y1 - y0];
+    if (y0 > y !== y1 > y && x < x0 + ((y - y0) * dx) / dy) within = !within;
+    const share = Math.min(1, Math.max(0, ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy)));
+    least = Math.min(least, Math.hypot(x - x0 - share * dx, y - y0 - share * dy));
+  });
+  return within ? 0 : least;
 }

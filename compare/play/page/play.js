@@ -2,7 +2,7 @@
 import { fragment, packed, unpacked } from "./address.js";
 import { Editor } from "./editor.js";
 import { LESSONS } from "./lessons.js";
-import { KINDS, Model, checked, described, plain, rounded } from "./scene.js";
+import { KINDS, MOST_CORNERS, Model, checked, described, plain, rounded, value } from "./scene.js";
 import { InBrowser, Server } from "./transport.js";
 
 const START = JSON.parse(document.getElementById("start").textContent);
@@ -46,6 +46,7 @@ function refresh() {
   $("undo").disabled = !model.before.length;
   $("redo").disabled = !model.after.length;
   $("remove").disabled = !model.chosen;
+  if (document.activeElement !== $("restitution")) $("restitution").value = model.scene.restitution ?? "1";
   list();
   fields();
 }
@@ -66,29 +67,53 @@ function fields() {
   $("numbers").hidden = !thing;
   if (!thing) return;
   const name = `${KINDS[kind].name} ${thing.id}`;
-  if ($("numbers").dataset.of !== `${kind} ${thing.id}`) {
-    $("numbers").dataset.of = `${kind} ${thing.id}`;
+  const shown = `${kind} ${thing.id} ${thing.points?.length ?? ""}`;
+  $("corners").hidden = kind !== "polygon";
+  $("fewer").disabled = !(thing.points?.length > 3);
+  $("more").disabled = !(thing.points?.length < MOST_CORNERS);
+  if ($("numbers").dataset.of !== shown) {
+    $("numbers").dataset.of = shown;
     $("numbers-title").textContent = name;
-    $("fields").replaceChildren(...KINDS[kind].keys.map((key) => {
+    $("fields").replaceChildren(...keysOf(thing, kind).map((key) => {
       const input = made("input", { type: "text", name: key, autocomplete: "off", spellcheck: false, maxLength: 400 });
       input.setAttribute("aria-label", `${key} of ${name}`);
       return made("label", {}, made("span", { textContent: WORDS[key] ?? key }), input);
     }));
   }
-  for (const input of $("fields").querySelectorAll("input")) if (document.activeElement !== input) input.value = thing[input.name];
+  for (const input of $("fields").querySelectorAll("input")) if (document.activeElement !== input) input.value = part(thing, input.name);
 }
+
+// The numbers of a thing by name: each corner's two, where it has corners.
+const keysOf = (thing, kind) => KINDS[kind].keys.flatMap((key) => (key === "points" ? thing.points.flatMap((_, k) => [`x${k + 1}`, `y${k + 1}`]) : [key]));
+const corner = (thing, name) => (thing.points && /^[xy]\d+$/.test(name) ? [thing.points[name.slice(1) - 1], name[0] === "x" ? 0 : 1] : [thing, name]);
+const part = (thing, name) => { const [of, key] = corner(thing, name); return of[key]; };
 
 const WORDS = { r: "radius", m: "mass (oo: fixed)", vx: "velocity x", vy: "velocity y" };
 
 $("fields").addEventListener("change", (event) => {
   const [key, typed, thing] = [event.target.name, event.target.value.trim(), model.thing()];
-  if (!thing || !typed || thing[key] === typed) return;
-  model.change(() => { thing[key] = typed; if (key === "m" && typed === "oo") thing.vx = thing.vy = "0"; });
+  if (!thing || !typed || part(thing, key) === typed) return;
+  model.change(() => { const [of, name] = corner(thing, key); of[name] = typed; if (key === "m" && typed === "oo") thing.vx = thing.vy = "0"; });
+});
+// One corner more halves the longest side; one less leaves out the last.
+$("more").addEventListener("click", () => model.change(() => {
+  const { points } = model.thing();
+  const places = points.map((point) => point.map(value));
+  const long = places.map(([x, y], k) => Math.hypot(x - places.at(k - 1)[0], y - places.at(k - 1)[1]));
+  const k = long.indexOf(Math.max(...long));
+  const middle = [0, 1].map((way) => rounded((places[k][way] + places.at(k - 1)[way]) / 2, editor.pixel / 10));
+  points.splice(k, 0, middle);
+}));
+$("fewer").addEventListener("click", () => model.change(() => model.thing().points.pop()));
+$("restitution").addEventListener("change", (event) => {
+  const typed = event.target.value.trim() || "1";
+  model.change((scene) => { scene.restitution = typed; });
 });
 $("numbers").addEventListener("submit", (event) => event.preventDefault());
 
 model.addEventListener("told", ({ detail }) => {
   if (detail === "drag") { editor.draw(); fields(); return; }
+  if (detail === "corner") { drawing(); editor.draw(); return; }
   if (detail === "scene") editor.fit();
   refresh();
   if (detail === "choice") say($("edited"), editor.told());
@@ -138,6 +163,25 @@ for (const kind of ["wall", "segment"]) {
     const y = kind === "wall" ? at(0.04, bottom, height) : editor.free(RADIUS())[1];
     model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : {}) });
   });
+}
+$("add-polygon").addEventListener("click", () => {
+  const { corners } = editor;
+  if (!corners) { editor.begin(); return; }
+  if (!corners.length) editor.corners = triangle();
+  editor.finish();
+});
+// What one gets by pressing twice: three corners in a free place.
+function triangle() {
+  const r = RADIUS();
+  const [x, y] = editor.free(2 * r).map(Number);
+  return [[x - r, y - r], [x + r, y - r], [x, y + r]].map((point) => point.map((number) => rounded(number, editor.pixel)));
+}
+function drawing() {
+  const { corners } = editor;
+  $("add-polygon").setAttribute("aria-pressed", String(Boolean(corners)));
+  $("add-polygon").textContent = !corners ? "+ polygon" : corners.length > 2 ? "Close the polygon" : corners.length ? "Give it up" : "Place a triangle";
+  const begun = () => (corners.length ? `a polygon with ${corners.length} corner${corners.length > 1 ? "s" : ""} so far` : "Click the corners one after the other; the first once more, or Enter, closes it.");
+  say($("edited"), corners ? begun() : editor.told());
 }
 $("remove").addEventListener("click", () => { model.remove(); $("editor").focus(); });
 $("undo").addEventListener("click", () => model.undo());

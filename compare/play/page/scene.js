@@ -3,10 +3,12 @@ export const KINDS = {
   circle: { keys: ["x", "y", "r", "vx", "vy", "m"], letter: "c", name: "disc" },
   wall: { keys: ["x0", "y0", "x1", "y1"], letter: "w", name: "wall" },
   segment: { keys: ["x0", "y0", "x1", "y1", "r"], letter: "s", name: "segment" },
+  polygon: { keys: ["points", "r"], letter: "g", name: "polygon" },
   pocket: { keys: ["x", "y", "r"], letter: "p", name: "pocket" },
 };
 const DEFAULTS = { r: "0", vx: "0", vy: "0", m: "1" };
 export const MOST_THINGS = 400; // of each kind; the engine's side has the same limit
+export const MOST_CORNERS = 100; // of one polygon
 export const MOST_LETTERS = 400; // of one number
 const MOST_KEPT = 200; // changes that can be undone
 
@@ -67,7 +69,7 @@ export function checked(data) {
   if (typeof data !== "object" || data === null || Array.isArray(data)) throw new Error("the scene is no object");
   known(data, [...TOP, ...Object.keys(KINDS)], "the scene");
   const scene = { name: text(data.name ?? "mine", "name"), tie_policy: text(data.tie_policy ?? "simultaneous", "tie_policy") };
-  for (const key of ["reverse_at", "until"]) if (data[key] !== undefined) scene[key] = text(data[key], key);
+  for (const key of ["reverse_at", "until", "restitution"]) if (data[key] !== undefined) scene[key] = text(data[key], key);
   for (const key of ["events", "reverse_after"]) if (Number.isInteger(data[key])) scene[key] = data[key];
   if (data.capture === true) scene.capture = true;
   for (const [kind, { keys, name }] of Object.entries(KINDS)) {
@@ -78,7 +80,7 @@ export function checked(data) {
       if (typeof row !== "object" || row === null) throw new Error(`a ${name} is no object`);
       known(row, ["id", "point", ...keys], `a ${name}`);
       const thing = { id: text(row.id, "id", 64) };
-      for (const key of keys) thing[key] = text(row[key] ?? DEFAULTS[key], `${name} ${thing.id}: ${key}`);
+      for (const key of keys) thing[key] = key === "points" ? corners(row.points, `${name} ${thing.id}`) : text(row[key] ?? DEFAULTS[key], `${name} ${thing.id}: ${key}`);
       if (row.point === true) thing.point = true;
       return thing;
     });
@@ -86,11 +88,20 @@ export function checked(data) {
   return scene;
 }
 
-const TOP = ["name", "tie_policy", "description", "source", "reverse_at", "until", "events", "reverse_after", "capture"];
+const TOP = ["name", "tie_policy", "description", "source", "reverse_at", "until", "events", "reverse_after", "capture", "restitution"];
 
 // What the page cannot draw is refused by name: a scene without it would be another.
 function known(row, keys, where) {
   for (const key of Object.keys(row)) if (!keys.includes(key)) throw new Error(`${where} has ${key.slice(0, 40)}, which this page does not draw yet`);
+}
+
+function corners(found, where) {
+  if (!Array.isArray(found) || found.length < 3) throw new Error(`${where} has no three corners`);
+  if (found.length > MOST_CORNERS) throw new Error(`${where} has ${found.length.toLocaleString("en")} corners; the page draws at most ${MOST_CORNERS}`);
+  return found.map((point, k) => {
+    if (!Array.isArray(point) || point.length !== 2) throw new Error(`${where}: corner ${k + 1} is no pair of numbers`);
+    return point.map((part) => text(part, `${where}: corner ${k + 1}`));
+  });
 }
 
 function text(found, where, most = MOST_LETTERS) {
@@ -103,8 +114,9 @@ function text(found, where, most = MOST_LETTERS) {
 // The scene as a file has it: no empty lists, and no thickness where there is none.
 export function plain(scene) {
   const told = structuredClone(scene);
-  for (const kind of ["wall", "segment", "pocket"]) if (!told[kind].length) delete told[kind];
-  for (const segment of told.segment ?? []) if (segment.r === "0") delete segment.r;
+  for (const kind of ["wall", "segment", "polygon", "pocket"]) if (!told[kind].length) delete told[kind];
+  for (const thing of [...(told.segment ?? []), ...(told.polygon ?? [])]) if (thing.r === "0") delete thing.r;
+  if (told.restitution === "1") delete told.restitution;
   return told;
 }
 
@@ -187,5 +199,6 @@ export class Model extends EventTarget {
 export function described(kind, thing) {
   if (kind === "circle") return `${thing.m === "oo" ? "fixed disc" : "disc"} ${thing.id} at (${thing.x}, ${thing.y}), radius ${thing.r}`;
   if (kind === "pocket") return `pocket ${thing.id} at (${thing.x}, ${thing.y}), radius ${thing.r}`;
+  if (kind === "polygon") return `polygon ${thing.id} of ${thing.points.length} corners from (${thing.points[0].join(", ")})`;
   return `${KINDS[kind].name} ${thing.id} from (${thing.x0}, ${thing.y0}) to (${thing.x1}, ${thing.y1})`;
 }

@@ -14,7 +14,7 @@ from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
 from truebreak.compare.grids.bounce_survey import BOUNCES, bounces_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.catalogue import build
 from truebreak.scenarios.trajectory import StopReason
 
@@ -265,6 +265,31 @@ def test_segments_have_faces_ends_and_thickness(name: str, r: str) -> None:
     assert [float(e.time) for e in told.events] == pytest.approx([float(e.time) for e in exact.events], abs=0.1)
 
 
+def among_polygons(r: str) -> Scene:
+    """A disc that falls onto a side, then on a wall, a jaw of a notch, and what is in it."""
+    hook = [(0, 0), (6, 0), (6, 6), (0, 6), (0, 4), (4, 4), (4, 2), (0, 2)]
+    walls = [Wall(-9, 0, -9, 1, id="left"), Wall(0, 12, 1, 12, id="top")]
+    slab = Polygon([(-8, -3), (-2, -3), (-2, -2), (-8, -2)], "slab", r)
+    disc = Circle(-4, 4, r="1/2", vx="1/2", vy=-2, id="disc")
+    return Scene([disc], walls, polygons=[Polygon(hook, "hook", r), slab], until=30)
+
+
+@pytest.mark.parametrize("name", STEPPED)
+@pytest.mark.parametrize("r", ["0", "1/4"])
+def test_polygons_have_sides_and_corners(name: str, r: str) -> None:
+    chosen = engine(f"{installed(name)}:dt=1/512")
+    scene = among_polygons(r)
+    if name == "mujoco" and r == "0":
+        with pytest.raises(SceneError, match="polygon 'hook': r = 0; engine 'mujoco' has polygons with round corners"):
+            chosen.run(scene)
+        return
+    exact = ExactEngine().run(scene, events=4)
+    told = chosen.run(scene, events=4)
+    assert [e.contacts for e in told.events] == [e.contacts for e in exact.events]
+    assert {pair.second for e in exact.events for pair in e.contacts} >= {"hook", "slab"}
+    assert [float(e.time) for e in told.events] == pytest.approx([float(e.time) for e in exact.events], abs=0.1)
+
+
 @pytest.mark.parametrize("name", EVENT_DRIVEN)
 def test_engines_without_segments_say_so(name: str) -> None:
-    assert "segment" not in engine(installed(name)).scene_keys
+    assert not {"segment", "polygon"} & engine(installed(name)).scene_keys

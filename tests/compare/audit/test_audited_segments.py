@@ -39,6 +39,17 @@ def test_steps_keep_the_laws_among_segments_of_some_thickness() -> None:
     assert sum(audit.impacts for audit in found) > 30
 
 
+@pytest.mark.parametrize("seed", [67, 119])
+def test_a_step_before_or_after_a_face_ends_the_push_tells_which_it_was(seed: int) -> None:
+    """The disc is within a step of where a face becomes an end, and nearer to the one that has not pushed."""
+    scene = scene_of(seed)
+    assert scene is not None
+    for dt in ("1/256", "1/512"):
+        audit = audited(engine(f"pymunk:dt={dt}"), scene)
+        assert audit.kept, audit.sentence
+        assert audit.impacts > 0
+
+
 @pytest.mark.parametrize("fault", SEEN)
 def test_a_fault_that_changes_what_happens_is_a_law_not_kept(fault: str) -> None:
     faulty, found = SegmentFault(fault=fault), 0

@@ -7,6 +7,7 @@ import math
 import random
 import re
 import statistics
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -393,3 +394,19 @@ def test_the_interval_of_an_exponent_holds_the_pooled_mean(name: str, events: in
     held = sum((one.low or 0.0) <= mean <= (one.high or 0.0) for one in rates) / runs
     print(f"{name}, {events} events: {100 * held:.1f} %")
     assert 0.92 <= held <= 0.98
+
+
+def test_a_level_that_is_reached_early_asks_for_no_later_decision():
+    asked: list[int] = []
+
+    def decisions() -> Iterator[tuple[int, float]]:
+        for event in range(1000):
+            asked.append(event)
+            yield event, float(event)
+
+    curve = ErrorCurve(ErrorModel.ENCLOSED, 1000, decisions())
+    assert curve.reaches(20.0, 0.0) == 20
+    assert len(asked) < 100
+    assert curve.reaches(40.5, 0.0) == 40
+    assert curve.hazard(0.0).tolist() == ErrorCurve(ErrorModel.ENCLOSED, 1000, decisions()).hazard(0.0).tolist()
+    assert curve.reaches(2000.0, 0.0) is None

@@ -11,7 +11,7 @@ from browser import Browser
 PATIENCE = 60.0
 """Seconds that the page may take: a shared machine may stand still for some."""
 
-CODES = {"PageDown": 34, "PageUp": 33, "Delete": 46, "ArrowUp": 38, "ArrowRight": 39, "z": 90, "y": 89}
+CODES = {"PageDown": 34, "PageUp": 33, "Delete": 46, "Escape": 27, "ArrowUp": 38, "ArrowRight": 39, "z": 90, "y": 89}
 
 
 class PagePlayed:

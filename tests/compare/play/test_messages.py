@@ -6,19 +6,23 @@ import json
 import math
 import subprocess
 import sys
-import time as clock
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from truebreak.compare import compare
+from truebreak.compare import Comparison, compare
+from truebreak.compare.play import messages
 from truebreak.compare.play.messages import (
     KINDS,
     MOST_CIRCLES,
     ONE_BIT_OFF,
+    READING_SHARE,
     WITHOUT_NUMPY,
     answer,
+    beside,
     one_bit_off,
     python_of,
 )
@@ -97,14 +101,43 @@ def test_what_is_no_message_is_refused_in_one_line(message: dict[str, Any], part
     assert part in found["error"] and "\n" not in found["error"]
 
 
-@pytest.mark.slow
-def test_a_run_takes_the_seconds_that_it_is_given() -> None:
-    began = clock.process_time()
-    found = asked(kind="run", scene=catalogue.build("echo").data(), events=5000, seconds=1, why=True)
-    spent = clock.process_time() - began
-    assert spent < 1.6, "exact, double, alignment, words and output together"
-    assert found["kind"] == "ran" and found["exact"]["events"] < 5000
-    assert found["exact"]["proved"]
+def test_the_seconds_are_one_budget_over_all_that_a_run_is_made_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that goes on by a tenth whenever it is looked at: what is given on is what is left then."""
+    looked, given = count(), list[float]()
+
+    def measured(*args: Any, **options: Any) -> Comparison:
+        given.append(options["max_seconds"])
+        return compare(*args, **{**options, "max_seconds": None, "progress": None})
+
+    def after(found: Comparison, seconds: float) -> Comparison:
+        given.append(seconds)
+        return beside(found, 60)
+
+    monkeypatch.setattr(messages, "clock", SimpleNamespace(perf_counter=lambda: next(looked) / 10))
+    monkeypatch.setattr(messages, "compare", measured)
+    monkeypatch.setattr(messages, "beside", after)
+    for seconds in (1, 10):
+        told = asked(kind="run", scene=catalogue.build("gas").data(), events=20, seconds=seconds, ulp=True)
+        assert told["kind"] == "ran"
+        room = (1 - READING_SHARE) * seconds
+        assert given[-2:] == pytest.approx([room - 0.1, room - 0.2])
+        assert told["seconds"] == pytest.approx(0.3)
+    asked(kind="run", scene=catalogue.build("gas").data(), events=20, seconds=0.05, ulp=True)
+    assert given[-2:] == [0.1, 0.1], "a moment is given always"
+
+
+def test_a_run_is_cut_when_its_seconds_are_over() -> None:
+    found = asked(kind="run", scene=catalogue.build("echo").data(), events=5000, seconds=0.02)
+    cut_short(found)
+
+
+def cut_short(found: dict[str, Any]) -> None:
+    """Fewer events than were asked for, all of them proved; or none in time, which is said."""
+    if found["kind"] == "refused":
+        assert "in time" in found["error"]
+    else:
+        assert found["kind"] == "ran" and found["exact"]["proved"]
+        assert found["exact"]["events"] < 5000
 
 
 def test_one_bit_is_one_bit() -> None:

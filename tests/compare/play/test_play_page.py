@@ -16,7 +16,7 @@ from playing import PagePlayed
 from truebreak.compare import compare
 from truebreak.compare.play.play_server import PlayServer
 from truebreak.compare.report.answers import answers, verdict_line
-from truebreak.scenarios import Circle, Scene, Segment, Wall, catalogue
+from truebreak.scenarios import Circle, Polygon, Scene, Segment, Wall, catalogue
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -397,3 +397,87 @@ def test_the_segment_that_is_drawn_is_the_one_that_is_run(page: PagePlayed) -> N
     )
     true = compare(scene, ["double"], events=9)
     assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.reference.events]
+
+
+def test_a_polygon_is_drawn_by_its_corners_and_run(page: PagePlayed) -> None:
+    shown = view(page)
+    page.press("add-polygon")
+    assert page.text("edited").startswith("Click the corners")
+    for corner in ((4, -4), (8, -4), (6, -2), (4, -4)):
+        place = page.place(*corner, shown)
+        page.drag(place, place)
+        if corner == (8, -4):
+            assert page.text("add-polygon") == "Give it up" and page.text("edited") == "a polygon with 2 corners so far"
+    drawn = page.thing("g1")
+    assert [*drawn] == ["x1", "y1", "x2", "y2", "x3", "y3", "r"]
+    for name, number in zip(drawn, (4, -4, 8, -4, 6, -2, 0), strict=True):
+        assert float(drawn[name]) == pytest.approx(number, abs=0.1)
+    page.browser.ask(
+        "((e) => { e.value = 'sqrt(3)'; e.dispatchEvent(new Event('change', {bubbles: true})); })"
+        "(document.querySelector('#fields [name=y3]'))"
+    )
+    page.value("restitution", "9/10")
+    rows = opened(page)
+    assert rows["restitution"] == "9/10" and rows["g"][0][1][2][1] == "sqrt(3)"
+    page.value("events", "30")
+    page.run()
+    box = {"left": (-9, 0, -9, 1), "right": (9, 0, 9, 1), "bottom": (0, -5, 1, -5), "top": (0, 5, 1, 5)}
+    circles = [Circle(-5, 0, 1, 2, "0.3", id="a"), Circle(3, "0.5", id="b")]
+    circles.append(Circle(0, -3, "sqrt(2)/2", 1, 1, "1/2", id="c"))
+    walls = [Wall(*line, id=name) for name, line in box.items()]
+    scene = Scene(circles, walls, polygons=[Polygon(rows["g"][0][1], id="g1")], restitution="9/10")
+    true = compare(scene, ["double"], events=30).reference
+    assert any("g1" in pair for event in true.events for pair in event.impulses)
+    assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.events]
+
+
+def test_a_polygon_is_placed_by_keys_and_its_corners_move_alone(page: PagePlayed) -> None:
+    for _ in range(2):
+        page.press("add-polygon")
+    assert page.text("edited").startswith("polygon g1 of 3 corners")
+    before = page.thing("g1")
+    page.press("more")
+    after = page.thing("g1")
+    assert len(after) == len(before) + 2 and {*before.values()} <= {*after.values()}
+    page.press("fewer")
+    assert len(page.thing("g1")) == len(before)
+    page.browser.ask("document.getElementById('editor').focus()")
+    page.key("ArrowUp")
+    moved = page.thing("g1")
+    assert float(moved["y1"]) > float(before["y1"]) and moved["r"] == "0"
+    shown = page.browser.ask("document.getElementById('undo').disabled")
+    assert not shown
+    page.press("add-polygon")
+    page.browser.ask("document.getElementById('editor').focus()")
+    page.key("Escape")
+    assert page.text("add-polygon") == "+ polygon" and len(opened(page)["g"]) == 1
+
+
+def test_a_polygon_is_dragged_whole_and_by_a_corner(page: PagePlayed) -> None:
+    rows = {"n": "x", "c": [["a", "-3", "0", "1", "1", "0", "1"]]}
+    page.open(packed({**rows, "g": [["p", [["0", "0"], ["1/3", "2"], ["4", "sqrt(3)"], ["3", "-1"]], "0"]]}))
+    left, right, bottom, top = -4.0, 4.0, -1.0, 2.0
+    room = 0.12 * 8 + 1e-9
+    shown = left - room, bottom - room, right - left + 2 * room, top - bottom + 2 * room
+    page.thing("p")
+    page.drag(page.place(3, -1, shown), page.place(4, -1, shown))
+    points = opened(page)["g"][0][1]
+    assert points[:3] == [["0", "0"], ["1/3", "2"], ["4", "sqrt(3)"]]
+    assert [float(part) for part in points[3]] == pytest.approx([4, -1], abs=0.1)
+    page.drag(page.place(2, 0.8, shown), page.place(1, 0.8, shown))
+    moved = [[float(part) for part in point] for point in opened(page)["g"][0][1]]
+    assert moved[1] == pytest.approx([1 / 3 - 1, 2], abs=0.1) and moved[2] == pytest.approx([3, 3**0.5], abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ([["0", "0"], ["1", "1"]], "polygon p has no three corners"),
+        ([[str(k), str(k * k)] for k in range(101)], "polygon p has 101 corners"),
+        ([["0", "0"], ["1", "1"], ["1"]], "polygon p: corner 3 is no pair"),
+        ("many", "polygon p has no three corners"),
+    ],
+)
+def test_a_polygon_that_is_none_is_refused_by_name(page: PagePlayed, points: object, words: str) -> None:
+    page.open(packed({"n": "x", "c": [["a", "-9", "0", "1", "1", "0", "1"]], "g": [["p", points, "0"]]}))
+    assert words in page.wait("document.getElementById('edited').textContent")

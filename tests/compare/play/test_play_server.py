@@ -153,10 +153,9 @@ def test_one_run_at_a_time_and_stop_ends_it(server: PlayServer) -> None:
         clock.sleep(0.01)
     status, found = ask(server, {"kind": "run", "scene": LEE})
     assert status == 429 and "stop" in found["error"]
-    began = clock.monotonic()
     assert ask(server, {"kind": "stop"})[0] == 200
-    running.join(20)
-    assert clock.monotonic() - began < 10
+    running.join(40)  # less than the run would take
+    assert not running.is_alive()
     assert told[0][1]["kind"] == "stopped"
     assert ask(server, {"kind": "run", "scene": LEE})[1]["kind"] == "ran"
 
@@ -199,7 +198,6 @@ def test_a_slow_request_holds_nobody_up(server: PlayServer) -> None:
 # -- The command.
 
 
-@pytest.mark.slow  # of a run that may end before it is stopped
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_ctrl_c_ends_the_command_and_its_engines(number: int, code: int, tmp_path: Path) -> None:

@@ -10,10 +10,11 @@ from pages import comparison, page
 
 from truebreak.compare import compare, html_report
 from truebreak.compare.alternatives import Alternative
+from truebreak.compare.causes.diagnosis import Margin
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.engines import engine
 from truebreak.compare.picture import instant_of, moment_frames, states_at
-from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line
+from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line, why
 from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.scenarios import Circle, Scene, catalogue
@@ -195,3 +196,37 @@ def test_the_json_has_what_the_page_says_was_run_in_its_place() -> None:
         assert [row["cost"] for row in rows] == [run.cost(candidate) for run in runs]
         assert all((row["cost"] is None) == (row["cost_in"] is None) for row in rows)
     assert "time steps" in {row["cost_in"] for row in told["pymunk"]}
+
+
+@pytest.mark.parametrize(
+    ("growth", "error", "gap", "said"),
+    [
+        (0.01, 1e-9, None, "It is a close call, not chaos: errors hardly grow on the way."),
+        (0.1, 1e-9, None, "It lies between a close call and chaos: errors grow by 5 bits on the way."),
+        (0.5, 1e-9, None, "It is chaos: errors grow by 0.5 bits an event."),
+        (0.5, 1e-9, (0.0, 0.0), "It takes no chaos: any error, however small, decides it."),
+        (None, 1e-9, None, "Whether errors grow on the way is not known."),
+    ],
+)
+def test_whether_it_is_chaos_is_said_of_every_divergence(
+    growth: float | None, error: float, gap: tuple[float, float] | None, said: str
+) -> None:
+    found = comparison("gas")
+    candidate = found["pymunk"]
+    parted = candidate.alignment.divergence
+    assert parted is not None
+    fifty = replace(candidate.alignment, divergence=replace(parted, own_event=50))
+    margin = Margin(gap=gap, growth=growth, error=error)
+    assert why(found, replace(candidate, alignment=fifty, margin=margin)).endswith(said)
+
+
+def test_an_engine_that_diverges_before_its_prediction_is_not_promised_to_be_right() -> None:
+    found = compare(catalogue.build("gas"), ["double"], events=200, causes=False)
+    told, parted = foreseen(found), found.candidates[0].alignment.divergence
+    assert told is not None and told.horizons[0] is not None and parted is not None
+    low = told.horizons[0].low.event
+    early = replace(found.candidates[0].alignment, divergence=replace(parted, event=3))
+    changed = replace(found, candidates=(replace(found.candidates[0], alignment=early),))
+    assert answers(changed, foreseen=told).what_now.endswith(
+        f"double was predicted to be right until event {low}, and diverged before that."
+    )
