@@ -68,7 +68,8 @@ def bounce_scene(contact: str, asked: str, number: int) -> tuple[Scene, Fraction
     """One bounce, head on: the scene, the speed of approach or the height, and the time at which it comes.
 
     Speeds go from 1/4 to 7/2, and times from 1/2 to 5/8, spread evenly (by the golden ratio), so that a time step of
-    any usual length is met at all of its phases. Heights go from 1/2 to 17/4, with gravity 1: their times have no pattern.
+    any usual length is met at all of its phases. Heights go from 1/2 to 17/4, with gravity 1: their times have no
+    pattern.
 
     >>> scene, speed, time = bounce_scene("wall", "1/2", 0)
     >>> str(scene.restitution), speed, time, [str(c.x) for c in scene.circles]
@@ -129,7 +130,7 @@ def _share(runner: Engine, scene: Scene, contact: str, size: float, time: float)
         first, last = float(run.events[0].time), float(run.final_time)
         step = runner.step
         times = np.linspace(first, last, SAMPLES) if step is None else np.arange(first, last, step)
-        return math.sqrt(max(float(run.sample(times)[:, 0, 1].max()) - 1, 0.0) / size)
+        return math.sqrt(max(float(run.sample(times.tolist())[:, 0, 1].max()) - 1, 0.0) / size)
     speeds = [float(circle.vx) for circle in run.final.circles]
     return (speeds[1] - speeds[0] if contact == "discs" else -speeds[0]) / size
 
