@@ -60,7 +60,7 @@ def changed(
     if symmetric:
         from ..exact.log_symmetry import symmetries
 
-        if not symmetries(loaded):
+        if not symmetries(loaded.surfaces):
             raise SceneError(
                 f"scene {loaded.name!r}: no mirror and no rotation maps it to itself exactly; "
                 "make it symmetric, or leave out --symmetric"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 
 pytest.importorskip("sphinx", reason="no sphinx here: pip install -e '.[docs]'")
@@ -137,8 +139,45 @@ def test_the_home_page_leads_in_and_shows_every_scene_with_its_verdict(site: Pat
     assert list(verdicts()) == list(catalogue.names())
     for name, (verdict, _) in verdicts().items():
         assert f'href="catalogue/{name}.html"' in text
-        assert (site / "pictures" / f"{name}.svg").is_file()
+        moving = (site / "pictures" / f"{name}.svg").read_text("utf-8")
+        still = (site / "pictures" / "still" / f"{name}.svg").read_text("utf-8")
+        assert f'srcset="pictures/still/{name}.svg"' in text
+        assert ("@keyframes" in moving) == (name not in ("article", "beads")), (
+            "in those nothing happens after the start"
+        )
+        assert "@keyframes" not in still
         assert verdict in text
+    if (site / "play").is_dir():
+        assert all(f'href="play/index.html?scene={name}"' in text for name in verdicts())
+
+
+FRAMES = re.compile(r"@keyframes b(\d+)\{(.*?\})\}")
+FRAME = re.compile(r"([\d.]+)%\{transform:translate\(([-\d.]+)px,([-\d.]+)px")
+
+
+def test_a_small_picture_shows_the_exact_run() -> None:
+    """At each of its events every disc that takes part is where the exact run has it, in one view of the plane."""
+    from catalogue import MOST_EVENTS, moving_picture
+
+    ran = ExactEngine().run(catalogue.build("gas"), events=MOST_EVENTS)
+    shown = {
+        int(body): [tuple(map(float, frame)) for frame in FRAME.findall(text)]
+        for body, text in FRAMES.findall(moving_picture("gas"))
+    }
+    assert len(shown) == len(ran.scene.circles)
+    places = {str(circle.id): k for k, circle in enumerate(ran.scene.circles)}
+    wanted: list[tuple[float, float]] = []
+    for event in ran.events:
+        share, state = 100 * float(event.time) / float(ran.final_time), ran.after(event.index).rows()
+        for name in {name for pair in event.impulses for name in pair} & {*places}:
+            near, x, y = min(shown[places[name]], key=lambda frame: abs(frame[0] - share))
+            assert near == pytest.approx(share, abs=1e-3)
+            wanted += [(state[places[name]][0], x), (state[places[name]][1], -y)]
+    for way in (wanted[::2], wanted[1::2]):
+        (low, first), (high, last) = min(way), max(way)
+        scale = (last - first) / (high - low)
+        assert scale > 0
+        assert [pixel for _, pixel in way] == pytest.approx([first + (at - low) * scale for at, _ in way], abs=0.3)
 
 
 @pytest.mark.parametrize("name", ["lee", "near-tie", "cradle"])

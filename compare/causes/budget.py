@@ -49,6 +49,10 @@ SMALL = 0.1
 FAINT = 0.01
 """Contributions below this share of the displacement act on each other by a hundredth of themselves."""
 
+ALONE = 0.1
+"""Share of the margin up to which a kind is not run alone: it changes nothing. Above it, what a kind does alone need
+not be what it adds, as kinds act on each other."""
+
 MOST_RUNS = 24
 """Continuations after which no group is cut any more."""
 
@@ -321,7 +325,13 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
         together = sum((value for cause, value in total.found.items() if cause is not CauseName["INPUT"]), arb(0))
         for cause, kinds in (*groups, (rest, KINDS)):
             value = together if cause is rest else total.found.get(cause)
-            if value is not None and (_flips(margin, margin + value) or (hits and ball.sign_of(value) == 1)):
+            if value is None:
+                continue
+            if (
+                _size(value) > ALONE * _size(margin)
+                or _flips(margin, margin + value)
+                or (hits and ball.sign_of(value) == 1)
+            ):
                 if unlike:  # what is carried on is not the engine's run: it is known where it alone has erred
                     found = whole if total.found.get(CauseName["INPUT"], arb(0)).contains(0) else None
                 else:

@@ -549,15 +549,18 @@ class _Carried(RunReader):
         return found if found is not None and found.is_finite() else None
 
     def comes_late(self, decision: DecidingNumber) -> bool | None:
-        """Whether a hit comes after the meeting that the other run has instead; None where that was not carried too."""
-        rival = decision.rival
+        """Whether a hit comes after the meeting that the other run has instead; None where that is not known.
+
+        Where that meeting's flights are not carried too, a hit is not late that comes before its time in that run.
+        """
+        rival, mine = decision.rival, self.hit_time(decision.first)
         assert rival is not None
         if not all(
             anchor is None or self._turned(rival) or (self.places[name], anchor) in self._seen
             for name, anchor in rival.anchors.items()
         ):
-            return None
-        mine, theirs = self.hit_time(decision.first), self.hit_time(rival)
+            return False if mine is not None and float(mine.mid()) < decision.rival_time else None
+        theirs = self.hit_time(rival)
         sign = None if mine is None or theirs is None else ball.sign_of(theirs - mine)
         return False if theirs is None else None if sign is None else sign == -1
 

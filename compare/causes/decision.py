@@ -73,12 +73,14 @@ class DecidingNumber:
         second: for an order, the other meeting.
         rival: for a hit that one of the two runs has, the meeting that the other has instead: a hit that comes after
             that is as good as a miss.
+        rival_time: when that comes, in the run that has it.
     """
 
     kind: Literal["hit", "order"]
     first: Pairing
     second: Pairing | None = None
     rival: Pairing | None = None
+    rival_time: float = math.inf
 
     @property
     def pairings(self) -> list[Pairing]:
@@ -112,9 +114,11 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         expected = _pairing(reference, walks, body, divergence.expected, divergence.expected_event, None)
     if divergence.got is not None and divergence.candidate_event is not None:
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
-    hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
-    told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [DecidingNumber("hit", pairing, rival=expected if pairing is got else got) for _, pairing in told]
+    hits = [(divergence.got_time or 0.0, got), (divergence.expected_time or 0.0, expected)]
+    found: list[DecidingNumber] = []
+    for (_, pairing), (instead, rival) in sorted(zip(hits, hits[::-1], strict=True), key=lambda both: both[0][0]):
+        if pairing is not None:
+            found.append(DecidingNumber("hit", pairing, None, rival, instead))
     if expected is not None and got is not None:
         found.append(DecidingNumber("order", expected, got))
     return found
@@ -136,15 +140,14 @@ def _pairing(
         known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
         if name == body:
             known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
-        elif theirs is not None and any(c < theirs for c in _unmatched(walks[name])):
+        elif theirs is not None and _parted_before(walks[name], theirs):
             return None
         anchors[name] = max(known, default=None)
     return Pairing(body, partner, anchors)
 
 
-def _unmatched(walked: Walk) -> list[int]:
-    mismatch = walked.mismatch
-    return [] if mismatch is None or mismatch.theirs is None else [mismatch.theirs]
+def _parted_before(walked: Walk, theirs: int) -> bool:
+    return walked.mismatch is not None and walked.mismatch.theirs is not None and walked.mismatch.theirs < theirs
 
 
 def _own_events(reference: Trajectory, name: str) -> list[int]:

@@ -21,6 +21,7 @@ from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..validation import falls
+from .budget import ALONE
 from .decision import RunReader, answer, short_quantity
 from .diagnosis import CauseName, Experiment
 
@@ -420,8 +421,9 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
                 flips = does = _given_does(lab) or None
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
-        if part.late and lab.decision is not None and lab.decision.rival is not None:
-            alone = f"{alone}: {lab.decision.rival.body} meets {lab.decision.rival.partner} first"
+        if part.late is not False and lab.decision is not None and lab.decision.rival is not None:
+            first = f"{lab.decision.rival.body} meets {lab.decision.rival.partner} first"
+            alone = f"{alone}: {first}" if part.late else f"alone it may change the decision or not, if {first}"
         if does:
             alone = f"run freely, the exact law on it has the contacts that {lab.name} has"
         if free:
@@ -476,11 +478,11 @@ def _alone(lab: Laboratory, part: Contribution, grown: bool) -> bool | None:
     Args:
         grown: whether contributions are integrals along the way, and no differences of runs.
     """
-    assert lab.decision is not None
+    assert lab.decision is not None and lab.margin is not None
     rival, hit = lab.decision.rival is not None, answer(lab.decision, lab.margin) == -1
     if part.alone is None:
-        short = not grown and not (rival and hit and part.size > 0)
-        return False if short and _short(lab, part.size) else None
+        small = abs(part.size) <= ALONE * abs(float(lab.margin.mid())) and not (rival and hit and part.size > 0)
+        return False if small and not grown else None
     if rival and answer(lab.decision, part.alone) == -1 and part.late is not False:
         return None if part.late is None else lab.as_engine(arb(1))
     return lab.as_engine(part.alone)
@@ -504,13 +506,6 @@ def _rounded_away(lab: Laboratory) -> float | None:
         return None
     size = -float(lab.got.mid())
     return size if abs(size) <= min(REORDERED * 2.0**-lab.bits, MOST_ROUNDED) * max(lab.scale, lab.last_time) else None
-
-
-def _short(lab: Laboratory, size: float) -> bool:
-    """Whether a contribution falls short of the margin, or is on its other side."""
-    assert lab.margin is not None
-    with ball.precision(4096):
-        return not lab.as_engine(lab.margin + arb(size))
 
 
 def _what(lab: Laboratory, cause: CauseName) -> str:

@@ -81,7 +81,8 @@ def saved_run(trajectory: Trajectory) -> str:
     """A run as the text of a file that `load_run` reads.
 
     Raises:
-        SceneError: for a run of another engine, and for a scene or a limit that no file can hold.
+        SceneError: for a run of another engine, for a scene or a limit that no file can hold, and for a run that ended
+            where infinitely many collisions do.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -92,6 +93,11 @@ def saved_run(trajectory: Trajectory) -> str:
     motion = trajectory.motion
     if trajectory.engine != "exact" or not isinstance(motion, ExactMotion):
         raise SceneError(f"only runs of the exact engine are saved with their log, not those of {trajectory.engine}")
+    if trajectory.ending is not None:
+        raise SceneError(
+            f"{trajectory.scene.name!r}: has infinitely many collisions, whose end no file holds yet; end the run "
+            f"before, with --events {len(trajectory.events) - 1}"
+        )
     return _text(RUN.sealed(_data(trajectory, motion)))
 
 

@@ -183,9 +183,10 @@ def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
 
 
 def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
-    """A mirror line `axis = constant` of the whole scene, with the image of every circle and wall; else None.
+    """A mirror line `axis = constant` of the whole scene, with the image of every circle, wall and thing; else None.
 
-    The exact engine's own isometries are looked through; a lone circle has none worth telling.
+    The exact engine's own isometries are looked through; a lone circle has none worth telling. Where segments or
+    polygons share an end, which one of them names, names tell nothing of images: there is none.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> mirror(Scene([Circle(0, 2, id="a"), Circle(0, -2, id="b")]), "y")[1]
@@ -193,10 +194,13 @@ def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     """
     from ...exact.log_symmetry import symmetries
     from ...scenarios.numbers.quantity import ZERO
+    from ...scenarios.surfaces import parts_of
 
-    circles = scene.circles
-    if len(circles) < 2:
+    ends = [end for thing in parts_of(scene).values() for end in thing.ends]
+    if len(scene.circles) < 2 or len({*ends}) < len(ends):
         return None
+    scene = scene.surfaces
+    circles = scene.circles
     found = next((s for s in symmetries(scene) if s.mirror and s.matrix == LINEAR_PARTS[axis]), None)
     if found is None:
         return None

@@ -68,26 +68,26 @@ def print_restitution(found: BounceSurvey) -> None:
     from ..grids.bounce_survey import BOUNCES
 
     out = console()
-    table = grid("engine", "e asked", "e^2 asked", "e^2 on a wall", "e^2 between two discs", "missed")
+    table = grid("engine", "e asked", "e^2 asked", "e^2 on a wall", "e^2 between two discs", "e^2 by heights", "missed")
     lines: dict[tuple[str, str], dict[str, Bounces]] = {}
     for row in found.rows:
         lines.setdefault((row.engine, row.asked), {})[row.contact] = row
     refused = dict.fromkeys((row.engine, row.refused) for row in found.rows if row.refused)
     for (name, asked), kinds in lines.items():
-        if not any(row.refused for row in kinds.values()):
+        if not all(row.refused for row in kinds.values()):
             square = float(Quantity.of(asked)) ** 2
             missed = sum(row.missed for row in kinds.values())
             table.add_row(name, asked, f"{square:.6g}", *map(_squared, kinds.values()), f"{missed or ''}")
     out.print(table)
     for name, why in refused:
         say(out, f"{name}: {why}")
-    say(out, f"Each of {BOUNCES} bounces of a kind has another speed, and comes at another phase of the time step.")
+    say(out, f"Each of {BOUNCES} bounces of a kind has another speed or height, and another phase of the time step.")
 
 
 def _squared(row: Bounces) -> str:
     """Mean, and from where to where it goes if that shows; what is of rounding does not."""
     if row.mean is None or row.least is None or row.greatest is None:
-        return "no bounce"
+        return "cannot" if row.refused else "no bounce"
     mean, least, greatest = (f"{number * number:.5g}" for number in (row.mean, row.least, row.greatest))
     return mean if least == greatest else f"{mean} ({least} to {greatest})"
 

@@ -199,7 +199,7 @@ class Blocked:
 
 def units(scene: Scene, record: OrbitRecord) -> tuple[float, float]:
     """What lengths and velocities are measured by: the mean diameter, and the root of the mean square at the start."""
-    sizes = [float(c.r) for c in scene.circles if float(c.r) > 0]
+    sizes = [float(c.r) for k, c in enumerate(scene.circles) if float(c.r) > 0 and k not in scene.ends]
     squares = [flights[0][3] ** 2 + flights[0][4] ** 2 for flights in record.flights.values()]
     return (2 * sum(sizes) / len(sizes) if sizes else 1.0), sqrt(sum(squares) / len(squares)) or 1.0
 

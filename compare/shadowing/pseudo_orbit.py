@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, log2
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,9 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...exact.replay.contact import AtWall, Flight, Pair, Touch, is_flat, is_pair
+from ...exact.replay.parts import PartsNear
 from ...exact.replay.state import Go, Kick, ReplayState
+from ...floating.double import DOUBLES
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, NoTangentMap, check_start, moving
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
 
 Indices = tuple[int, int]
-"""A contact by index: two circles, or circle i and wall j - n, n the number of circles."""
+"""A contact by index in `Scene.surfaces`: two circles, or circle i and wall or face j - n, n the number of circles."""
 
 DoubleFlight = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy): from time t on a circle flies straight from (x, y) at (vx, vy)."""
@@ -63,7 +65,7 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
     check_start(scene)
     if trajectory.reversal is not None and trajectory.reversal.after < events:
         raise NoTangentMap(f"the run turns back after {trajectory.reversal.after} events", trajectory.reversal.after)
-    place = {name: k for k, name in enumerate(scene.ids)}
+    place, part_of = {name: k for k, name in enumerate(scene.ids)}, PartsNear(scene, DOUBLES)
     flights: dict[int, list[DoubleFlight]] = {}
     for i in moving(scene):
         c = scene.circles[i]
@@ -81,10 +83,24 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
         for i in met:
             x, y, vx, vy = (float(value) for value in states[i])
             flights[i].append((time, x, y, vx, vy))
-        links += mine
+        links += [_part(scene, part_of, link, flights) for link in mine]
         owners += [event.index] * len(mine)
         times += [time] * len(mine)
     return OrbitRecord(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
+
+
+def _part(
+    scene: Scene, near: PartsNear[float], link: Indices, flights: Mapping[int, Sequence[DoubleFlight]]
+) -> Indices:
+    """A contact by index in `Scene.surfaces`: of a thing with faces and ends the part that has pushed."""
+    (i, j), inner, count = link, scene.surfaces, len(scene.circles)
+    if j < count:
+        return link
+    if j not in near.things:
+        return i, len(inner.circles) + j - count
+    (*_, ux, uy), (_, x, y, vx, vy) = flights[i][-2:]
+    [part] = near.pushing(i, j, x, y, ux, uy, (vx - ux, vy - uy))[:1]
+    return i, len(inner.circles) + part[1] if part.flat else part[1]
 
 
 # ----------------------------------------
@@ -139,7 +155,7 @@ class FixedOrder:
     """The map of each segment, in balls at flint's working precision.
 
     Args:
-        scene: what runs; of its start only walls, fixed circles, radii and masses count.
+        scene: what runs, as engines see it; of its start only walls, fixed circles, radii and masses count.
         chain: the segments.
     """
 

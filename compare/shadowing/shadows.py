@@ -109,10 +109,6 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
-    if scene.polygons:
-        raise SceneError(f"{scene.name!r}: has polygons, of which no shadow is looked for yet; take walls")
-    if scene.segments:
-        raise SceneError(f"{scene.name!r}: has segments, of which no shadow is looked for yet; take walls")
     if scene.arcs:
         raise SceneError(f"{scene.name!r}: has arcs, of which no shadow is looked for yet; take walls")
     if not scene.elastic:
@@ -173,6 +169,7 @@ class _Search:
 
     def __init__(self, scene: Scene, name: str, record: OrbitRecord, events: int, left: Divergence | None) -> None:
         self.scene, self.name, self.record, self.events, self.left = scene, name, record, events, left
+        self.seen = scene.surfaces  # in whose places contacts are
         self.free = moving(scene)
         self.chain = segments(record, TOGETHER)
 
@@ -182,15 +179,15 @@ class _Search:
         if not found.closed:
             self.chain = segments(self.record)
             found = self._refined()
-        told = self._proved(found.nodes[0], progress) if found.closed else not_closed(self.scene, self.record, found)
+        told = self._proved(found.nodes[0], progress) if found.closed else not_closed(self.seen, self.record, found)
         proof, blocked = (told, None) if isinstance(told, Proof) else (None, told)
         lost = drift(self.scene, self.record)
         return Shadow(self.scene, self.name, self.events, self.left, proof, blocked, lost, found)
 
     def _refined(self) -> Refined:
         with ball.precision(FIRST_BITS):
-            order = FixedOrder(self.scene, self.chain)
-        length, speed = units(self.scene, self.record)
+            order = FixedOrder(self.seen, self.chain)
+        length, speed = units(self.seen, self.record)
         return refined(order, self._nodes(), [length, length, speed, speed] * len(self.free))
 
     def _nodes(self) -> list[list[float]]:
@@ -220,7 +217,7 @@ class _Search:
             theirs = recorded(run, len(run.events))
         except NoTangentMap as error:
             return Blocked(Obstacle.SIMULTANEOUS, error.events, f"in the start that was found: {error}")
-        wrong = other_history(start, self.record, run, theirs)
+        wrong = other_history(start.surfaces, self.record, run, theirs)
         if wrong is not None:
             return wrong
         apart = distance(self.record, run)

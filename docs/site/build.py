@@ -16,7 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from api import api_pages
-from catalogue import VERDICTS, Told, catalogue_page, gallery, picture, report, scene_page, verdicts
+from catalogue import VERDICTS, Told, catalogue_page, gallery, moving_picture, picture, report, scene_page, verdicts
 from laws import laws_page
 from links import broken, same_titles
 from playground import NotToBeHad, write_playground
@@ -64,7 +64,7 @@ New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report 
 ## Every scene of the catalogue
 
 Each is compared in doubles and in pymunk with the exact run, over its first events.
-A click leads to its page, with the report to play.
+A name leads to its page, with the report; a picture, which shows the exact run, opens it to play with.
 
 {gallery}
 """
@@ -127,7 +127,7 @@ TREES = {
 
 def assemble(source: Path, *, short: bool, jobs: int) -> list[str]:
     """Writes everything that Sphinx reads into a folder; what is not current, line by line."""
-    for folder in ("docs", "catalogue", "api", "laws", "static", "extra/reports", "extra/pictures"):
+    for folder in ("docs", "catalogue", "api", "laws", "static", "extra/reports", "extra/pictures/still"):
         (source / folder).mkdir(parents=True)
     for name in TOP:
         shutil.copy(ROOT / name, source / name)
@@ -144,9 +144,9 @@ def assemble(source: Path, *, short: bool, jobs: int) -> list[str]:
     told = _reports([n for n in names if not short or n in SHORT], source / "extra" / "reports", jobs)
     for name in names:
         _write(source / "catalogue" / f"{name}.md", scene_page(name, told.get(name)))
-        drawn = picture(name)
-        for folder in ("catalogue", "extra/pictures"):
-            _write(source / folder / f"{name}.svg", drawn)
+        for folder in ("catalogue", "extra/pictures/still"):
+            _write(source / folder / f"{name}.svg", picture(name))
+        _write(source / "extra" / "pictures" / f"{name}.svg", moving_picture(name))
     _write(source / "catalogue" / "index.md", catalogue_page(names))
     playable = _playground(source / "extra" / "play")
     shown = INDEX.replace("{gallery}", gallery(names, playable)).replace("{play}", PLAY if playable else "")

@@ -9,16 +9,19 @@ import json
 import sys
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 from truebreak.compare import compare, html_report
 from truebreak.compare.report.answers import tone, verdict_line
 from truebreak.compare.report.page import whole_name
+from truebreak.compare.report.player import played
 from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
+from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import dump_json, dump_toml
-from truebreak.scenarios.pictures import scene_picture
+from truebreak.scenarios.pictures import PICTURED_CIRCLES, View, draw, scene_picture
 from truebreak.scenarios.scene import Scene
 
 ENGINES = ("double", "pymunk")
@@ -61,18 +64,69 @@ def verdicts() -> dict[str, list[str]]:
     return json.loads(VERDICTS.read_text("utf-8"))
 
 
+ROUND = 12.0
+"""Seconds in which a small picture shows its scene, before it begins anew."""
+
+MOST_KNOTS = 1_500
+"""Changes of flight in a small picture; a scene of more events is shown as far as they go."""
+
+
+def moving_picture(name: str) -> str:
+    """A scene with its first events, exact, as an SVG file that moves."""
+    scene = catalogue.build(name)
+    if len(scene.circles) > PICTURED_CIRCLES:
+        return picture(name)
+    events = min(MOST_EVENTS, scene.events or MOST_EVENTS, max(1, (MOST_KNOTS - len(scene.circles)) // 2))
+    ran = ExactEngine().run(scene, events=events)
+    shown = played(scene, ran, [], name="exact", title=name)
+    if shown is None:
+        return picture(name)
+    motion, view = shown["runs"][0], View(*shown["view"], across=320.0, up=220.0)
+    gravity, end = shown.get("gravity", [0.0, 0.0]), motion["end"]
+    flights: dict[int, list[list[float]]] = {}
+    for k, body, *state in motion["knots"]:
+        flights.setdefault(int(body), []).append([motion["times"][int(k)], *state])
+    rules, bodies = list[str](), list[str]()
+    for body, circle in enumerate(scene.circles):
+        rows, steps = flights[body], []
+        for (time, x, y, vx, vy), (after, *_) in pairwise([*rows, [end]]):
+            for since in ((after - time) * k / BENDS for k in range(BENDS)) if any(gravity) else (0.0,):
+                bent = [gravity[0] * since**2 / 2, gravity[1] * since**2 / 2]
+                place = f"{view.x(x + vx * since + bent[0]):.1f}px,{view.y(y + vy * since + bent[1]):.1f}px"
+                steps.append((time + since, place))
+        time, x, y, vx, vy = rows[-1]
+        since = end - time
+        steps.append((end, f"{view.x(x + vx * since):.1f}px,{view.y(y + vy * since):.1f}px"))
+        kind, radius = "fixed" if circle.fixed else "circle", max(float(circle.r) * view.scale, 2.0)
+        moves = len({place for _, place in steps}) > 1
+        if moves:
+            frames = "".join(f"{100 * time / end:.3f}%{{transform:translate({place})}}" for time, place in steps)
+            rules.append(f"@keyframes b{body}{{{frames}}}")
+        style = f"transform:translate({steps[0][1]})" + (f";animation:b{body} {ROUND:g}s linear infinite" * moves)
+        bodies.append(f'<g style="{style}"><circle class="{kind}" r="{radius:.2f}"/></g>')
+    title = f"{name}, its first {len(ran.events)} events"
+    return draw(scene, [], title, standalone=True, style="\n".join(rules), view=view, over="\n".join(bodies))
+
+
+BENDS = 6
+"""Straight pieces in which a flight under gravity is shown."""
+
+
 def gallery(names: list[str], playable: bool = False) -> str:
-    """All scenes as pictures with their verdicts, each a link to its page, and to the page to play with."""
+    """All scenes as pictures that move, with their verdicts: a name leads to its page, a picture to the page to play
+    with, where there is one."""
     known, cards = verdicts(), []
     for name in names:
         verdict, colour = known[name]
         summary = escape(catalogue.entry(name).summary)
+        page = f"catalogue/{name}.html"
+        opened = f"play/index.html?scene={name}" if playable else page
         cards.append(
-            f'<li class="{colour}"><a href="catalogue/{name}.html"><img src="pictures/{name}.svg" loading="lazy" '
-            f'alt="{escape(name)} at time 0"><b>{escape(name)}</b></a><p>{summary}</p>'
-            f'<p class="line">{escape(verdict)}</p>'
-            + (f'<p class="line"><a href="play/index.html?scene={name}">play with {name}</a></p>' if playable else "")
-            + "</li>"
+            f'<li class="{colour}"><a href="{opened}"><picture>'
+            f'<source media="(prefers-reduced-motion: reduce)" srcset="pictures/still/{name}.svg">'
+            f'<img src="pictures/{name}.svg" loading="lazy" alt="{"play with " if playable else ""}{escape(name)}">'
+            f"</picture></a>"
+            f'<b><a href="{page}">{escape(name)}</a></b><p>{summary}</p><p class="line">{escape(verdict)}</p></li>'
         )
     return "\n".join(['<ul class="gallery">', *cards, "</ul>"])
 

@@ -39,6 +39,7 @@ FAMILIES = {
     ),
     "beads": "line",
     "cooling": "gas",
+    **dict.fromkeys(("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity"), "falling_scenes"),
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

@@ -140,7 +140,8 @@ class Runs:
             return PASSES if parted.event > self.at.event else EARLIER
         if mine[:4] == theirs[:4]:
             return SAME
-        return PASSES if parted.expected_event > self.at.expected_event else OTHER
+        has = self.at.expected_event in {mine for mine, _ in alignment.walks[self.at.body].pairs}
+        return PASSES if has and parted.expected_event > self.at.expected_event else OTHER
 
     @cached_property
     def input(self) -> str:

@@ -368,7 +368,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )
             for key in close:
-                if exact[key] * own[key] > 0 and len(both) == len(close):
+                alike = key == "time between" or both[key] * said.displacement > 0  # else it is no more than as large
+                if exact[key] * own[key] > 0 and len(both) == len(close) and alike:
                     yield Refutation(
                         "account", "same side", f"{key} is {exact[key]:.3g} and {own[key]:.3g}: that decides nothing"
                     )

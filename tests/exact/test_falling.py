@@ -10,6 +10,7 @@ from test_gravity import scene_of
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import CertificateError, certificate_of
+from truebreak.compare.files.saved import run_of, saved_run
 from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_csv, floats_json
@@ -305,3 +306,13 @@ def test_what_is_written_for_other_programs_has_gravity_and_restitution_or_is_re
     for scene, key in ((GRIDS[1], "gravity"), (GRIDS[0].with_changes(gravity=None), "restitution")):
         with pytest.raises(SceneError, match=f"has {key}, of which rows of things do not tell"):
             floats_csv(scene)
+
+
+def test_a_saved_run_falls_as_it_did_and_one_without_end_is_refused():
+    run = ExactEngine().run(GRIDS[1], events=6)
+    again = run_of(saved_run(run))
+    assert again.scene == run.scene
+    assert again.at("7/3")["c1"].y.digits(40) == run.at("7/3")["c1"].y.digits(40)
+    assert again.final.array().tolist() == run.final.array().tolist()
+    with pytest.raises(SceneError, match=r"infinitely many collisions, whose end no file holds yet; .* --events 20"):
+        saved_run(ExactEngine().run(GRIDS[0]))

@@ -328,11 +328,8 @@ def test_bad_input_has_one_line(made, says):
 
 
 def test_what_does_not_know_polygons_says_so():
-    from truebreak.compare.shadowing.shadows import shadow
     from truebreak.compare.validation import unsupported
     from truebreak.scenarios import Declared
 
     scene = Scene([Circle(0, 6, vy=-1)], [Wall(-9, 9, 9, 9)], polygons=[Polygon(DART)], events=3)
-    with pytest.raises(SceneError, match="polygons"):
-        shadow(scene)
     assert unsupported(Declared(), scene) == "polygon"

@@ -102,8 +102,8 @@ def json_refusal(text: str) -> str:
         ),
         ("restitution = 2\n" + BALL, "x.toml: restitution = 2: is not in 0 to 1; write a number above 0, up to 1"),
         (
-            "[[arcs]]\nx = 1\n" + BALL,
-            "x.toml: arcs: physics that is not there; docs/scenes.md#what-the-world-has says what is: leave it out",
+            "[[joints]]\nx = 1\n" + BALL,
+            "x.toml: joints: physics that is not there; docs/scenes.md#what-the-world-has says what is: leave it out",
         ),
         (
             BALL + "vx = true",

@@ -3,7 +3,7 @@ import { KINDS, checked } from "./scene.js";
 
 const MOST_ADDRESS = 60_000; // letters of an address that are read
 const MOST_UNPACKED = 400_000; // bytes that they may stand for
-const OTHERS = ["tie_policy", "events", "reverse_after", "reverse_at", "until", "capture", "restitution"];
+const OTHERS = ["tie_policy", "events", "reverse_after", "reverse_at", "until", "capture", "restitution", "gravity"];
 const DEFAULTS = { tie_policy: "simultaneous", restitution: "1" };
 
 export async function packed(scene) {

@@ -47,6 +47,7 @@ function refresh() {
   $("redo").disabled = !model.after.length;
   $("remove").disabled = !model.chosen;
   if (document.activeElement !== $("restitution")) $("restitution").value = model.scene.restitution ?? "1";
+  for (const [way, name] of ["gravity-x", "gravity-y"].entries()) if (document.activeElement !== $(name)) $(name).value = model.scene.gravity?.[way] ?? "0";
   list();
   fields();
 }
@@ -109,6 +110,12 @@ $("restitution").addEventListener("change", (event) => {
   const typed = event.target.value.trim() || "1";
   model.change((scene) => { scene.restitution = typed; });
 });
+for (const [way, name] of ["gravity-x", "gravity-y"].entries()) {
+  $(name).addEventListener("change", (event) => {
+    const typed = event.target.value.trim() || "0";
+    model.change((scene) => { scene.gravity = (scene.gravity ?? ["0", "0"]).with(way, typed); });
+  });
+}
 $("numbers").addEventListener("submit", (event) => event.preventDefault());
 
 model.addEventListener("told", ({ detail }) => {

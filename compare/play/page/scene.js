@@ -70,6 +70,10 @@ export function checked(data) {
   known(data, [...TOP, ...Object.keys(KINDS)], "the scene");
   const scene = { name: text(data.name ?? "mine", "name"), tie_policy: text(data.tie_policy ?? "simultaneous", "tie_policy") };
   for (const key of ["reverse_at", "until", "restitution"]) if (data[key] !== undefined) scene[key] = text(data[key], key);
+  if (data.gravity !== undefined) {
+    if (!Array.isArray(data.gravity) || data.gravity.length !== 2) throw new Error("gravity is no pair of numbers");
+    scene.gravity = data.gravity.map((part) => text(part, "gravity"));
+  }
   for (const key of ["events", "reverse_after"]) if (Number.isInteger(data[key])) scene[key] = data[key];
   if (data.capture === true) scene.capture = true;
   for (const [kind, { keys, name }] of Object.entries(KINDS)) {
@@ -88,7 +92,7 @@ export function checked(data) {
   return scene;
 }
 
-const TOP = ["name", "tie_policy", "description", "source", "reverse_at", "until", "events", "reverse_after", "capture", "restitution"];
+const TOP = ["name", "tie_policy", "description", "source", "reverse_at", "until", "events", "reverse_after", "capture", "restitution", "gravity"];
 
 // What the page cannot draw is refused by name: a scene without it would be another.
 function known(row, keys, where) {
@@ -117,6 +121,7 @@ export function plain(scene) {
   for (const kind of ["wall", "segment", "polygon", "pocket"]) if (!told[kind].length) delete told[kind];
   for (const thing of [...(told.segment ?? []), ...(told.polygon ?? [])]) if (thing.r === "0") delete thing.r;
   if (told.restitution === "1") delete told.restitution;
+  if (told.gravity?.every((part) => part === "0")) delete told.gravity;
   return told;
 }
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.outcomes.outcome import OUTCOMES, changed_outcomes, mirror, outcomes_of, table
-from truebreak.scenarios import Circle, Pocket, Scene, Trajectory, Wall, catalogue
+from truebreak.compare.outcomes.outcome import OUTCOMES, changed_outcomes, mirror, outcomes_of, symmetry, table
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Pocket, Polygon, Scene, Segment, Trajectory, Wall, catalogue
 
 
 def box(*circles: Circle, **more: Any) -> Scene:
@@ -102,3 +103,20 @@ def test_arrays_are_compared_to_their_last_number() -> None:
 
 def test_changed_outcomes_are_named() -> None:
     assert changed_outcomes({"a": 1, "b": 2}, {"a": 1, "b": 3, "c": 4}) == ["b", "c"]
+
+
+def test_a_mirror_line_among_segments_and_polygons() -> None:
+    """Things map to things; where they share an end, of which one has the name, nothing is said."""
+    discs = [Circle(5, 2, vx=-1, vy="-1/9", id="a"), Circle(5, -2, vx=-1, vy="1/9", id="b")]
+    wedges = [Polygon([(-3, 1), (-1, 1), (-1, 4)], "up"), Polygon([(-3, -1), (-1, -1), (-1, -4)], "down")]
+    bars = [Segment(-6, 1, -7, 3, id="s"), Segment(-7, -3, -6, -1, id="t")]
+    scene = Scene(discs, polygons=wedges, segments=bars, until=30)
+    found = mirror(scene, "y")
+    assert found is not None
+    assert found[1] == {"a": "b", "b": "a", "up": "down", "down": "up", "s": "t", "t": "s"}
+    run = ExactEngine().run(scene)
+    assert {pair.second for event in run.events for pair in event.contacts} >= {"up", "down"}
+    assert symmetry(run) == {"line": "y = 0", "kept": True, "lost_at": None}
+    assert mirror(scene.with_changes(polygons=[wedges[0], Polygon(wedges[1].points, "down", "1/9")]), "y") is None
+    joined = [Segment(-6, 0, -7, 3, id="s"), Segment(-6, 0, -7, -3, id="t")]
+    assert mirror(scene.with_changes(segments=joined), "y") is None

@@ -481,3 +481,19 @@ def test_a_polygon_is_dragged_whole_and_by_a_corner(page: PagePlayed) -> None:
 def test_a_polygon_that_is_none_is_refused_by_name(page: PagePlayed, points: object, words: str) -> None:
     page.open(packed({"n": "x", "c": [["a", "-9", "0", "1", "1", "0", "1"]], "g": [["p", points, "0"]]}))
     assert words in page.wait("document.getElementById('edited').textContent")
+
+
+def test_gravity_is_typed_and_runs(page: PagePlayed) -> None:
+    page.value("gravity-y", "-1/3")
+    page.value("events", "12")
+    assert opened(page)["gravity"] == ["0", "-1/3"]
+    page.run()
+    box = {"left": (-9, 0, -9, 1), "right": (9, 0, 9, 1), "bottom": (0, -5, 1, -5), "top": (0, 5, 1, 5)}
+    circles = [Circle(-5, 0, 1, 2, "0.3", id="a"), Circle(3, "0.5", id="b")]
+    circles.append(Circle(0, -3, "sqrt(2)/2", 1, 1, "1/2", id="c"))
+    scene = Scene(circles, [Wall(*line, id=name) for name, line in box.items()], gravity=(0, "-1/3"))
+    true = compare(scene, ["double"], events=12).reference
+    assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.events]
+    page.value("gravity-y", "0")
+    page.run()
+    assert page.browser.ask("data.gravity ?? null") is None

@@ -57,6 +57,8 @@ def test_nothing_is_cut_on_paper(browser: Browser, files: Files, kind: str) -> N
     assert browser.ask("[...document.querySelectorAll('.help p, .contents')].every((e) => e.offsetHeight === 0)")
     heads = "[...document.querySelectorAll('th button')].map((button) => getComputedStyle(button).display)"
     assert set(browser.ask(heads)) <= {"contents"}, "Chromium leaves buttons out of a repeated head"
+    tops = browser.ask("[...document.querySelectorAll('.frames figure')].map((e) => e.getBoundingClientRect().top)")
+    assert len({*tops}) * 3 == len(tops), "the three frames of a moment stand side by side"
     assert browser.paper().startswith(b"%PDF")
 
 

@@ -65,6 +65,11 @@ SPECS = (
     "breakout:columns=2,rows=10",
     "ghost:segments=1",
     "corner-hit:off=0",
+    "bounce:e=1/2,h=sqrt(2)",
+    "drop-pair:big=2,gap=1/3",
+    "falling-line:n=5,g=2",
+    "wedge:slope=2,vx=0",
+    "gas-under-gravity:n=12,seed=7",
 )
 
 

@@ -1,0 +1,134 @@
+"""Discs that fall: one that bounces, two dropped together, a line of them, a wedge, a gas without a lid."""
+
+from __future__ import annotations
+
+from ..numbers.quantity import Quantity
+from ..scene import Scene
+from ..things import Circle, Wall
+from .article import SOURCE as ARTICLE
+from .scene_entry import Draw, Parameter, SceneEntry, number, whole
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+
+def bounce(h: Quantity, g: Quantity, e: Quantity) -> Scene:
+    """One disc falls by h.
+
+    >>> bounce(Quantity.of(5), Quantity.of(10), Quantity.of("1/2")).circles[0].y
+    Quantity('6')
+    """
+    return Scene([Circle(0, h + 1, id="ball")], [FLOOR], gravity=(0, -g), restitution=e, events=400)
+
+
+def drop_pair(big: Quantity, h: Quantity, gap: Quantity) -> Scene:
+    """A disc of mass 1 close above one of mass `big`, which is h above the floor."""
+    return Scene(
+        [Circle(0, h + 1, m=big, id="basketball"), Circle(0, h + gap + "5/2", r="1/2", id="tennis")],
+        [FLOOR],
+        gravity=(0, -10),
+        events=20,
+    )
+
+
+def falling_line(n: int, g: Quantity) -> Scene:
+    """n discs above each other, of masses n to 1 from below.
+
+    >>> [str(circle.m) for circle in falling_line(3, Quantity.of(1)).circles]
+    ['3', '2', '1']
+    """
+    discs = [
+        Circle(0, 3 * k + 2 + Quantity.of(f"{k * k}/7"), vy=Quantity.of(f"{(k % 3) - 1}/5"), m=n - k, id=f"b{k + 1}")
+        for k in range(n)
+    ]
+    return Scene(discs, [FLOOR], gravity=(0, -g), events=60)
+
+
+def wedge(slope: Quantity, vx: Quantity) -> Scene:
+    """A disc between two walls that open upwards, at x = slope y and x = -slope y."""
+    walls = [Wall(0, 0, slope, 1, id="right"), Wall(0, 0, -slope, 1, id="left")]
+    return Scene([Circle("1/3", 8, r="1/2", vx=vx, id="ball")], walls, gravity=(0, -1), events=40)
+
+
+def gas_under_gravity(n: int, seed: int, g: Quantity) -> Scene:
+    """n small discs between two upright walls, above a floor, drawn from a seed."""
+    draw, discs = Draw(seed), list[Circle]()
+    for k in range(n):
+        x = Quantity.of(f"{draw.between(-400, 400)}/1000") + 2 * (k % 4) - 3
+        y = Quantity.of(f"{draw.between(-400, 400)}/1000") + 2 * (k // 4) + 1
+        vx, vy = (Quantity.of(f"{draw.between(-1000, 1000)}/1000") for _ in range(2))
+        discs.append(Circle(x, y, r="1/10", vx=vx, vy=vy, id=f"d{k + 1}"))
+    sides = [Wall(-4, 0, -4, 1, id="left"), Wall(4, 0, 4, 1, id="right")]
+    return Scene(discs, [FLOOR, *sides], gravity=(0, -g), events=200)
+
+
+G = Parameter("g", "1", "gravity", number(above=0))
+
+SCENES = {
+    "bounce": SceneEntry(
+        name="bounce",
+        summary="A disc is dropped on a floor, and bounces lower each time.",
+        parameters=(
+            Parameter("h", "5", "how far it falls", number(above=0)),
+            Parameter("g", "10", "gravity", number(above=0)),
+            Parameter("e", "9/10", "restitution", number(above=0)),
+        ),
+        known="Infinitely many bounces end at the time sqrt(2 h / g) (1 + e) / (1 - e), exactly.",
+        source="school physics: a geometric series",
+        make=bounce,
+    ),
+    "drop-pair": SceneEntry(
+        name="drop-pair",
+        summary="A tennis ball dropped on top of a basketball, under gravity.",
+        parameters=(
+            Parameter("big", "9", "mass of the lower, of the upper's", number(above=0)),
+            Parameter("h", "5", "how far the lower falls", number(above=0)),
+            Parameter("gap", "1/100", "between the two", number(above=0)),
+        ),
+        known=(
+            "As the gap vanishes the upper is thrown back at (3 big - 1) / (big + 1) times the speed of the fall: "
+            "at 3 times it, and 9 times as high, where the lower is much heavier."
+        ),
+        source=f"{ARTICLE} (Part 1: the tennis ball and the basketball, there without gravity)",
+        make=drop_pair,
+    ),
+    "falling-line": SceneEntry(
+        name="falling-line",
+        summary="Discs above each other fall on a floor, the heavier ones below.",
+        parameters=(Parameter("n", "3", "number of discs", whole(2, 8)), G),
+        known="With masses that do not increase upwards it is ergodic for almost every choice of them (a preprint).",
+        source=(
+            "M. P. Wojtkowski, A system of one dimensional balls with gravity, Comm. Math. Phys. 126 (1990); "
+            "N. Simanyi, arXiv:2407.12033"
+        ),
+        make=falling_line,
+    ),
+    "wedge": SceneEntry(
+        name="wedge",
+        summary="A disc falls between two walls that open upwards.",
+        parameters=(
+            Parameter("slope", "1", "tangent of half of the angle between the walls", number(above=0)),
+            Parameter("vx", "1/5", "velocity to the right", number()),
+        ),
+        known=(
+            "At half of a right angle (slope 1) the motions across the two walls do not touch each other: each wall is "
+            "hit at equal intervals of time. Where the walls are wider apart it is chaotic."
+        ),
+        source="H. E. Lehtihet and B. N. Miller, Physica D 21 (1986); M. P. Wojtkowski, Comm. Math. Phys. 126 (1990)",
+        make=wedge,
+    ),
+    "gas-under-gravity": SceneEntry(
+        name="gas-under-gravity",
+        summary="Small discs between two upright walls, above a floor, without a lid.",
+        parameters=(
+            Parameter("n", "6", "number of discs", whole(2, 40)),
+            Parameter("seed", "1", "seed of the draw", whole(0, 10**9)),
+            G,
+        ),
+        known=(
+            "While it is dilute, a disc is at height y with density (1 - m g y / E)**(2 n - 2), the barometric formula "
+            "as n grows; half of the energy E is that of height."
+        ),
+        source="the microcanonical ensemble of n particles in the plane",
+        make=gas_under_gravity,
+    ),
+}

@@ -1,0 +1,57 @@
+"""What is known of the falling scenes of the catalogue, against what the engines make of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Quantity, catalogue
+from truebreak.scenarios.trajectory import StopReason
+
+
+@pytest.mark.parametrize(("h", "g", "e"), [("5", "10", "9/10"), ("1", "2", "1/3"), ("3", "1", "1/2")])
+def test_bounce_ends_at_its_exact_time(h: str, g: str, e: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"bounce:h={h},g={g},e={e}"))
+    loss = Quantity.of(e)
+    assert run.stop.reason is StopReason.ACCUMULATION
+    assert run.ending is not None
+    assert Quantity.of(run.ending.text()) == (Quantity.of(h) * 2 / Quantity.of(g)).sqrt() * (1 + loss) / (1 - loss)
+
+
+@pytest.mark.parametrize("big", [4, 9, 999])
+def test_the_upper_of_a_dropped_pair_is_thrown_back(big: int) -> None:
+    run = ExactEngine().run(catalogue.build(f"drop-pair:big={big},gap=1/10**12"), events=2)
+    assert float(run.final["tennis"].vy) / 10 == pytest.approx((3 * big - 1) / (big + 1), abs=1e-9)
+
+
+def test_a_wedge_of_a_right_angle_is_hit_at_equal_intervals_and_a_wider_one_is_not() -> None:
+    for slope, equal in (("1", True), ("3/2", False)):
+        run = ExactEngine().run(catalogue.build(f"wedge:slope={slope}"), events=16)
+        times = [float(event.time) for event in run.events if event.contacts[0].second == "left"]
+        assert len(times) > 5
+        assert bool(np.ptp(np.diff(times)) < 1e-12) is equal
+
+
+def test_half_of_the_energy_of_a_gas_without_a_lid_is_that_of_height() -> None:
+    run = DoubleEngine().run(catalogue.build("gas-under-gravity"), events=6000)
+    rows = run.sample(np.linspace(0, float(run.final_time), 20_000))
+    height = (rows[:, :, 1] - 0.1).sum(1)
+    motion = (rows[:, :, 2] ** 2 + rows[:, :, 3] ** 2).sum(1) / 2
+    assert height.mean() / motion.mean() == pytest.approx(1, abs=0.1)
+    assert np.ptp(height + motion) < 1e-9
+
+
+def test_a_falling_line_keeps_its_energy_and_its_order() -> None:
+    run = ExactEngine().run(catalogue.build("falling-line:n=4"))
+    assert run.certified
+    for state in (run.at(0), run.final):
+        ys = [float(circle.y) for circle in state.circles]
+        assert ys == sorted(ys)
+    masses = [4, 3, 2, 1]
+    energy = [
+        sum(m * (float(c.vy) ** 2 / 2 + float(c.y)) for m, c in zip(masses, state.circles, strict=True))
+        for state in (run.at(0), run.final)
+    ]
+    assert energy[0] == pytest.approx(energy[1], abs=1e-10)
