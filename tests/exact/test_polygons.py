@@ -38,13 +38,13 @@ def _inside_out(monkeypatch):
 
 def _no_corners(monkeypatch):
     known = surfaces.ends_of
-    monkeypatch.setattr(surfaces, "ends_of", lambda segments, polygons, points: known(segments, (), points))
+    monkeypatch.setattr(surfaces, "ends_of", lambda segments, polygons, points, arcs: known(segments, (), points))
 
 
 def _concave_corners_alone(monkeypatch):
     known = surfaces.ends_of
 
-    def others(segments, polygons, points):
+    def others(segments, polygons, points, arcs):
         convex = {(end.x, end.y) for end in known(segments, polygons, False)}
         return tuple(end for end in known(segments, polygons, True) if (end.x, end.y) not in convex)
 
