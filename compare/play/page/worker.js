@@ -16,14 +16,14 @@ const say = (words, share) => postMessage({ kind: "loading", words, share });
 
 async function started() {
   say("Loading Python, for exact arithmetic in this browser (the first time, 14 MB).", 0.05);
-  const archives = ["flint.zip", "truebreak.zip"].map(async (name) => {
+  const archives = [["flint.zip", "zip"], ["truebreak.tar.gz", "gztar"]].map(async ([name, format]) => {
     const answer = await fetch(name);
     if (!answer.ok) throw new Error(`${name} is not there`);
-    return answer.arrayBuffer();
+    return [await answer.arrayBuffer(), format];
   });
   const python = await loadPyodide({ indexURL: "./" });
   say("Loading the exact engine.", 0.6);
-  for (const archive of archives) python.unpackArchive(await archive, "zip", { extractDir: PLACE });
+  for (const archive of archives) python.unpackArchive(...(await archive), { extractDir: PLACE });
   python.runPython(ASK);
   const ask = python.globals.get("ask");
   say("Starting the engines.", 0.8);

@@ -11,9 +11,9 @@ const [, place] = /PLACE = "([^"]+)"/.exec(worker);
 const [, code] = /ASK = `([^`]+)`/.exec(worker);
 const { loadPyodide } = await import(pathToFileURL(path.join(folder, "pyodide.mjs")).href);
 const python = await loadPyodide({ indexURL: folder + path.sep });
-for (const name of ["flint.zip", "truebreak.zip"]) {
+for (const [name, format] of [["flint.zip", "zip"], ["truebreak.tar.gz", "gztar"]]) {
   const bytes = new Uint8Array(fs.readFileSync(path.join(folder, name)));
-  python.unpackArchive(bytes.slice().buffer, "zip", { extractDir: place });
+  python.unpackArchive(bytes.slice().buffer, format, { extractDir: place });
 }
 python.runPython(code.replace("${PLACE}", place));
 const ask = python.globals.get("ask");

@@ -74,8 +74,9 @@ def test_histories_are_the_same_bytes_as_here(site: Path) -> None:
             for one in (mine, theirs)
         ]
         assert json.dumps(told[0]) == json.dumps(told[1])
-        if mine["why"]:
-            assert theirs["why"]["why"].startswith(mine["why"]["why"])
+        if mine["why"]:  # NumPy, by which growth is measured, is not there
+            why = mine["why"]["why"].removesuffix(" Whether errors grow on the way is not known.")
+            assert theirs["why"]["why"].startswith(why)
 
 
 def test_a_certificate_made_there_is_verified_here(site: Path) -> None:
