@@ -15,7 +15,7 @@ from ..laws.formulas import (
     pair_hit_time,
     pair_last_time,
 )
-from ..numbers.system import M
+from ..numbers.system import M, Undecided
 from ..question import Approach, Discriminant, Gap, Question, Within
 from ..replay.arc_ranges import arc_chord
 from ..replay.contact import AtArc, Body, Link
@@ -42,6 +42,8 @@ def arc_contact(link: AtArc, sign: Callable[[Question], int | None]) -> int | No
         None where a sign that is needed is not known.
     """
     disc = sign(Discriminant(link))
+    if disc == 0 and link.hollow and sign(Within(link, graze=True)) != -1:
+        raise Undecided("a path touches the hollow side of an arc at its end, along it: what comes then is not decided")
     if disc is not None and (disc < 0 or (disc == 0 and link.hollow)):
         return -1
     approach, gap = sign(Approach(link)), sign(Gap(link))
