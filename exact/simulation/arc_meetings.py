@@ -42,7 +42,7 @@ def arc_contact(link: AtArc, sign: Callable[[Question], int | None]) -> int | No
         None where a sign that is needed is not known.
     """
     disc = sign(Discriminant(link))
-    if disc == 0 and link.hollow and sign(Within(link, graze=True)) != -1:
+    if disc == 0 and link.hollow and sign(Within(link, graze=True)) in (0, None):
         raise Undecided("a path touches the hollow side of an arc at its end, along it: what comes then is not decided")
     if disc is not None and (disc < 0 or (disc == 0 and link.hollow)):
         return -1
