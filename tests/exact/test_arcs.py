@@ -363,7 +363,7 @@ def test_a_flight_along_the_inside_stops_by_name():
 
 
 def test_a_path_that_touches_a_hollow_arc_at_its_very_end_is_refused():
-    """The disc grazes the end, flying along the arc, and is in the arc after that: no first order tells what happens."""
+    """The disc grazes the end, flying along the arc, and is in the arc after: no first order tells what happens."""
     bow = Arc(0, 0, 4, 1, 0, 1, 1, id="bow")
     run = ExactEngine().run(Scene([Circle(3, -4, r=1, vy="3/2", id="c")], arcs=[bow]), until=9)
     assert not run.events
