@@ -310,7 +310,7 @@ class PlainMeetings(Generic[M]):
             through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
             if through < 0 and self._sign(within_arc(state, link, pair.dx, pair.dy)) > 0:
                 return a.flight.t, False
-        disc = arc_contact(link, self._ask)
+        disc = arc_contact(link, self._ask, final=True)
         if disc is None or disc < 0:
             return None
         try:

@@ -225,7 +225,7 @@ class CertifiedMeetings:
         link = arrival.link
         self._plan["doubtful settled"] += 1
         if is_arc(link):
-            disc = arc_contact(link, lambda question: self._judge.decide(question).sign)
+            disc = arc_contact(link, lambda question: self._judge.decide(question).sign, final=True)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
         else:

@@ -15,7 +15,7 @@ from ..laws.formulas import (
     pair_hit_time,
     pair_last_time,
 )
-from ..numbers.system import M
+from ..numbers.system import M, Undecided
 from ..question import Approach, Discriminant, Gap, Question, Within
 from ..replay.arc_ranges import arc_chord
 from ..replay.contact import AtArc, Body, Link
@@ -32,16 +32,24 @@ from ..replay.state import ReplayState
 # -2 d.v / |v|^2, rational in the state; the outside is not met: beyond the second zero, there is none.
 
 
-def arc_contact(link: AtArc, sign: Callable[[Question], int | None]) -> int | None:
+def arc_contact(link: AtArc, sign: Callable[[Question], int | None], final: bool = False) -> int | None:
     """Whether a circle meets a side of an arc, its flight as it is: 1, or 0 for a graze; -1: it does not.
 
     Args:
         sign: the sign of a question; None where it is not known.
+        final: whether it would come next, and is to be decided now.
 
     Returns:
         None where a sign that is needed is not known.
+
+    Raises:
+        Undecided: where the path touches the hollow side from beyond, right at its end.
     """
     disc = sign(Discriminant(link))
+    if disc == 0 and link.hollow and sign(Approach(link)) in (1, None) and sign(Within(link, graze=True)) in (0, None):
+        if not final:
+            return None
+        raise Undecided("a path touches the hollow side of an arc at its end, along it: what comes then is not decided")
     if disc is not None and (disc < 0 or (disc == 0 and link.hollow)):
         return -1
     approach, gap = sign(Approach(link)), sign(Gap(link))
