@@ -441,11 +441,15 @@ class Quantity(Expression):
 
         >>> Quantity.of("sqrt(2)").digits(20), Quantity.of("2/3 - 1").digits(5)
         ('1.4142135623730950488', '-0.33333')
+        >>> Quantity.of("sqrt(6) - sqrt(2)*sqrt(3)").digits(5)
+        '0'
         """
         count = asked("digits", count, MOST_DIGITS)
         bits = int(count * BITS_PER_DIGIT) + FIRST_BITS
         value = self.ball(bits)
-        while value.rel_accuracy_bits() < count * BITS_PER_DIGIT + 2 and self.sign():
+        if value.contains(0) and not self.sign():
+            return "0"
+        while value.rel_accuracy_bits() < count * BITS_PER_DIGIT + 2:
             bits *= 2
             value = self.ball(bits)
         return digits_of(value, count)

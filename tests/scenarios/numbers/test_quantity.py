@@ -332,3 +332,14 @@ def test_balls_hold_the_number_at_every_precision() -> None:
     for bits in (64, 128, 256, 1024):
         assert x.ball(bits).contains(exact.ball(4096))
     assert x == exact
+
+
+@pytest.mark.parametrize("text", ["0", "sqrt(6) - sqrt(2)*sqrt(3)", "5/2/sqrt(2) + (1 - (1 + 5/2/sqrt(2)))"])
+def test_digits_of_a_proved_zero_are_zero(text: str) -> None:
+    assert Quantity.of(text).digits(20).strip("0.") == ""
+    assert Quantity.of(text).digits(20) != ""
+
+
+def test_digits_of_a_small_number_between_roots_are_its_own() -> None:
+    near = Quantity.of(f"sqrt(6) - sqrt(2)*sqrt(3) + 1/10**{400}")
+    assert near.digits(5) == "1.0000e-400"
