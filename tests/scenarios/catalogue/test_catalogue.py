@@ -70,6 +70,10 @@ SPECS = (
     "falling-line:n=5,g=2",
     "wedge:slope=2,vx=0",
     "gas-under-gravity:n=12,seed=7",
+    "stadium:straight=3,r=1/2",
+    "mushroom:stem=2,y=1/2",
+    "lemon:d=sqrt(2),y=1/5",
+    "round-table:n=12,speed=2",
 )
 
 
