@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 
+from truebreak.compare.writing import write_whole
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 
@@ -41,8 +42,18 @@ def picture() -> str:
         for part in panel(spec, span, k * SIZE, k == 0)
     ]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * SIZE:g} {SIZE:g}" width="{2 * SIZE:g}">'
-    return "\n".join([head, *parts, "</svg>"]) + "\n"
+    made = "<!-- made by: python docs/studies/parabolas.py docs/gravity.svg -->"
+    return "\n".join([head, made, *parts, "</svg>"]) + "\n"
+
+
+def main() -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        prog="python docs/studies/parabolas.py", description="Draw flights under gravity as the exact engine has them."
+    )
+    parser.add_argument("file", metavar="FILE.svg", type=Path)
+    write_whole(str(parser.parse_args().file), picture())
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(picture(), "utf-8")
+    main()

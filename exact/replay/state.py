@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Generic, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Generic, Literal, NamedTuple, TypeAlias
 
-from ...scenarios.arcs import ArcSide
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Pocket
@@ -36,6 +35,9 @@ from ..laws.formulas import (
 )
 from ..numbers.system import Arithmetic, N, solve_positive
 from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch, WallFall
+
+if TYPE_CHECKING:
+    from ...scenarios.arcs import ArcSide
 
 # -- The event log: what happened, as steps without decisions, and which of them a number rests on.
 #

@@ -15,7 +15,8 @@ from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.html import html_report
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.testing.check import check
-from truebreak.exact import ExactEngine, exact_motion
+from truebreak.exact import ExactEngine
+from truebreak.exact.simulation import decider
 from truebreak.scenarios import catalogue
 
 MOST = 2
@@ -29,7 +30,7 @@ def replayed(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[float]]:
     """For each log so far, the steps that were replayed over those that it has."""
     logs: dict[int, Sequence[Any]] = {}
     counted: Counter[int] = Counter()
-    true = exact_motion.replay
+    true = decider.replay
 
     def replay(state: Any, steps: Sequence[Any], needed: Iterable[int]) -> None:
         needed = list(needed)
@@ -37,7 +38,7 @@ def replayed(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[float]]:
         counted[id(steps)] += len(needed)
         true(state, steps, needed)
 
-    monkeypatch.setattr(exact_motion, "replay", replay)
+    monkeypatch.setattr(decider, "replay", replay)
     return lambda: [count / len(logs[key]) for key, count in counted.items()]
 
 

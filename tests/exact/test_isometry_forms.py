@@ -57,6 +57,7 @@ def is_orthogonal(matrix) -> bool:
 def of_lines(*walls) -> SceneData:
     """The data of some lines, and of a circle at P."""
     data = SceneData.__new__(SceneData)
+    data.gravity = None
     data.n, data.places, data.speeds, data.kinds, data.pockets = 1, [P], [U], [(ONE, ONE)], []
     data.walls, data.ends = list(walls), [None] * len(walls)
     data.wall_of = {wall_key(*wall, None): k for k, wall in enumerate(walls)}
@@ -65,7 +66,7 @@ def of_lines(*walls) -> SceneData:
 
 def moving(matrix, point=P, image=Q, data=None) -> Isometry:
     """As `LogSymmetry.isometry` makes it."""
-    return Isometry(data, matrix, minus(image, turned(matrix, point)))
+    return Isometry(data or SimpleNamespace(gravity=None), matrix, minus(image, turned(matrix, point)))
 
 
 @every

@@ -37,14 +37,14 @@ CONTACTS = (
     ),
     Mutant(
         "every_touch_lasts", INSTANT,
-        "return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0",
-        "return True",
+        "        if self.decider.ask(RelativeSpeed(link)) == 0:\n            return True\n",
+        "        return True\n",
         "a graze is taken for a lasting contact",
     ),
     Mutant(
         "no_wall_lasts", INSTANT,
-        "return not is_pair(link) or self.decider.ask(RelativeSpeed(link)) == 0",
-        "return is_pair(link) and self.decider.ask(RelativeSpeed(link)) == 0",
+        "            return self._sides.pull(*link[:2]) == 0\n",
+        "            return False\n",
         "a circle that slides along a wall is forgotten to touch it",
     ),
     Mutant(
@@ -220,8 +220,8 @@ GATHERING = (
     ),
     Mutant(
         "grazes_settled_away", MEETINGS,
-        "        if disc < 0:\n            return None\n",
-        "        if disc <= 0:\n            return None\n",
+        "        if disc is None or disc < 0:\n            return None\n",
+        "        if disc is None or disc <= 0:\n            return None\n",
         "a graze that is settled counts as a miss",
     ),
     Mutant(
@@ -238,8 +238,8 @@ GATHERING = (
     ),
     Mutant(
         "doubtful_dropped", MEETINGS,
-        "if disc is not None and disc < 0:",
-        "if disc is None or disc < 0:",
+        "            self.predictor.push_doubtful(link)\n        elif disc >= 0:\n",
+        "            return\n        elif disc >= 0:\n",
         "a meeting that balls cannot tell from a miss is dropped",
     ),
     Mutant(
@@ -575,9 +575,9 @@ SYMMETRY = (
     ),
     Mutant(
         "walls_all_one", ISOMETRY,
-        "        if self.alone or is_pair(link):\n",
+        "        if self.alone or is_pair(link) or is_arc(link):\n",
         "        if is_flat(link):\n            return AtWall(link.circle, 0)\n"
-        "        if is_pair(link):\n",
+        "        if is_pair(link) or is_arc(link):\n",
         "any two walls are one",
     ),
     Mutant(

@@ -200,22 +200,23 @@ CERTIFIED = (
     Mutant(
         "parting_settled_as_coming",
         MEETINGS,
-        "if self._judge.decide(Approach(link)).sign >= 0:\n            return None",
-        "if self._judge.decide(Approach(link)).sign > 0:\n            return None",
+        "elif self._judge.decide(Approach(link)).sign >= 0 or",
+        "elif self._judge.decide(Approach(link)).sign > 0 or",
         "who neither nears nor parts is settled as coming",
     ),
     Mutant(
         "settled_miss_hits",
         MEETINGS,
-        "        if disc < 0:\n            return None\n        time = self._meeting(link, disc)",
-        "        time = self._meeting(link, max(disc, 0))",
+        "        if disc is None or disc < 0:\n            return None\n        low, high = ball.double_bounds("
+        "time := self._meeting(link, disc))",
+        "        low, high = ball.double_bounds(time := self._meeting(link, max(disc, 0)))",
         "a doubtful miss is a graze",
     ),
     Mutant(
         "settled_graze_misses",
         MEETINGS,
-        "        if disc < 0:\n            return None\n        time",
-        "        if disc <= 0:\n            return None\n        time",
+        "        if disc is None or disc < 0:\n            return None\n        low",
+        "        if disc is None or disc <= 0:\n            return None\n        low",
         "a doubtful graze is a miss",
     ),
     Mutant(
@@ -236,7 +237,8 @@ CERTIFIED = (
     Mutant(
         "begun_by_the_earlier",
         MEETINGS,
-        "                if t + wait > self._begun(moment.link):\n                    return t + wait",
+        "                if t + wait > moment.link.later(self._state.balls).flight.instant:\n"
+        "                    return t + wait",
         "                return t + wait",
         "a time that may be past is taken as it is",
         why_it_survives="the ball holds the time all the same, only wider: what it leaves open is asked with more bits",

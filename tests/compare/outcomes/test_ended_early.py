@@ -234,7 +234,7 @@ def test_a_suite_and_advice_tell_no_outcome_of_a_part() -> None:
     assert outcome_words(replace(row, until=None)) == "wrong"
     judged = OutcomeGoal("collisions").judge(study, "log", log)
     assert not judged.right
-    assert judged.told.startswith("stops at t = 196.087: the record ends")
+    assert judged.result.startswith("stops at t = 196.087: the record ends")
 
 
 def test_a_sweep_tells_no_outcome_of_a_part(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,9 +15,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from truebreak.exact import ExactEngine
+from truebreak.exact.certified import cascade as reading
 from truebreak.exact.certified import certified_decider as decider
-from truebreak.exact.certified import certified_decider as precision
-from truebreak.exact.certified import certified_decider as reading
 from truebreak.exact.certified import filtered as filtered_prediction
 from truebreak.exact.replay import refinable as live
 from truebreak.floating import DoubleEngine, IntervalEngine
@@ -251,7 +250,7 @@ def test_the_precision_that_a_run_starts_with_does_not_matter(seed, monkeypatch)
     scene, seen = gas(seed), []
     for first, quick in ((256, 128), (64, 64), (128, 128), (512, 512), (1000, 96)):
         monkeypatch.setattr(decider, "FIRST_BITS", first)
-        for module in (filtered_prediction, precision, reading):
+        for module in (filtered_prediction, reading):
             monkeypatch.setattr(module, "QUICK_BITS", quick)
         seen.append(fingerprint(ExactEngine().run(scene, events=150)))
     assert all(one == other for one, other in pairwise(seen))
