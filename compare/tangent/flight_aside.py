@@ -20,7 +20,7 @@ Way: TypeAlias = tuple[arb, arb, arb, arb]
 """x, y, vx, vy of a circle's centre, which moves."""
 
 
-class Stretch(NamedTuple):
+class AsideSpan(NamedTuple):
     """What a face or an end covers of a line across a flight, by how far aside of it.
 
     Attributes:
@@ -50,7 +50,7 @@ def middle(value: arb) -> float:
 
 def stretches(
     way: Way, r: arb, lines: Iterable[SeenWall[arb]], ends: Iterable[tuple[int, arb, arb, arb]]
-) -> list[Stretch]:
+) -> list[AsideSpan]:
     """What the faces and ends of a thing cover, of what is ahead and approached.
 
     Args:
@@ -65,7 +65,7 @@ def stretches(
     """
     x, y, vx, vy = way
     speed = ball.root(vx * vx + vy * vy)
-    found: list[Stretch] = []
+    found: list[AsideSpan] = []
     for line in lines:
         if not middle(wall_approach(vx, vy, line.nx, line.ny)) < 0.0:
             continue
@@ -82,25 +82,25 @@ def stretches(
                 aside[k] = aside[1 - k] + share * (aside[k] - aside[1 - k])
                 along[k] = -r
         (low, first), (high, last) = sorted(zip(aside, along, strict=True), key=lambda place: middle(place[0]))
-        found.append(Stretch(low, high, middle(first), middle(last)))
+        found.append(AsideSpan(low, high, middle(first), middle(last)))
     for end, ex, ey, radius in ends:
         dx, dy = ex - x, ey - y
         if middle(pair_approach(dx, dy, -vx, -vy)) < 0.0:
             off, ahead = (dy * vx - dx * vy) / speed, middle((dx * vx + dy * vy) / speed)
-            found.append(Stretch(off - r - radius, off + r + radius, ahead, ahead, end))
+            found.append(AsideSpan(off - r - radius, off + r + radius, ahead, ahead, end))
     return found
 
 
-def out_of(covered: Sequence[Stretch]) -> Passed | None:
+def out_of(covered: Sequence[AsideSpan]) -> Passed | None:
     """How far 0 is from what some stretches cover together, or from the nearer end of what covers it.
 
     None of no stretches.
 
-    >>> three = [Stretch(arb(-3), arb(-1)), Stretch(arb(-2), arb(1)), Stretch(arb(5), arb(6))]
+    >>> three = [AsideSpan(arb(-3), arb(-1)), AsideSpan(arb(-2), arb(1)), AsideSpan(arb(5), arb(6))]
     >>> float(out_of(three).aside), float(out_of(three[2:]).aside), out_of([])
     (-1.0, 5.0, None)
     """
-    joined: list[Stretch] = []
+    joined: list[AsideSpan] = []
     for one in sorted(covered, key=lambda stretch: (middle(stretch.low), stretch.low_at)):
         last = joined[-1] if joined else None
         if last is None or middle(one.low) > middle(last.high):
