@@ -223,9 +223,20 @@ def test_a_set_that_loses_more_than_balls_is_given_up():
 
 def test_a_time_that_no_bits_sharpen_ends_within_counted_work(monkeypatch):
     """As a question does: named, with the work; long before there are no more bits."""
-    begun = precision.CertifiedMeetings._begun
-    late = lambda self, link: arb("nan") if len(self._state.steps) > 60 else begun(self, link)  # noqa: E731
-    monkeypatch.setattr(precision.CertifiedMeetings, "_begun", late)
+    sharp, wait, late = precision.CertifiedMeetings.time, precision.Moment.wait, []
+
+    def time(self, moment):
+        late.extend(["its ball holds all"] * (len(self._state.steps) > 60))
+        try:
+            return sharp(self, moment)
+        finally:
+            late.clear()
+
+    def unsharp(self, state):
+        return (arb("nan"), arb("nan")) if late else wait(self, state)
+
+    monkeypatch.setattr(precision.CertifiedMeetings, "time", time)
+    monkeypatch.setattr(precision.Moment, "wait", unsharp)
     run = ExactEngine().run(catalogue.build("rack:rows=4,pockets=no,speed=8"), events=60)
     assert run.stop.reason is StopReason.UNDECIDED
     assert "is unsharp" in run.stop.message
