@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -119,12 +120,14 @@ class Spectrum:
         times: of the events, shape (events,).
         gains: shape (events, exponents): the logarithm of what each gained since the event before.
         skipped: events at the start that the estimates leave out.
+        shrunk: the logarithm of what restitution makes of the volume that all displacements span: 2 ln e an impulse.
     """
 
     dimension: int
     times: NDArray[np.float64]
     gains: NDArray[np.float64]
     skipped: int
+    shrunk: float = 0.0
 
     @property
     def lengths(self) -> NDArray[np.float64]:
@@ -162,26 +165,29 @@ class Spectrum:
         return self.gains.shape[1] == self.dimension
 
     def entropy(self) -> Rate | None:
-        """The sum of the larger half of the exponents per unit time; None unless all are there.
+        """The sum of the larger half of the exponents per unit time; None unless all are there, or if energy is lost.
 
         They come in pairs of opposite sign, so these are those that are not negative. In a closed ergodic scene that
         is the Kolmogorov-Sinai entropy (Pesin), elsewhere a bound on it (Ruelle).
         """
-        if not self.whole:
+        if not self.whole or self.shrunk:
             return None
         half = self.gains[self.skipped :, : self.dimension // 2].sum(axis=1)
         return rate(half, self.lengths[self.skipped :])
 
     def pairing(self) -> float | None:
-        """The largest |sum| of two exponents that should be opposite, per unit time; None unless all are there."""
-        if not self.whole:
+        """The largest |sum| of two exponents that should be opposite, per unit time; None as `entropy`."""
+        if not self.whole or self.shrunk:
             return None
         values = np.array([self.per_time(k).value for k in range(self.dimension)])
         return float(np.abs(values + values[::-1]).max())
 
     def volume(self) -> float | None:
-        """The logarithm of the volume that all displacements span at the end: 0, but for rounding (Liouville)."""
-        return float(self.gains.sum()) if self.whole else None
+        """The logarithm of the volume that all displacements span at the end: 0, but for rounding (Liouville).
+
+        With a restitution it is that beside `shrunk`.
+        """
+        return float(self.gains.sum()) - self.shrunk if self.whole else None
 
     def running(self, points: int) -> list[tuple[int, float, float]]:
         """The largest exponent as it converges: after so many events, at that time, the estimate from there back."""
@@ -217,4 +223,5 @@ def spectrum(scene: Scene, struck: Sequence[Sequence[Impact]], exponents: int | 
             gains[index] = np.log(np.abs(np.diag(triangle))) + carried.scale * np.log(2.0)
         times[index] = float(carried.time)
         carried.columns, carried.scale = frame.reshape(count, 4, wanted), 0.0
-    return Spectrum(dimension, times, gains, int(TURNING * len(struck)))
+    shrunk = 0.0 if scene.elastic else 2 * log(float(scene.restitution)) * sum(map(len, struck))
+    return Spectrum(dimension, times, gains, int(TURNING * len(struck)), shrunk)

@@ -137,6 +137,8 @@ def details(chaos: Chaos) -> list[str]:
         told.append(
             f"Checks: exponents come in pairs of opposite sign, to {pairing:.2g}; volume is kept, to {abs(volume):.1g}."
         )
+    elif volume is not None:
+        told.append(f"Check: the volume shrinks by e**2 an impulse, to {abs(volume):.1g}.")
     count = found.gains.shape[1]
     listed_values = ", ".join(f"{found.per_time(k).value:.4g}" for k in range(min(count, SHOWN_EXPONENTS)))
     more = f", and {count - SHOWN_EXPONENTS} more" if count > SHOWN_EXPONENTS else ""

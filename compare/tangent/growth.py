@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from flint import arb, arb_mat
 
 from ...exact.exact_motion import motion_of
-from ...exact.laws.formulas import wall_bounce
-from ...exact.laws.tangent_formulas import pair_tangent
+from ...exact.laws.formulas import damped, wall_approach, wall_bounce
+from ...exact.laws.tangent_formulas import fall_turn, pair_tangent
 from ...exact.numbers import ball
 from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
 
@@ -49,6 +49,9 @@ class Displacements:
         self.time: Real = start if time is None else time
         self._flown: list[Real] = [self.time] * len(self._rows)
         self._row: dict[int | None, int] = {i: row for row, i in enumerate(moving(scene))}
+        number = float if self.in_doubles else ball.constant
+        self._share: Any = None if scene.elastic else number((scene.restitution + 1) / 2)
+        self._pull: Any = None if scene.gravity is None else (number(scene.gravity[0]), number(scene.gravity[1]))
 
     @property
     def columns(self) -> Any:
@@ -81,7 +84,10 @@ class Displacements:
         self._rows, self._flown = columns, [self.time] * len(columns)
 
     def fly(self, time: Real) -> None:
-        """Carries them to a time, in straight flight; each circle's are moved when they are next looked at."""
+        """Carries them to a time, in flight; each circle's are moved when they are next looked at.
+
+        Gravity bends what is displaced as it bends what is not.
+        """
         self.time = time
 
     def through(self, struck: Sequence[Impact]) -> None:
@@ -98,13 +104,21 @@ class Displacements:
 
     def _bounce(self, own: Any, hit: Impact) -> None:
         square = hit.reach * hit.reach
-        own[0], own[1] = wall_bounce(own[0], own[1], hit.dx, hit.dy, square)
-        own[2], own[3] = wall_bounce(own[2], own[3], hit.dx, hit.dy, square)
+        places = wall_bounce(own[0], own[1], hit.dx, hit.dy, square)
+        speeds = wall_bounce(own[2], own[3], hit.dx, hit.dy, square)
+        if self._pull is not None:
+            approach, pull = wall_approach(hit.vx, hit.vy, hit.dx, hit.dy), wall_approach(*self._pull, hit.dx, hit.dy)
+            fallen = fall_turn(hit.dx, hit.dy, square, approach, pull, own[0], own[1])
+            speeds = speeds[0] + fallen[0], speeds[1] + fallen[1]
+        for k, after in enumerate((*places, *speeds)):
+            own[k] = after if self._share is None else damped(own[k], after, self._share)
 
     def _collide(self, hit: Impact) -> None:
         a, b = self._of(self._row.get(hit.a)), self._of(self._row.get(hit.b))
         between = [second - first for first, second in zip(a, b, strict=True)]
         gain = pair_tangent(hit.dx, hit.dy, hit.vx, hit.vy, hit.reach, hit.wa, hit.wb, *between)
+        if self._share is not None:
+            gain = tuple(part * self._share for part in gain)
         for k in range(4):
             a[k], b[k] = a[k] - hit.wa * gain[k], b[k] + hit.wb * gain[k]
 

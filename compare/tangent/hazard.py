@@ -11,6 +11,9 @@ from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import (
+    fall_discriminant,
+    fall_time,
+    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -23,6 +26,7 @@ from ...exact.laws.formulas import (
 )
 from ...exact.numbers import ball
 from ...exact.replay.state import ReplayState, SeenWall
+from ...floating.plain import PlainState
 from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
 from .flight_aside import out_of, stretches
@@ -102,6 +106,9 @@ class Course:
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
         self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
+        self._share = float((scene.restitution + 1) / 2)
+        self._gravity = np.array([0.0, 0.0] if scene.gravity is None else [float(part) for part in scene.gravity])
+        self._falls = np.array([scene.gravity is not None and not circle.fixed for circle in circles])
         self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
         self._of: dict[tuple[bool, int], list[ThingParts]] = {}
         for thing in parts.values():
@@ -112,9 +119,12 @@ class Course:
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
 
     def fly(self, time: float) -> None:
-        """Goes on to the time of the next event, in straight flight."""
+        """Goes on to the time of the next event, in flight."""
         self._event += 1
-        self.places += (time - self.time) * self.speeds
+        wait = time - self.time
+        self.places += wait * self.speeds
+        self.places[self._falls] += wait * wait / 2 * self._gravity
+        self.speeds[self._falls] += wait * self._gravity
         self.time = time
 
     def push(self, impact: Impact) -> list[tuple[int, NDArray[np.float64]]]:
@@ -123,9 +133,9 @@ class Course:
         if b is None:
             ux, uy = self.speeds[a]
             after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
-            changes = [(a, after - self.speeds[a])]
+            changes = [(a, self._share * (after - self.speeds[a]))]
         else:
-            impulse = np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
+            impulse = self._share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
             changes = [(a, -wa * impulse), (b, wb * impulse)]
         for i, change in changes:
             self.speeds[i] += change
@@ -239,9 +249,37 @@ class Course:
         meets &= ~self._is_face | ((foot > 0.0) & (foot < self._length))
         meets[np.abs(gap).argsort()[:unknown]] = False
         meets[list(at)] = False
-        waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
+        waits, rates = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets]), -approach[meets]
+        if self._falls[i]:
+            meets = ~behind
+            meets[np.abs(gap).argsort()[:unknown]] = False
+            meets[list(at)] = False
+            pull = side * wall_approach(*self._gravity, nx, ny)
+            waits, rates = _falls_to(np.maximum(gap, 0.0), approach, pull)
+            meets &= np.isfinite(waits)
+            waits, rates = waits[meets], rates[meets]
         normals = -side[meets, None] * np.array((nx[meets], ny[meets])).T
-        return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
+        return Others(np.full(len(waits), WALL), waits, rates, normals)
+
+    def fall_rate(self, impact: Impact) -> float:
+        """n.g over n.v of a circle that hits a wall: by what share gravity changes the approach in a unit of time."""
+        _, _, nx, ny, vx, vy, *_ = as_doubles(impact)
+        return wall_approach(*self._gravity, nx, ny) / wall_approach(vx, vy, nx, ny)
+
+    def pulled(self, impact: Impact) -> bool:
+        """Whether gravity pulls a circle to the wall that it hits: then it comes there at whatever speed it flies."""
+        return impact.b is None and self.fall_rate(impact) > 0.0
+
+
+def _falls_to(
+    gap: NDArray[np.float64], approach: NDArray[np.float64], pull: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """When gaps under gravity are 0 and fall, infinite where they never do; and how fast they fall then."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(np.maximum(fall_discriminant(gap, approach, pull / 2), 0.0))
+        waits = np.where(approach < 0.0, fall_time(gap, approach, root), fall_time_back(approach, pull / 2, root))
+    never = (fall_discriminant(gap, approach, pull / 2) <= 0.0) | ((approach >= 0.0) & (pull >= 0.0))
+    return np.where(never, inf, waits), root
 
 
 def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
@@ -294,7 +332,8 @@ def shares(
     - for each circle that can move, and each thing that it would meet next were it not for the impact: which of the two
       meetings is the earlier. The margin is the time between them;
     - for two circles, or a thing with ends: whether they pass each other by. The margin is how far they are from that;
-    - whether they come together at all. The margin is the speed at which they do.
+    - whether they come together at all. The margin is the speed at which they do. To a wall to which gravity pulls it a
+      circle always comes.
 
     So an error along the motion of two balls on a line lets none of them miss the other, however large it is.
 
@@ -341,7 +380,7 @@ def shares(
         margins_of = np.array([thing.depth, abs(float(rate))])
         return told + _shares(np.stack([aside, normal @ apart[2:]]), margins_of)
     if b is None:
-        return told + _shares((normal @ apart[2:])[None], np.abs([rate]))
+        return told if course.pulled(impact) else told + _shares((normal @ apart[2:])[None], np.abs([rate]))
     speed = float(np.hypot(vx, vy))
     along = velocity / speed
     across = np.array([-along[1], along[0]])
@@ -563,6 +602,8 @@ def _strike(
         own = carried.of(i)
         if model is ErrorModel.STEPPED:
             own[:2] -= shrink * change[:, None] * late
+            if impact.b is None and (fallen := course.fall_rate(impact)):
+                own[2:] += shrink * fallen * change[:, None] * late
             if impact.b is not None:
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
@@ -580,7 +621,8 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     """log2 of the width of the places of those who meet, for one unit in the last of the bits.
 
     Interval arithmetic forgets how errors depend on each other, so its widths grow faster than any displacement. They
-    are measured: the run's log is replayed by the plain formulas in balls, with bits to spare.
+    are measured: the run's log is replayed by the plain formulas in balls, with bits to spare; under gravity in true
+    coordinates, as the engine does it.
     """
     motion = motion_of(trajectory)
     assert motion is not None, "predicted of an exact run only"
@@ -588,7 +630,8 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     bits = 2 * (log.lost + LEAST_BITS)
     while True:
         with ball.precision(bits):
-            state = ReplayState(log.scene, ball.BALLS)
+            falls = log.scene.gravity is not None
+            state = PlainState(log.scene, ball.BALLS) if falls else ReplayState(log.scene, ball.BALLS)
             told: list[dict[int, float]] = []
             done = 0
             for event, impacts in zip(trajectory.events, struck, strict=False):

@@ -10,12 +10,22 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 from flint import arb
 
 from ...exact.exact_motion import ExactMotion, ExactValue, steps_through
-from ...exact.laws.formulas import advance, pair_approach, pair_impulse, pair_nearest_time, wall_bounce
+from ...exact.laws.formulas import (
+    N,
+    advance,
+    damped,
+    fall_speed,
+    pair_approach,
+    pair_impulse,
+    pair_nearest_time,
+    wall_approach,
+    wall_bounce,
+)
 from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import Pair, Touch, is_arc, is_flat, is_pair, name_of
+from ...exact.replay.contact import AtWall, Pair, Touch, contact_of, is_arc, is_flat, is_pair, name_of
 from ...exact.replay.state import Go, Kick
 from ...scenarios.numbers.quantity import Quantity
 
@@ -30,11 +40,11 @@ BITS = 128
 
 
 class Graze(NamedTuple):
-    """Two circles that touch without pushing.
+    """Two circles that touch without pushing; under gravity also a circle and a wall, from which it pulls away.
 
     Attributes:
         events: how many events of the run lie before it.
-        one, other: the circles.
+        one, other: the two.
     """
 
     events: int
@@ -67,18 +77,31 @@ def first_graze(trajectory: Trajectory, motion: ExactMotion, events: int) -> Gra
 
 def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: int, link: Link) -> Graze | None:
     """The graze that two were proved to have on their flights after an instant, if it comes to pass."""
-    i, j = link.circles
-    one, other = motion.log.scene.ids[i], motion.log.scene.ids[j]
+    scene = motion.log.scene
+    names = [scene.ids[k] for k in link.circles]
+    one, other = contact_of(scene, link)
     before = sum(_number(event) <= instant for event in trajectory.events[:events])
     with ball.precision(BITS):
-        time = _nearest(motion, i, j, instant)
+        time = _apex(motion, link, instant) if is_flat(link) else _nearest(motion, *link.circles, instant)
         for event in trajectory.events[before:events]:
             if not event.time.ball(BITS) < time:
                 return Graze(before, one, other)
-            if any(name in pair for pair in event.impulses for name in (one, other)):
+            if any(name in pair for pair in event.impulses for name in names):
                 return None
             before += 1
     return None
+
+
+def _apex(motion: ExactMotion, link: AtWall, instant: int) -> arb:
+    """When a circle is nearest to a wall that gravity pulls it away from: n.v is 0 there."""
+    scene = motion.log.scene
+    assert scene.gravity is not None
+    knots = motion.knots[link.circle]
+    knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]
+    vx, vy = (known_ball(number, BITS) for number in knot[3:5])
+    nx, ny = map(ball.constant, scene.walls[link.wall].normal)
+    gx, gy = map(ball.constant, scene.gravity)
+    return -wall_approach(vx, vy, nx, ny) / wall_approach(gx, gy, nx, ny)  # in the falling frame: n.(v + g t) = 0
 
 
 def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
@@ -128,7 +151,8 @@ class Impact(NamedTuple):
         time: of the impact.
         a, b: the circles by index; for a wall b is None.
         dx, dy: from a's centre to b's; for a wall its normal, of any length.
-        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a.
+        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a. Under gravity it is the true
+            one, at the impact.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
         wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
@@ -156,13 +180,13 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if contacts lose energy, under gravity, if circles go out of play, or touch at time 0 and go on
-            touching.
+        NoTangentMap: if circles go out of play, touch at time 0 and go on touching, if a restitution is 0, or under
+            gravity something is round and fixed.
     """
-    if not scene.elastic:
-        raise NoTangentMap("the scene has a restitution below 1, of which there is no tangent map yet")
-    if scene.gravity is not None:
-        raise NoTangentMap("the scene has gravity, of which there is no tangent map yet")
+    if scene.restitution.sign() == 0:
+        raise NoTangentMap("the scene has restitution 0, and what has met stays together")
+    if scene.gravity is not None and _round_and_fixed(scene):
+        raise NoTangentMap("the scene has gravity and something round and fixed, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces
@@ -186,6 +210,10 @@ def check_start(scene: Scene) -> None:
             raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
 
 
+def _round_and_fixed(scene: Scene) -> bool:
+    return any(c.fixed for c in scene.circles) or bool(scene.segments or scene.polygons or scene.arcs or scene.pockets)
+
+
 HELD_BITS = 240
 """Sizes from 2**-240 to 2**240 are held by doubles to the fourth power, which is what the formulas come to."""
 
@@ -200,8 +228,10 @@ def check_sizes(scene: Scene) -> None:
     ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
     ends += [value for side in scene.arc_sides for value in (side.x, side.y, side.r)]
     flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
-    if not all(_held(value) for value in (*ends, *flights)):
-        raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
+    if not all(_held(value) for value in (*ends, *flights, *(scene.gravity or ()))):
+        raise NoTangentMap(
+            f"lengths, speeds or a gravity above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units"
+        )
 
 
 def _held(value: Quantity) -> bool:
@@ -358,7 +388,7 @@ def _replayed(
 
 def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterator[Impact]:
     """The impacts of one round: together, or the later ones with the velocities that the former leave."""
-    speeds = {i: state.bodies[i].flight[2:4] for link in links for i in link.circles}
+    speeds = {i: _true_speed(state, i) for link in links for i in link.circles}
     for link in links:
         i, j, *_ = link
         ux, uy = speeds[i]
@@ -368,7 +398,8 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
                 state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
             )
             if not together:
-                speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
+                left = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
+                speeds[i] = _damped(ux, left[0], state.share), _damped(uy, left[1], state.share)
             continue
         if is_arc(link):
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
@@ -380,9 +411,21 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
         if together:
             continue
-        jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
+        jx, jy = (state.damping(part) for part in pair_impulse(dx, dy, vx - ux, vy - uy, reach, a.w, b.w))
         speeds[i] = ux - a.w * jx, uy - a.w * jy
         speeds[j] = vx + b.w * jx, vy + b.w * jy
+
+
+def _true_speed(state: BallState, i: int) -> tuple[arb, arb]:
+    """The velocity of a circle at the instant at hand: that of the falling frame, and what gravity has added."""
+    vx, vy = state.bodies[i].flight[2:4]
+    if state.falling is None:
+        return vx, vy
+    return fall_speed(vx, state.falling.hx, state.instant), fall_speed(vy, state.falling.hy, state.instant)
+
+
+def _damped(before: N, after: N, share: N | None) -> N:
+    return after if share is None else damped(before, after, share)
 
 
 def _check_corner(state: BallState, link: Pair, dx: arb, dy: arb) -> None:
@@ -428,22 +471,30 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
     speeds = [(float(c.vx), float(c.vy)) for c in scene.circles]
+    since = [0.0] * len(speeds)
+    share = None if scene.elastic else float((scene.restitution + 1) / 2)
+    gx, gy = (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
     for event in trajectory.events[:events]:
         time, after = float(event.time), trajectory.after(event.index).array()
         mine: list[Impact] = []
+        if scene.gravity is not None:
+            for k in {place[name] for pair in event.contacts for name in pair if name in place}:
+                (ux, uy), late, since[k] = speeds[k], time - since[k], time
+                speeds[k] = ux + gx * late, uy + gy * late
         for first, second in event.contacts:
             i = place[first]
             ux, uy = speeds[i]
             if second in walls:
                 nx, ny = walls[second]
                 mine.append(Impact(time, i, None, nx, ny, ux, uy, (nx * nx + ny * ny) ** 0.5, 0.0, 0.0))
-                speeds[i] = wall_bounce(ux, uy, nx, ny, nx * nx + ny * ny)
+                left = wall_bounce(ux, uy, nx, ny, nx * nx + ny * ny)
+                speeds[i] = _damped(ux, left[0], share), _damped(uy, left[1], share)
                 continue
             j = place[second]
             dx, dy = (float(value) for value in after[j, :2] - after[i, :2])
             reach, wa, wb, (vx, vy) = radii[i] + radii[j], weights[i], weights[j], speeds[j]
             mine.append(Impact(time, i, j, dx, dy, vx - ux, vy - uy, reach, wa, wb))
-            jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, wa, wb)
+            jx, jy = (part * (share or 1.0) for part in pair_impulse(dx, dy, vx - ux, vy - uy, reach, wa, wb))
             speeds[i] = ux - wa * jx, uy - wa * jy
             speeds[j] = vx + wb * jx, vy + wb * jy
         for name in {name for pair in event.contacts for name in pair if name in place}:

@@ -404,6 +404,18 @@ TANGENT_FORMS = (
          "(Fraction(-2, 1), Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), "
          "Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))"),
     ),
+    StableForm(
+        "fall_turn",
+        (nx, ny, nn, approach, pull, px, py),
+        ((turn, CHANGE * pull * (nx * px + ny * py) / (nn * approach)),),
+        (nx * turn, ny * turn),
+        """What gravity adds to the displacement of a circle's velocity at a bounce off a wall.
+
+        (p, q) is the circle's displacement, `approach` is n.v before the bounce, `pull` is n.g, and nn is |n|^2.
+        Who comes later by -n.p / n.v falls for longer before the bounce, and for less after it. The rest is
+        `wall_bounce` of p and of q. Equals `law_proofs.wall_displacement`.""",
+        ("fall_turn(Q(0), Q(1), Q(1), Q(-2), Q(-3), Q(5), Q(7))", "(Fraction(0, 1), Fraction(21, 1))"),
+    ),
 )  # fmt: skip
 
 HEADER = '''\

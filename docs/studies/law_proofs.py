@@ -31,6 +31,7 @@ from law_forms import (
     qx,
     qy,
     render,
+    share,
     tangent_text,
     tau,
     vx,
@@ -38,7 +39,7 @@ from law_forms import (
     wa,
     wb,
 )
-from sympy import Expr, Integer, diff, solve, sqrt, together
+from sympy import Expr, Integer, diff, solve, sqrt, symbols, together
 
 from truebreak.exact.laws.derivation import (
     LawError,
@@ -430,13 +431,19 @@ def _readable(law: Any) -> str:
 
 
 @cache
-def pair_displacement() -> tuple[Any, Any, Any, Any]:
+def pair_displacement(lossy: bool = False) -> tuple[Any, Any, Any, Any]:
     """What b's displacement gains, per inverse mass: position x, y and velocity x, y, at contact, where |d| is R.
+
+    Args:
+        lossy: with a restitution e, told by `share`, which is (1 + e) / 2. Two circles fall alike: of gravity there is
+            nothing in it.
 
     Raises:
         LawError: if the time by which the displaced pair touches later is not one.
     """
     hit = pair_velocities()[1]
+    if lossy:
+        hit = tuple(part.subs(restitution, 2 * share - 1) for part in pair_restitution_velocities())
     at_rest = {a_x: 0, a_y: 0, b_x: dx, b_y: dy, a_vx: 0, a_vy: 0, b_vx: vx, b_vy: vy, a_m: 1 / wa, b_m: 1 / wb}
     impulse = tuple(((after - before) / wb).subs(at_rest) for after, before in ((hit[2], b_vx), (hit[3], b_vy)))
     moved = {dx: dx + e * (px + vx * tau), dy: dy + e * (py + vy * tau), vx: vx + e * qx, vy: vy + e * qy}
@@ -450,20 +457,30 @@ def pair_displacement() -> tuple[Any, Any, Any, Any]:
     return together(shift_x), together(shift_y), together(turn_x), together(turn_y)
 
 
+gx, gy = symbols("gx, gy")
+
+
 @cache
 def wall_displacement() -> tuple[Any, Any, Any, Any]:
-    """A displacement of position and velocity after a bounce off a wall.
+    """A displacement of position and velocity after a bounce off a wall, with a restitution e and under gravity.
+
+    `share` is (1 + e) / 2. The displaced circle comes later, with the velocity that it has then; both are compared at
+    one time.
 
     >>> from truebreak.exact.laws.derivation import w_x0, w_y0, w_x1, w_y1
-    >>> floor = {w_x0: 0, w_y0: 0, w_x1: 1, w_y1: 0, a_vx: 3, a_vy: -1, px: 5, py: 7, qx: 1, qy: 2}
-    >>> [part.subs(floor) for part in wall_displacement()]
-    [5, -7, 1, -2]
+    >>> floor = {w_x0: 0, w_y0: 0, w_x1: 1, w_y1: 0, a_vx: 3, a_vy: -1, px: 5, py: 7, qx: 1, qy: 2, share: 1}
+    >>> [part.subs(floor).subs({gx: 0, gy: -2}) for part in wall_displacement()]
+    [5, -7, 1, 26]
     """
-    after = wall_velocities()
+    after = tuple(part.subs(restitution, 2 * share - 1) for part in wall_restitution_velocities())
     nx, ny = w_y0 - w_y1, w_x1 - w_x0
     delay = -(nx * px + ny * py) / (nx * a_vx + ny * a_vy)
+    late_x, late_y = qx + delay * gx, qy + delay * gy
     shift_x, shift_y = px + delay * (a_vx - after[0]), py + delay * (a_vy - after[1])
-    turn_x, turn_y = (diff(part, a_vx) * qx + diff(part, a_vy) * qy for part in after)
+    turn_x, turn_y = (
+        diff(part, a_vx) * late_x + diff(part, a_vy) * late_y - delay * pull
+        for part, pull in zip(after, (gx, gy), strict=True)
+    )
     return together(shift_x), together(shift_y), together(turn_x), together(turn_y)
 
 
@@ -482,6 +499,9 @@ def prove_tangent(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[.
     for name, one, other in zip(("x", "y", "vx", "vy"), written, pair_displacement(), strict=True):
         if not is_zero(_joined(one - other).subs(contact)):
             raise LawError(f"pair_tangent: its {name} is not what the laws lead to")
+    for name, one, other in zip(("x", "y", "vx", "vy"), written, pair_displacement(lossy=True), strict=True):
+        if not is_zero(_joined(one * share - other).subs(contact)):
+            raise LawError(f"pair_tangent: a restitution does not damp its {name} like an impulse")
     blocks = (dx * vx + dy * vy, dx * vy - dy * vx, vx**2 + vy**2, -2 / (R**2 * (wa + wb)))
     xx, xy, yy, *a = formulas["pair_tangent_blocks"](dx, dy, *blocks)
     b = (xx, xy, xy, yy)
@@ -494,10 +514,16 @@ def prove_tangent(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[.
             raise LawError(f"pair_tangent_blocks: its {name} is not what the laws lead to")
     normal = w_y0 - w_y1, w_x1 - w_x0
     nn = normal[0] ** 2 + normal[1] ** 2
-    mirrored = (*bounce(px, py, *normal, nn), *bounce(qx, qy, *normal, nn))
-    for name, one, other in zip(("x", "y", "vx", "vy"), mirrored, wall_displacement(), strict=True):
+    closing, pull = normal[0] * a_vx + normal[1] * a_vy, normal[0] * gx + normal[1] * gy
+    place, turned = bounce(px, py, *normal, nn), bounce(qx, qy, *normal, nn)
+    fallen = formulas["fall_turn"](*normal, nn, closing, pull, px, py)
+    elastic = (*place, *(one + more for one, more in zip(turned, fallen, strict=True)))
+    lossy = (before + share * (after - before) for before, after in zip((px, py, qx, qy), elastic, strict=True))
+    for name, one, other in zip(("x", "y", "vx", "vy"), lossy, wall_displacement(), strict=True):
         if not is_zero(_joined(one - other)):
-            raise LawError(f"wall_bounce: a displacement's {name} is not mirrored like a velocity")
+            raise LawError(
+                f"wall_bounce, fall_turn: a displacement's {name} is not mirrored like a velocity that falls"
+            )
 
 
 def _joined(value: Any) -> Any:

@@ -47,3 +47,18 @@ def pair_tangent_blocks(dx: N, dy: N, approach: N, cross: N, square: N, c: N) ->
     push = approach * c
     spin = cross * c
     return bxx, bxy, byy, push - slope * bxx, spin - slope * bxy, -slope * bxy - spin, push - slope * byy
+
+
+def fall_turn(nx: N, ny: N, nn: N, approach: N, pull: N, px: N, py: N) -> tuple[N, N]:
+    """What gravity adds to the displacement of a circle's velocity at a bounce off a wall.
+
+    (p, q) is the circle's displacement, `approach` is n.v before the bounce, `pull` is n.g, and nn is |n|^2.
+    Who comes later by -n.p / n.v falls for longer before the bounce, and for less after it. The rest is
+    `wall_bounce` of p and of q. Equals `law_proofs.wall_displacement`.
+
+    >>> from fractions import Fraction as Q
+    >>> fall_turn(Q(0), Q(1), Q(1), Q(-2), Q(-3), Q(5), Q(7))
+    (Fraction(0, 1), Fraction(21, 1))
+    """
+    turn = ((nx * px + ny * py) + (nx * px + ny * py)) * pull / (nn * approach)
+    return nx * turn, ny * turn

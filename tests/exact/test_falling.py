@@ -15,7 +15,6 @@ from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.shadowing.shadows import shadow
-from truebreak.compare.tangent.impacts import NoTangentMap, check_start
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.numbers import ball
@@ -282,8 +281,6 @@ def test_what_does_not_know_gravity_refuses_it_by_name():
         certificate_of(ExactEngine().run(scene, events=3))
     with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
         shadow(scene, events=3)
-    with pytest.raises(NoTangentMap, match="has gravity, of which there is no tangent map yet"):
-        check_start(scene)
     with pytest.raises(SceneError, match="has gravity, of which no log is judged yet"):
         Impacts(scene)
     assert audit_run(engine.run(scene, events=3), engine).reason == "gravity is not audited yet"

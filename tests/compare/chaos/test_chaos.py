@@ -77,6 +77,43 @@ def test_exponents_come_in_pairs_and_keep_the_volume() -> None:
     assert entropy.value == pytest.approx(sum(values[: told.dimension // 2]))
 
 
+def test_with_a_restitution_the_volume_shrinks_by_its_square_an_impulse() -> None:
+    scene = catalogue.build("gas-under-gravity").with_changes(restitution="99/100")
+    told = spectrum(scene, impacts(ExactEngine().run(scene, events=100), 100))
+    assert told.shrunk == pytest.approx(200 * math.log(0.99))
+    volume = told.volume()
+    assert volume is not None and abs(volume) < 1e-9
+    assert told.pairing() is None and told.entropy() is None
+
+
+def test_under_gravity_exponents_come_in_pairs_and_a_right_angle_has_none() -> None:
+    """A wedge of half-angle 45 degrees is integrable, a wider one ergodic (Lehtihet and Miller; Wojtkowski)."""
+    right, wide = measured("wedge", 400).spectrum, measured("wedge:slope=2", 400).spectrum
+    assert not right.chaotic and wide.chaotic
+    assert right.per_event().value < 0.02
+    assert wide.per_event().value > 0.5
+    pairing, volume = wide.pairing(), wide.volume()
+    assert pairing is not None and volume is not None
+    assert pairing < 0.05 * wide.per_time().value and abs(volume) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "engine"),
+    [
+        ("gas-under-gravity", "double"),
+        ("gas-under-gravity", "interval"),
+        ("falling-line", "double"),
+        ("falling-line", "interval"),
+        ("wedge:slope=2", "double"),
+        ("wedge", "interval"),
+    ],
+)
+def test_horizons_under_gravity_hold_what_happens(text: str, engine: str) -> None:
+    [horizon] = chaos(catalogue.build(text), [engine], events=200).horizons
+    assert horizon.seen is not None and horizon.seen.place is not None
+    assert horizon.holds(horizon.seen.place)
+
+
 def test_a_ball_alone_between_walls_is_not_called_chaotic() -> None:
     """Its displacements grow in proportion to time; the estimate is what that makes, and says so."""
     told = measured("gas:n=1", 200).spectrum

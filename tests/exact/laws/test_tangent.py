@@ -11,6 +11,7 @@ import pytest
 from law_proofs import functions
 
 from truebreak.compare.tangent import growth
+from truebreak.compare.tangent import impacts as impacts_of
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
@@ -40,6 +41,9 @@ def test_what_is_written_is_what_the_laws_lead_to() -> None:
         ("mx = vx * wait + px", "mx = px"),
         ("-(approach + approach) / weight", "(approach + approach) / weight"),
         ("wa + wb", "wa + wa"),
+        ("(nx * px + ny * py)) * pull", "(nx * px + ny * py)) * approach"),
+        ("return nx * turn, ny * turn", "return -nx * turn, -ny * turn"),
+        ("((nx * px + ny * py) + (nx * px + ny * py)) * pull", "(nx * px + ny * py) * pull"),
     ],
 )
 def test_a_wrong_form_is_not_proved(right: str, wrong: str) -> None:
@@ -316,3 +320,101 @@ def test_growth_is_certified_along_certified_runs_only() -> None:
         certified_growth(DoubleEngine().run(scene, events=5), 5)
     with pytest.raises(NoTangentMap, match="the run has 5"):
         certified_growth(ExactEngine().run(scene, events=5), 6)
+
+
+BOX = [Wall(0, -6, 1, -6), Wall(0, 6, 1, 6), Wall(-7, 0, -7, 1), Wall(7, 0, "29/4", 9)]
+
+FALLING = Scene(
+    [
+        Circle(-3, 1, vx=1, vy="1/3", m=2, id="a"),
+        Circle("5/2", "9/2", r="2/3", vx="-1/2", vy="2/7", m="1/3", id="b"),
+        Circle(1, -3, r=0, vx="3/5", vy=-1, point=True, id="dot"),
+    ],
+    BOX,
+    gravity=("1/3", -2),
+    restitution="9/10",
+    name="falls",
+)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        FALLING,
+        FALLING.with_changes(restitution=1, name="falls and loses nothing"),
+        FALLING.with_changes(gravity=None, name="loses and does not fall"),
+        *(catalogue.build(text) for text in ("wedge:slope=2", "falling-line", "drop-pair", "gas-under-gravity")),
+    ],
+    ids=lambda scene: scene.name,
+)
+@pytest.mark.parametrize(("index", "coordinate"), [(0, 0), (0, 1), (0, 2), (0, 3), (-1, 3)])
+def test_the_map_holds_under_gravity_and_with_a_restitution(scene: Scene, index: int, coordinate: int) -> None:
+    place = range(len(scene.circles))[index]
+    run, exact, mapped = difference(scene.with_changes(until=None), 60, index=place, coordinate=coordinate)
+    assert len(run.events) == 60
+    assert np.abs(mapped - exact).max() <= 1e-9 * np.abs(exact).max()
+
+
+def test_bounces_up_to_an_accumulation_have_a_map() -> None:
+    """No error grows there, and each bounce makes it less sharp."""
+    scene = Scene([Circle(0, 6, vx="1/3")], [Wall(0, 0, 1, 0)], gravity=(0, -10), restitution="1/2")
+    run, exact, mapped = difference(scene, 30, index=0, coordinate=1)
+    assert run.ending is not None and len(run.events) == 21
+    assert np.abs(mapped - exact).max() <= 1e-9 * np.abs(exact).max()
+
+
+def _other_sign(*numbers: object) -> tuple[object, ...]:
+    return tuple(-part for part in FALL_TURN(*numbers))
+
+
+def _tenth_off(*numbers: object) -> tuple[object, ...]:
+    return tuple(part * 1.1 for part in FALL_TURN(*numbers))
+
+
+def _missing(*numbers: object) -> tuple[object, ...]:
+    return tuple(part * 0 for part in FALL_TURN(*numbers))
+
+
+FALL_TURN = growth.fall_turn
+FALL_FAULTS = {
+    "gravity of the other sign at a bounce": (growth, "fall_turn", _other_sign),
+    "gravity off by a tenth at a bounce": (growth, "fall_turn", _tenth_off),
+    "no gravity at a bounce": (growth, "fall_turn", _missing),
+    "the speed of the falling frame": (impacts_of, "fall_speed", lambda v, half, t: v),
+    "gravity twice in the speed": (impacts_of, "fall_speed", lambda v, half, t: v + (half + half + half + half) * t),
+    "no loss at a bounce": (growth, "damped", lambda before, after, share: after),
+}
+
+
+@pytest.mark.parametrize("fault", FALL_FAULTS)
+def test_a_map_with_a_planted_fault_is_not_the_difference(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(*FALL_FAULTS[fault])
+    _, exact, mapped = difference(FALLING, 12, coordinate=1)
+    assert np.abs(mapped - exact).max() > 1e-3 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("text", ["wedge:slope=2", "falling-line", "gas-under-gravity"])
+def test_a_run_of_floats_under_gravity_has_the_same_impacts(text: str) -> None:
+    scene = catalogue.build(text).with_changes(restitution="9/10")
+    exact, told = (impacts(engine.run(scene, events=10), 10) for engine in (ExactEngine(), DoubleEngine()))
+    for one, other in zip(exact, told, strict=True):
+        for a, b in zip(one, other, strict=True):
+            sign = 1.0 if a.b is not None or float(a.dx) * b.dx + float(a.dy) * b.dy > 0 else -1.0
+            numbers = [float(a.dx), float(a.dy), float(a.vx), float(a.vy), float(a.reach)]
+            assert numbers == pytest.approx([sign * b.dx, sign * b.dy, b.vx, b.vy, b.reach], rel=1e-9, abs=1e-9)
+
+
+def test_certified_growth_encloses_what_doubles_measure_under_gravity() -> None:
+    for scene in (FALLING, catalogue.build("wedge:slope=2")):
+        run = ExactEngine().run(scene, events=40)
+        found, rough = certified_growth(run, 40), error_growth(run, 40)
+        assert rough is not None and found.high - found.low < 0.1
+        assert found.low - 1e-6 <= 40 * rough <= found.high + 1e-6
+
+
+def test_what_has_no_map_under_gravity_is_refused_by_name() -> None:
+    walls = [Wall(0, 5, 1, 5, id="top"), Wall(9, 0, 9, 1, id="right"), Wall(0, -9, 1, -9)]
+    run = ExactEngine().run(Scene([Circle(0, -4, vx=1, vy=4)], walls, gravity=(0, -1)), events=2)
+    assert len(run.events) == 2
+    with pytest.raises(NoTangentMap, match="before event 0, c1 and top graze"):  # up by 4**2 / 2, to the ceiling
+        impacts(run, 2)
