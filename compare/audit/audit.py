@@ -189,10 +189,10 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.arcs:
         return Audit(None, "arcs are not audited yet")
-    if not run.scene.elastic:
-        return Audit(None, "a restitution below 1 is not audited yet")
-    if run.scene.gravity is not None:
-        return Audit(None, "gravity is not audited yet")
+    if run.scene.restitution.sign() == 0:
+        return Audit(None, "restitution 0 is not audited yet")
+    if run.scene.gravity is not None and any(circle.fixed for circle in run.scene.surfaces.circles):
+        return Audit(None, "what is round and fixed is not audited yet under gravity")
     if engine.step is not None:
         return _audited_steps(run, engine)
     transcript = Transcript(run, engine.bits is not None, 0.0 if engine.bits is None else 2.0**-engine.bits)
@@ -200,7 +200,7 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "the record has no states, so that only times and partners can be compared")
     unit = unit_of(engine, transcript)
     with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
-        laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide)
+        laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide, fall=transcript.fall)
         return _audited(transcript, laws, run, allowances(engine, run.scene))
 
 
@@ -315,7 +315,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     allows = allowances(engine, run.scene)
     measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
     with ball.precision(AUDIT_BITS):
-        laws = Laws(run.scene, unit, engine.rounds_input, step)
+        laws = Laws(run.scene, unit, engine.rounds_input, step, transcript.fall)
         fit = fit_of(laws, measures.samples, measures.drifts, laws.scene.ids)
     law = (
         fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
@@ -461,6 +461,7 @@ class Measures:
         flights: how many flights.
         back: how long before the end of a step impulses are applied.
         met: when each pair meets.
+        behind: by how much places are behind those of a fall, at most, for an engine that moves first.
         wholes: see `Laws.wholes`: what is met of a thing is not always the face or end that is overlapped a step later.
     """
 
@@ -471,6 +472,7 @@ class Measures:
     impacts: int = 0
     flights: int = 0
     back: float = 0.0
+    behind: float = 0.0
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
     wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = _themselves
 
@@ -480,7 +482,7 @@ class Defect:
     """One kind of defect of an engine of steps.
 
     Attributes:
-        kind: `impulse`, `restitution`, `lateness`, `correction`, `several`, `bystander`, `missed`.
+        kind: `impulse`, `restitution`, `integrator`, `lateness`, `correction`, `several`, `bystander`, `missed`.
         size: at the run's own step: a share of the impulse, a time, a length, or how many.
         order: with which power of the step it falls; None where that is not known.
         finest: its size at the finest step that was run.
@@ -502,7 +504,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
     An engine may push circles at the end of a step where they are told to be, or push and then move them on.
     """
     transcript, found = Transcript(run, unit=unit, step=step), Measures()
-    laws = Laws(run.scene, unit, start, step)
+    laws = Laws(run.scene, unit, start, step, transcript.fall)
     gone = transcript.gone
     with ball.precision(AUDIT_BITS):
         ways: dict[float, list[Sample]] = {0.0: [], step: []}
@@ -522,6 +524,10 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
                 for told in laws.residuals(instant, events):
                     if told.kind in ("energy", "bystander") or (told.kind == "impulse" and told.bodies not in alone):
                         found.several.append((event, instant.time, told))
+            if transcript.fall is not None:
+                late = transcript.fall.place_late
+                ends = ((instant.before[k].time, instant.time) for k in instant.after if laws.moving[k])
+                found.behind = max([found.behind, *(late(end - begin) for begin, end in ends)])
             found.drifts += [d for d in drifts(laws, instant, events) if math.hypot(d.x, d.y) > NEAR * d.room]
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
@@ -540,6 +546,7 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
     several = [r for _, _, r in measures.several if r.broken]
     sizes = {
         "impulse": _middle_of([s.defect for s in bad]) if bad else 0.0,
+        "integrator": measures.behind,
         "lateness": max((abs(s.late) for s in measures.samples if abs(s.gap) > s.loose), default=0.0),
         "correction": _middle_of([math.hypot(d.x, d.y) for d in measures.drifts]),
         "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
@@ -575,8 +582,10 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     step = engine.step or 0.0
     found = defects(engine, measures)
     known = {kind for kind, size in found.items() if kind == "lateness" and size <= LATE * step}
+    known |= {"integrator"} & found.keys()
     if not found.keys() - known:
         return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
+    integrator = [Defect(kind, found.pop(kind), 1.0, measures.behind, step, True) for kind in ["integrator"] if kind in found]
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
     if until * (2 ** (HALVINGS + 1) - 2) > most * step:
         until = _until(run, measures, FEW_IMPACTS)
@@ -598,7 +607,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
             left = math.inf if sizes is None else sizes.get(defect.kind, 0.0)
             if left <= defect.size / 2:
                 judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
-    return judged
+    return [*integrator, *judged]
 
 
 def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
@@ -621,6 +630,7 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         [told for told in measures.several if told[1] <= until],
         [p for p in measures.passages if p.time <= until],
         back=measures.back,
+        behind=measures.behind,
         met=measures.met,
         wholes=measures.wholes,
     )

@@ -30,7 +30,7 @@ class Sample(NamedTuple):
         time: when.
         pair: who meets, by place.
         speed: how fast they approach along the line of centres.
-        restitution: the ratio of the normal speeds, after to before; 1 by the law.
+        restitution: the ratio of the normal speeds, after to before, as a share of the scene's; 1 by the law.
         sliding: the ratio of the speeds across it; 1 by the law. nan where there is none.
         aside: the part of the change across the line of centres, as a share of the impulse; 0 by the law.
         masses: the mass of the first over that of the second as the two changes of velocity have it, over what it is;
@@ -171,14 +171,16 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
                 return
             nx, ny = dx / far, dy / far
             opening = nx * vx + ny * vy
-    closing = float(opening.mid())
+    closing = float(opening.mid() if met.bounced is None else met.bounced.mid())
     if closing >= 0.0 or not met.speed:
         return
     after = float((nx * ux + ny * uy).mid())
     across, then = float((nx * vy - ny * vx).mid()), float((nx * uy - ny * ux).mid())
     wa, wb = laws.things[i].share, 0.0 if wall else laws.things[j].share
     free = laws.moving[i] and not wall and laws.moving[j]
-    kick = 2 * abs(closing) / (1.0 if wall else wa + wb)
+    kick = (1 + laws.restitution) * abs(float(opening.mid())) / (1.0 if wall else wa + wb)
+    if not kick:
+        return
     share = 1.0 if wall else wa
     pushed = [(ax, ay, share, a.speed + la.speed)] if laws.moving[i] else []
     if not wall and laws.moving[j]:
@@ -194,11 +196,11 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
         lost = math.hypot(float((ax / wa + bx / wb).mid()), float((ay / wa + by / wb).mid())) / kick
         lost, masses = (lost if lost > heavy else 0.0), (1.0 if abs(masses - 1) <= heavy else masses)
     aside = aside if aside > heavy else 0.0
-    speeds = a.speed + la.speed + (0.0 if wall else instant.before[j].speed)
-    room = (64 * laws.unit * speeds + met.bent) / abs(closing)
+    speeds = a.speed + a.fallen + la.speed + (0.0 if wall else instant.before[j].speed + instant.before[j].fallen)
+    room = (64 * laws.unit * speeds + met.bent) / (abs(closing) * min(1.0, laws.restitution))
     slid = then / across if across else math.nan
     yield Sample(
-        instant.events[0] if instant.events else events, instant.time, pair, -closing, -after / closing, slid, aside,
+        instant.events[0] if instant.events else events, instant.time, pair, -closing, -after / closing / laws.restitution, slid, aside,
         masses, lost, float(met.gap.mid()), room, met.room, abs(across),
         math.inf if wall else float((laws.things[i].r + laws.things[j].r).mid()),
     )  # fmt: skip
@@ -236,10 +238,10 @@ def fit_of(laws: Laws, samples: Sequence[Sample], flights: Sequence[Drift], ids:
         *_flights(flights),
         *_once(laws, samples, ids),
     ]
-    return next((fit for fit in tried if fit is not None), None) or _mostly(samples)
+    return next((fit for fit in tried if fit is not None), None) or _mostly(laws, samples)
 
 
-def _mostly(samples: Sequence[Sample]) -> Fit | None:
+def _mostly(laws: Laws, samples: Sequence[Sample]) -> Fit | None:
     """One restitution for most contacts, where none holds for all of a sort."""
     if len(samples) < FEWEST:
         return None
@@ -249,7 +251,12 @@ def _mostly(samples: Sequence[Sample]) -> Fit | None:
     if 2 * len(near) < len(samples) or abs(value - 1) <= off:
         return None
     spread = max(abs(s.restitution - value) for s in near)
-    return Fit(f"restitution {_told(value, 1.0)}", len(near), len(samples), value, spread, "restitution")
+    return Fit(f"restitution {_ratio(laws, value)}", len(near), len(samples), value, spread, "restitution")
+
+
+def _ratio(laws: Laws, share: float) -> str:
+    """A restitution that is a share of the scene's, in digits."""
+    return _told(share * laws.restitution, laws.restitution)
 
 
 def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> tuple[float, float] | None:
@@ -297,8 +304,10 @@ def _restitutions(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> 
         found = _one_value([s.restitution for s in mine], 1.0, [s.room for s in mine])
         if found is None or others or len(mine) < FEWEST:
             continue
-        what = f"restitution {_told(found[0], 1.0)}{words}"
-        if words.startswith(" at walls") or (words.startswith(" of ") and all(map(walls, mine))):
+        what = f"restitution {_ratio(laws, found[0])}{words}"
+        if laws.restitution == 1.0 and (
+            words.startswith(" at walls") or (words.startswith(" of ") and all(map(walls, mine)))
+        ):
             what += f" (an impulse {_percent((1 - found[0]) / 2)})"
         yield Fit(what, len(mine), len(mine), *found, "restitution")
 
@@ -412,7 +421,7 @@ def _once(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable
         return
     (only,) = bad
     if abs(only.restitution - 1) > SPREAD * only.defect:
-        what = f"restitution {_told(only.restitution, 1.0)} at event {only.event} alone"
+        what = f"restitution {_ratio(laws, only.restitution)} at event {only.event} alone"
     else:
         what = f"an impulse {only.aside:.3g} off the line of centres at event {only.event} alone"
     yield Fit(f"{what} ({ids[only.pair[0]]} and {ids[only.pair[1]]})", 1, 1, only.restitution, 0.0, "once")

@@ -15,9 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from .residuals import Laws
+    from .transcript import Fall
 
 FEW = 48
-"""Circles up to which every pair is looked at at once; beyond it, those whose flights share a cell."""
+"""Circles up to which every pair is looked at at once; beyond it, those whose flights share a cell. Under gravity all are,
+as flights are no straight ways through cells."""
 
 MOST_CELLS = 4096
 """Cells of one flight; one that crosses more is taken to be everywhere."""
@@ -78,18 +80,71 @@ def passages(
     """
     legs = [leg for k, row in enumerate(flights) for leg in _legs(k, row, min(end, gone.get(k, end)))]
     legs.sort(key=lambda leg: leg.start)
-    near = _All(laws) if laws.count <= FEW else _Cells(laws, legs)
+    near = _All(laws) if laws.count <= FEW or laws.fall is not None else _Cells(laws, legs)
     for leg in legs:
         if laws.moving[leg.circle]:
             for wall in range(len(laws.scene.walls)):
-                found = _across(laws, leg, wall)
+                found = _across(laws, leg, wall) if laws.fall is None else _fallen_across(laws, leg, wall, laws.fall)
                 if found is not None:
                     yield found
         for other in near.beside(leg):
             if laws.moving[leg.circle] or laws.moving[other.circle]:
-                found = _between(laws, leg, other)
+                if laws.fall is None:
+                    found = _between(laws, leg, other)
+                else:  # two fall alike: from where the later flight begins, they pass each other on a straight way
+                    start = max(leg.start, other.start)
+                    found = _between(laws, _from(leg, start, laws.fall), _from(other, start, laws.fall))
                 if found is not None:
                     yield found
+
+
+def _from(leg: Leg, start: float, fall: Fall) -> Leg:
+    """The straight flight beside which a fall goes on from a time: each has its place and velocity then."""
+    x, y, vx, vy = _fallen(leg, start, fall)
+    apart = leg.apart + leg.turned * (start - leg.t) if leg.apart else 0.0
+    numbers = (float(value.mid()) for value in (x, y, vx, vy))
+    return Leg(leg.circle, start, leg.end, start, *numbers, apart, leg.turned)
+
+
+def _fallen(leg: Leg, time: float, fall: Fall) -> tuple[arb, arb, arb, arb]:
+    """(x, y, vx, vy) at a time."""
+    span = arb(time) - leg.t
+    way, gain = fall.fallen(span)
+    return (
+        arb(leg.vx) * span + leg.x + fall.gx * way,
+        arb(leg.vy) * span + leg.y + fall.gy * way,
+        fall.gx * gain + leg.vx,
+        fall.gy * gain + leg.vy,
+    )
+
+
+def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
+    """How far across a wall a circle falls: at the end of its flight, or where its way turns back."""
+    line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
+    pull = float((line.nx * fall.gx + line.ny * fall.gy).mid())
+    closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
+    times = [leg.end] if leg.end < math.inf else []
+    if pull < 0.0 < closing:
+        turn = leg.start - closing / pull
+        if turn < leg.end:
+            times.append(fall.step * math.floor((turn - leg.t) / fall.step) + leg.t if fall.step else turn)
+    first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
+    deepest: Passage | None = None
+    for time in times:
+        x, y, vx, vy = _fallen(leg, time, fall)
+        then = line.nx * (line.x - x) + line.ny * (line.y - y) - r
+        deeper = (first.min(arb(0)) - then).mid()
+        size = size_of(deeper) if deeper > 0 else 0.0
+        speed = max(leg.speed, math.hypot(float(vx.mid()), float(vy.mid())))
+        away = math.hypot(leg.x - float(line.x), leg.y - float(line.y)) + speed * (time - leg.start)
+        sizes = math.hypot(leg.x, leg.y) + speed * time + line.size * (1 + away / line.length)
+        steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
+        room = ROOT_UNITS * laws.unit * steps * (sizes + laws.things[leg.circle].radius) + LEAST
+        room += leg.apart + leg.turned * (time - leg.t) if leg.apart else 0.0
+        if size > room and (deepest is None or size > deepest.residual.size):
+            residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
+            deepest = Passage(time, residual, leg.start)
+    return deepest
 
 
 def _legs(k: int, row: Sequence[Sequence[float]], end: float) -> Iterator[Leg]:

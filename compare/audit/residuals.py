@@ -19,7 +19,7 @@ from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from .transcript import ReportedFlight, ReportedInstant, Transcript
+    from .transcript import Fall, ReportedFlight, ReportedInstant, Transcript
 
 AUDIT_BITS = 256
 """Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
@@ -109,6 +109,9 @@ class ImpactLaws(NamedTuple):
         room: what rounding may make of the gap.
         turned: by what angle rounding may turn the line of centres.
         stretched: by what share of itself it is taken for longer or shorter, as long as the radii together.
+        bounced: the opening that the restitution multiplies, where that is another one: an engine that moves first
+            bounces with the velocity of before its last g dt, which is there all the same; `opening` is then the one
+            that the change of velocity is 1 + e times as large as.
     """
 
     nx: arb
@@ -119,6 +122,7 @@ class ImpactLaws(NamedTuple):
     room: float
     turned: float
     stretched: float = 0.0
+    bounced: arb | None = None
 
     def bend(self, speed: float, opening: float) -> float:
         """By what speed an impulse may be off, for a line of centres that is turned or stretched."""
@@ -154,14 +158,20 @@ class Laws:
         unit: u, half a unit in the last place of a number of size 1: 2**-53 for doubles.
         start: whether a start may be rounded, by the engine or as it is reported.
         step: its time step, if it has one: each adds its roundings to a flight.
+        fall: the gravity, as the engine's `Transcript` has it; None without.
 
     To be used at `AUDIT_BITS`.
     """
 
-    def __init__(self, scene: Scene, unit: float, start: bool = True, step: float | None = None) -> None:
+    def __init__(
+        self, scene: Scene, unit: float, start: bool = True, step: float | None = None, fall: Fall | None = None
+    ) -> None:
         self.parts = parts_of(scene)
         scene = scene.surfaces
         self.scene, self.unit, self.start, self.step = scene, unit, start, step
+        self.change = 1 + ball.constant(scene.restitution)
+        self.restitution = float(scene.restitution)
+        self.fall = fall
         self.count = len(scene.circles)
         zero = arb(0)
         self.things = [
@@ -269,6 +279,7 @@ class Laws:
     def _bystander(self, kind: str, k: int, before: ReportedFlight, after: ReportedFlight) -> Residual:
         """A circle that meets nothing keeps its velocity."""
         size, fast = length_of(after.vx - before.vx, after.vy - before.vy), before.speed + after.speed
+        fast += before.fallen
         if self.step is not None:  # a solver goes on pushing what impacts of other speeds have left by rounding
             self._fastest = fast = max(fast, self._fastest)
         return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * fast + LEAST)
@@ -289,7 +300,7 @@ class Laws:
                 continue
             mass = 1 / self.things[k].weight
             energy += mass * (after.vx**2 + after.vy**2 - before.vx**2 - before.vy**2) / 2
-            speed = before.speed + after.speed
+            speed = before.speed + after.speed + before.fallen
             room += float(mass) * speed * (2 * IMPULSE_UNITS * self.unit * speed + bent)
         if hit:
             yield Residual("energy", instant.impulses[0], size_of(energy), room + LEAST)
@@ -305,6 +316,10 @@ class Laws:
             line = self.line(i, j - self.count)
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
             opening = -(line.nx * a.vx + line.ny * a.vy)
+            bounced = None
+            if self.fall is not None and self.fall.step:
+                bounced = opening + (line.nx * self.fall.gx + line.ny * self.fall.gy) * self.fall.step
+                opening = (opening + (self.change - 1) * bounced) / self.change
             away = math.hypot(float(xa - line.x), float(ya - line.y))
             place = math.hypot(float(xa), float(ya))
             blur = self._blurred(a, place, time, events, self._left(i, instant))
@@ -312,7 +327,8 @@ class Laws:
             turn += self._bent_at_end(j - self.count, line, xa, ya, blur, self.things[i].radius)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
-            return ImpactLaws(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, turn)
+            gap = height - self.things[i].r
+            return ImpactLaws(line.nx, line.ny, gap, opening, a.speed, room, turn, bounced=bounced)
         b, xb, yb = self._there(j, instant)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
@@ -384,14 +400,15 @@ class Laws:
             before, left = instant.before[k], after.get(k, instant.before[k])
             dvx, dvy = left.vx - before.vx, left.vy - before.vy
             share = 1.0 if wall else float(weight / total)
-            if closing != 1:  # v' = v +- 2 w / (w_a + w_b) (n.v) n
-                push = sign * 2 * (weight / total) * met.opening
+            if closing != 1:  # v' = v +- (1 + e) w / (w_a + w_b) (n.v) n
+                push = sign * self.change * (weight / total) * met.opening
                 if closing is None:
                     push = push.union(arb(0))
                 dvx, dvy = dvx - push * met.nx, dvy - push * met.ny
             other = 0.0 if wall else instant.before[j if k == i else i].speed
             units = IMPULSE_UNITS * self.unit
             granted = units * (before.speed + left.speed + 2 * share * (a.speed if wall else before.speed + other))
+            granted += units * (before.fallen + (0.0 if wall else instant.before[j if k == i else i].fallen))
             granted += 2 * share * met.bent + LEAST
             found = length_of(dvx, dvy)
             if found - granted >= size - room:
@@ -416,7 +433,11 @@ class Laws:
             ends = [k for k in (i, j) if k < self.count]
             va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (arb(0), arb(0)))
             opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
-            speed = sum(instant.before[k].speed + self._left(k, instant) for k in ends if k in instant.before)
+            speed = sum(
+                instant.before[k].speed + instant.before[k].fallen + self._left(k, instant)
+                for k in ends
+                if k in instant.before
+            )
             total = sum((self.things[k].weight for k in ends), arb(0))
             bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
             room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + LEAST
@@ -427,7 +448,7 @@ class Laws:
                     granted[k] += 2 * room
                     worn = max(worn, granted[k])
                     if ball.sign_of(opening) != 1:
-                        push = sign * 2 * (self.things[k].weight / total) * opening
+                        push = sign * self.change * (self.things[k].weight / total) * opening
                         vx, vy = moving[k]
                         moving[k] = vx + push * met.nx, vy + push * met.ny
         for k, (vx, vy) in moving.items():
@@ -452,7 +473,9 @@ class Laws:
         change = {k: (arb(0), arb(0)) for k in circles}
         for k in after.keys() & change.keys():
             change[k] = after[k].vx - instant.before[k].vx, after[k].vy - instant.before[k].vy
-        fastest = max(max(instant.before[k].speed, after.get(k, instant.before[k]).speed) for k in circles)
+        fastest = max(
+            max(instant.before[k].speed, after.get(k, instant.before[k]).speed) + instant.before[k].fallen for k in circles
+        )
         columns = []
         for link in links:
             column: dict[int, tuple[float, float]] = {}
@@ -480,7 +503,8 @@ class Laws:
             energy += mass * (left.vx**2 + left.vy**2 - before.vx**2 - before.vy**2) / 2
             room += float(mass) * max(before.speed, left.speed) * granted
         yield worst
-        yield Residual("energy", links[0], size_of(energy), room)
+        lost = not self.scene.elastic and not energy > 0  # how much it loses depends on the order; it gains nothing
+        yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
 
     def _unexplained(
         self, k: int, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],

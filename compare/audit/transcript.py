@@ -14,7 +14,7 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...exact.replay.parts import PartsNear
-from ...floating.knots import DoubleMotion, EventMotion
+from ...floating.knots import NEXT_TO, DoubleMotion, EventMotion, SteppedFall
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 
@@ -45,6 +45,7 @@ class ReportedFlight(NamedTuple):
         t, x, y, vx, vy: time, place and velocity, enclosed; of a double, exactly.
         time, place, speed: sizes as doubles: of t, of (x, y), of (vx, vy).
         made: how many events the run had when it began.
+        fallen: under gravity, a speed of which each rounding of the engine's may take its share; see `Fall.straight`.
     """
 
     t: arb
@@ -56,6 +57,7 @@ class ReportedFlight(NamedTuple):
     place: float
     speed: float
     made: int
+    fallen: float = 0.0
 
     def turned(self) -> ReportedFlight:
         """The same with the velocity negated.
@@ -69,6 +71,59 @@ class ReportedFlight(NamedTuple):
         """Where it is at a time."""
         span = t - self.t
         return self.x + self.vx * span, self.y + self.vy * span
+
+
+class Fall(NamedTuple):
+    """The gravity of a run, and how its engine follows it.
+
+    Attributes:
+        gx, gy: along x and y.
+        size: of both.
+        step: of an engine that moves a circle by each step first, and adds g dt to its velocity after; else 0.
+    """
+
+    gx: arb
+    gy: arb
+    size: float
+    step: float = 0.0
+
+    def fallen(self, span: arb) -> tuple[arb, arb]:
+        """After a flight: by how many g the place is off the straight way, and by how many the velocity has changed."""
+        if not self.step:
+            return span * span / 2, span
+        dt, steps = arb(self.step), round(float(span) / self.step)
+        if abs(float(span) - steps * self.step) > NEXT_TO * self.step:  # not at a step, but for rounding
+            steps = math.floor(float(span) / self.step)
+        return dt * dt * steps * (steps - 1) / 2 + (span - steps * dt) * steps * dt, steps * dt
+
+    def place_late(self, span: float) -> float:
+        """By how far the place after a flight is behind that of a fall, for an engine of steps: half a step late."""
+        return self.size * self.step * span / 2
+
+    def straight(self, flight: ReportedFlight, t: arb, made: int) -> ReportedFlight:
+        """The straight flight that comes to the place where a fall is at a time, with the velocity that it has there.
+
+        Whatever is asked of an end of a flight can be asked of this one.
+
+        Args:
+            made: how many events the run has by then: an engine may add to a velocity at each, or at each step.
+
+        >>> fall = Fall(arb(0), arb(-2), 2.0)
+        >>> told = fall.straight(flight_of((0.0, 0.0, 9.0, 1.0, 0.0), 0), arb(3), 0)
+        >>> [float(v) for v in (*told.at(arb(3)), told.vx, told.vy)]
+        [3.0, 0.0, 1.0, -6.0]
+        """
+        span = t - flight.t
+        if span.is_zero():
+            return flight
+        way, gain = self.fallen(span)
+        vx, vy = flight.vx + self.gx * gain, flight.vy + self.gy * gain
+        x, y = flight.x + self.gx * (way - gain * span), flight.y + self.gy * (way - gain * span)
+        speed = max(flight.speed, math.hypot(float(vx.mid()), float(vy.mid())))
+        added = float(span) / self.step if self.step else float(max(0, made - flight.made))
+        fallen = self.size * (abs(float(t)) + flight.time) + (1.0 + added) * speed
+        place = max(flight.place, math.hypot(float(x.mid()), float(y.mid())))
+        return ReportedFlight(flight.t, x, y, vx, vy, flight.time, place, speed, flight.made, fallen)
 
 
 Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
@@ -105,7 +160,8 @@ class ReportedInstant:
         time: the moment, as a double.
         t: the same, enclosed.
         impulses: pairs of places in `scene.ids`, in the order reported.
-        before, after: the flight that ends, and the one that begins, of each circle that has a new one.
+        before, after: the flight that ends, and the one that begins, of each circle that has a new one. Under gravity
+            the former is the straight one that ends there as the fall does (`Fall.straight`).
         turned: whether every velocity is negated here. What is hit at the very moment of a reversal is hit before it,
             after it, or both: of that only the energy is known.
     """
@@ -137,6 +193,7 @@ class Transcript:
         states: whether the engine reports where circles are, for every event; without, places were computed from times.
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.
+        fall: the gravity of the run; None without.
         end: up to when flights are known, once all of it is read; infinite where nothing is left to happen.
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -159,6 +216,11 @@ class Transcript:
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.gone: dict[int, float] = {}
+        self.fall: Fall | None = None
+        if run.scene.gravity is not None:
+            gx, gy = (ball.constant(part) for part in run.scene.gravity)
+            size = math.hypot(*map(float, run.scene.gravity))
+            self.fall = Fall(gx, gy, size, motion.dt if isinstance(motion, SteppedFall) else 0.0)
         self.end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
         if self.scene.capture:
             for entry in run.pocketings:
@@ -185,7 +247,22 @@ class Transcript:
         """Every instant, in the order of time."""
         motion = self._motion
         told = self._from_flights(motion) if isinstance(motion, DoubleMotion) else self._from_rows()
+        if self.fall is not None:
+            told = self._straightened(told, self.fall)
         return told if self.scene is self.run.scene else map(self._by_parts, told)
+
+    def _straightened(self, told: Iterator[ReportedInstant], fall: Fall) -> Iterator[ReportedInstant]:
+        """The same with flights that end as they do under gravity."""
+        made = 0
+        for instant in told:
+            made += len(instant.events)
+            ended = {
+                k: fall.straight(flight, instant.after[k].t if k in instant.after else instant.t, made)
+                if k < self._count and self._moving[k]
+                else flight
+                for k, flight in instant.before.items()
+            }
+            yield replace(instant, before=ended)
 
     def _by_parts(self, instant: ReportedInstant) -> ReportedInstant:
         """The same with the faces and ends that circles meet at their own places, for the things that have them."""
@@ -372,7 +449,8 @@ class Transcript:
         hit = instant.circles(self._count)
         for k, row in enumerate(rows):
             found = self._flight((time, *row), made)
-            same = found.vx.overlaps(flying[k].vx) and found.vy.overlaps(flying[k].vy)
+            known = flying[k] if self.fall is None else self.fall.straight(flying[k], found.t, made)
+            same = found.vx.overlaps(known.vx) and found.vy.overlaps(known.vy)
             if k in hit or turned or (self._moving[k] and not same):
                 instant.before[k] = flying[k]
                 flying[k] = instant.after[k] = found
