@@ -59,6 +59,12 @@ class PlainState(ReplayState[M]):
         """See `Flights.surely_falls`."""
         return bool(speed < self.zero)
 
+    def wall_hit(self, link: AtWall) -> tuple[M, M]:
+        """As `Flights.wall_hit`; what rounding has put into a wall for all of its way up comes to it where it turns."""
+        if self.falling is not None and self.sides.pull(*link[:2]) and self.wall_discriminant(link) < self.zero:
+            return self.wall_graze(link)
+        return super().wall_hit(link)
+
     def _hit_from_base(self, source: Link) -> tuple[M, M]:
         clock, wait = super()._hit_from_base(source)
         return clock, self.zero if wait < self.zero else wait

@@ -398,9 +398,9 @@ def _step_violations(
         ]
     if "lateness" in kinds:
         found += [
-            Violation("gap", s.event, s.time, tuple(ids[k] for k in s.pair), abs(s.gap), s.loose)
+            Violation("gap", s.event, s.time, tuple(ids[k] for k in s.pair), abs(s.sunk), s.loose)
             for s in measures.samples
-            if abs(s.gap) > s.loose
+            if abs(s.sunk) > s.loose
         ]
     if "correction" in kinds:
         found += [
@@ -556,14 +556,20 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
     sizes = {
         "impulse": _middle_of([s.defect for s in bad]) if bad else 0.0,
         "integrator": measures.behind,
-        "lateness": max((abs(s.late) for s in measures.samples if abs(s.gap) > s.loose), default=0.0),
-        "correction": _middle_of([math.hypot(d.x, d.y) for d in measures.drifts]),
+        "lateness": max((abs(s.late) for s in measures.samples if abs(s.sunk) > s.loose), default=0.0),
+        "correction": _corrected(measures),
         "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
         "bystander": float(sum(r.kind == "bystander" for r in several)),
         "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
         "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
+
+
+def _corrected(measures: Measures) -> float:
+    """By how much places are moved without a flight: the median; under gravity, where most are of rest, the most."""
+    moved = [math.hypot(d.x, d.y) for d in measures.drifts]
+    return max(moved, default=0.0) if measures.behind else _middle_of(moved)
 
 
 def lasting(measures: Measures, found: Sequence[Passage], step: float) -> list[Passage]:
@@ -595,7 +601,8 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     known |= {"integrator"} & found.keys()
     if not found.keys() - known:
         return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
-    integrator = [Defect(kind, found.pop(kind), 1.0, measures.behind, step, True) for kind in ["integrator"] if kind in found]
+    behind = found.pop("integrator", 0.0)
+    integrator = [Defect("integrator", behind, 1.0, behind, step, True)] if behind else []
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
     if until * (2 ** (HALVINGS + 1) - 2) > most * step:
         until = _until(run, measures, FEW_IMPACTS)

@@ -41,6 +41,8 @@ class Sample(NamedTuple):
         loose: what it may make of the gap.
         slide: how fast they pass each other across the line of centres.
         reach: from centre to centre as they touch; infinite for a wall.
+        inherited: the gap, below 0, that there is already as the later of their flights begins; looked at under
+            gravity, where circles come to rest on what they have sunk into before.
     """
 
     event: int
@@ -57,6 +59,12 @@ class Sample(NamedTuple):
     loose: float
     slide: float = 0.0
     reach: float = math.inf
+    inherited: float = 0.0
+
+    @property
+    def sunk(self) -> float:
+        """The gap that has come of this flight; 0 where one was there before, and is less now: it is pushed out."""
+        return min(0.0, self.gap - self.inherited) if self.inherited else self.gap
 
     @property
     def late(self) -> float:
@@ -67,11 +75,11 @@ class Sample(NamedTuple):
         if not self.speed:
             return 0.0
         if math.isfinite(self.reach):
-            far, over = self.reach + self.gap, self.gap * (2 * self.reach + self.gap)
+            far, over = self.reach + self.sunk, self.sunk * (2 * self.reach + self.sunk)
             square = (far * self.speed) ** 2 - over * (self.speed**2 + self.slide**2)
             if square >= 0:
                 return -over / (far * self.speed + math.sqrt(square))
-        return -self.gap / self.speed
+        return -self.sunk / self.speed
 
     @property
     def defect(self) -> float:
@@ -198,11 +206,12 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     aside = aside if aside > heavy else 0.0
     speeds = a.speed + a.fallen + la.speed + (0.0 if wall else instant.before[j].speed + instant.before[j].fallen)
     room = (64 * laws.unit * speeds + met.bent) / (abs(closing) * min(1.0, laws.restitution))
-    slid = then / across if across else math.nan
+    slid, ratio = then / across if across else math.nan, -after / closing / laws.restitution
     yield Sample(
-        instant.events[0] if instant.events else events, instant.time, pair, -closing, -after / closing / laws.restitution, slid, aside,
+        instant.events[0] if instant.events else events, instant.time, pair, -closing, ratio, slid, aside,
         masses, lost, float(met.gap.mid()), room, met.room, abs(across),
         math.inf if wall else float((laws.things[i].r + laws.things[j].r).mid()),
+        min(0.0, laws.began(pair, instant)),
     )  # fmt: skip
 
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from .transcript import Fall
 
 FEW = 48
-"""Circles up to which every pair is looked at at once; beyond it, those whose flights share a cell. Under gravity all are,
-as flights are no straight ways through cells."""
+"""Circles up to which every pair is looked at at once; beyond it, those whose flights share a cell. Under gravity all
+are, as flights are no straight ways through cells."""
 
 MOST_CELLS = 4096
 """Cells of one flight; one that crosses more is taken to be everywhere."""
@@ -138,12 +138,20 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
     line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
     pull = float((line.nx * fall.gx + line.ny * fall.gy).mid())
     closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
-    times = [leg.end] if leg.end < math.inf else []
+    first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
+    if leg.end < math.inf:
+        times = [leg.end]
+    elif pull > 0.0 or (pull == 0.0 < closing):  # for ever: at twice the time to the wall it is beyond it
+        gap = max(0.0, float(first.mid()))
+        root = math.sqrt(closing * closing + 2 * pull * gap)
+        wait = 2 * gap / (closing + root) if closing > 0.0 else (root - closing) / pull
+        times = [leg.start + 2 * wait + 1.0]
+    else:
+        times = []
     if pull < 0.0 < closing:
         turn = leg.start - closing / pull
         if turn < leg.end:
             times.append(fall.step * math.floor((turn - leg.t) / fall.step) + leg.t if fall.step else turn)
-    first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
     deepest: Passage | None = None
     for time in times:
         x, y, vx, vy = _fallen(leg, time, fall)

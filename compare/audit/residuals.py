@@ -349,6 +349,30 @@ class Laws:
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
 
+    def began(self, pair: tuple[int, int], instant: ReportedInstant) -> float:
+        """The gap of two as the later of the flights begins that end at an instant; 0 without gravity."""
+        if self.fall is None:
+            return 0.0
+        i, j = pair
+        flights = [instant.before[k] for k in pair if k < self.count]
+        start = max(flights, key=lambda flight: flight.time).t
+        places: list[tuple[arb, arb]] = []
+        for flight, k in zip(flights, pair, strict=False):
+            end = instant.after[k].t if k in instant.after else instant.t
+            way, gain = self.fall.fallen(end - flight.t)
+            off = way - gain * (end - flight.t)  # back to where it was, and on to the start of the later one
+            way, _ = self.fall.fallen(start - flight.t)
+            x, y = flight.x - self.fall.gx * off, flight.y - self.fall.gy * off
+            vx, vy = flight.vx - self.fall.gx * gain, flight.vy - self.fall.gy * gain
+            span = start - flight.t
+            places.append((x + vx * span + self.fall.gx * way, y + vy * span + self.fall.gy * way))
+        if j >= self.count:
+            line, ((x, y),) = self.line(i, j - self.count), places
+            return float((line.nx * (line.x - x) + line.ny * (line.y - y) - self.things[i].r).mid())
+        (xa, ya), (xb, yb) = places
+        dx, dy = xb - xa, yb - ya
+        return float(((dx * dx + dy * dy).sqrt() - self.things[i].r - self.things[j].r).mid())
+
     def _bent_at_end(self, wall: int, line: WallInBalls, x: arb, y: arb, blur: float, radius: float) -> float:
         """By what angle the normal may turn where rounding may make of a face the end beside it; 0 elsewhere."""
         if wall not in self.scene.faces:
@@ -474,7 +498,8 @@ class Laws:
         for k in after.keys() & change.keys():
             change[k] = after[k].vx - instant.before[k].vx, after[k].vy - instant.before[k].vy
         fastest = max(
-            max(instant.before[k].speed, after.get(k, instant.before[k]).speed) + instant.before[k].fallen for k in circles
+            max(instant.before[k].speed, after.get(k, instant.before[k]).speed) + instant.before[k].fallen
+            for k in circles
         )
         columns = []
         for link in links:

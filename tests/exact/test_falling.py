@@ -8,7 +8,6 @@ from flint import arb
 from test_gravity import scene_of
 
 from truebreak.compare import compare
-from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.files.saved import run_of, saved_run
 from truebreak.compare.foreign.impulses import Impacts
@@ -276,14 +275,13 @@ def test_what_is_round_and_fixed_is_refused_under_gravity(things, named):
 
 
 def test_what_does_not_know_gravity_refuses_it_by_name():
-    scene, engine = GRIDS[1], DoubleEngine()
+    scene = GRIDS[1]
     with pytest.raises(CertificateError, match="has gravity, which certificates do not know yet"):
         certificate_of(ExactEngine().run(scene, events=3))
     with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
         shadow(scene, events=3)
     with pytest.raises(SceneError, match="has gravity, of which no log is judged yet"):
         Impacts(scene)
-    assert audit_run(engine.run(scene, events=3), engine).reason == "gravity is not audited yet"
     found = compare(scene, [PymunkEngine(dt=1 / 4)], events=12)
     assert found.candidates[0].alignment.divergence is not None
     assert found.candidates[0].diagnosis.experiments[0].result == "causes are not looked for yet in scenes with gravity"

@@ -1,0 +1,193 @@
+"""The audit under gravity and with a restitution: engines that keep the law pass, and planted faults are found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+import pytest
+
+from truebreak.compare import engine
+from truebreak.compare.audit.audit import Audit, audit_run
+from truebreak.floating import PymunkEngine
+from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+
+def scene_of(seed: int) -> Scene:
+    """One to four discs of sizes off any grid, under gravity, in a box, a wedge or a shaft, some walls aslant."""
+    draw = Random(f"audited fall {seed}")
+
+    def part(low: int, high: int, of: int) -> str:
+        return f"{draw.randint(low * of, high * of)}/{of}"
+
+    discs = [
+        Circle(
+            f"{3 * (k % 2)} - 1 + {part(-1, 1, 97)}/3", f"{3 * (k // 2)} - 1 + {part(-1, 1, 89)}/3",
+            r=f"{draw.randint(40, 90)}/101", m=draw.choice(("1", "2", "1/3")),
+            vx=part(-3, 3, 31), vy=part(-3, 3, 37), id=f"c{k}",
+        )
+        for k in range(draw.randint(1, 4))
+    ]  # fmt: skip
+    floor = draw.choice((Wall(0, -6, 1, -6, id="floor"), Wall(-9, -8, 9, -7, id="floor")))
+    sides = [Wall(-7, 0, -7, 1, id="left"), Wall(7, 0, "29/4", 9, id="right")]
+    walls = draw.choice(
+        ([floor, *sides], [floor, *sides, Wall(0, 6, 1, 6, id="top")],
+         [Wall(0, -9, 5, -4, id="up"), Wall(0, -9, -4, -4, id="down")], [floor])
+    )  # fmt: skip
+    pull = draw.choice(((0, -1), (0, -10), ("1/7", -3)))
+    return Scene(discs, walls, gravity=pull, restitution=draw.choice((1, 1, "9/10", "1/2")), name=f"fall {seed}")
+
+
+SCENES = [scene_of(seed) for seed in range(40)]
+
+
+def audited(chosen: Any, scene: Scene, events: int = 30) -> Audit:
+    return audit_run(chosen.run(scene, events=events), chosen)
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("double", 40), ("single", 40), ("quad", 12), ("rounded:bits=40", 12), ("interval", 12), ("exact", 8)],
+)
+def test_engines_of_events_keep_the_laws_under_gravity(name: str, count: int) -> None:
+    chosen = engine(name)
+    found = [audited(chosen, scene) for scene in SCENES[:count]]
+    assert [audit.sentence for audit in found if not audit.kept] == []
+    assert sum(audit.impacts for audit in found) > 10 * count
+
+
+@pytest.mark.parametrize("bias", [1.0, 0.9**60, 0.0])
+def test_steps_keep_the_laws_under_gravity(bias: float) -> None:
+    """Whether an overlap is pushed out or not, in rest too."""
+    chosen = PymunkEngine(dt=1 / 128, collision_bias=bias)
+    found = [audited(chosen, scene, 24) for scene in SCENES[:14]]
+    assert [audit.sentence for audit in found if audit.kept is not True] == []
+    kinds = {defect.kind for audit in found for defect in audit.defects}
+    assert {"integrator", "lateness"} <= kinds
+    assert ("correction" in kinds) == (bias < 1)
+
+
+def test_what_is_of_the_integrator_is_half_a_step_of_the_fall() -> None:
+    """From rest at 10 the first flight, of 45 steps of 1/32, is 10 dt t / 2 behind that of a fall."""
+    scene = Scene([Circle(0, 11)], [FLOOR], gravity=(0, -10))
+    sizes = []
+    for dt in (1 / 32, 1 / 64):
+        chosen = PymunkEngine(dt=dt)
+        found = audited(chosen, scene, 1)
+        [late] = [defect for defect in found.defects if defect.kind == "integrator"]
+        time = float(chosen.run(scene, events=1).events[0].time)
+        assert late.size == pytest.approx(10 * dt * time / 2, rel=1e-9)
+        assert (found.kept, late.order, late.of_step) == (True, 1.0, True)
+        sizes.append(late.size)
+    assert sizes[0] / sizes[1] == pytest.approx(2, rel=0.05)
+
+
+def test_the_energy_of_the_integrator_is_kept_where_nothing_is_pushed_out() -> None:
+    """v**2/2 + g y + g dt v_y/2 at every knot; pymunk's own default pushes an overlap out, and lifts it."""
+    scene, dt = Scene([Circle(0, "21/10", vx="1/3")], [FLOOR], gravity=(0, -1)), 1 / 64
+
+    def energies(bias: float) -> list[float]:
+        motion = PymunkEngine(dt=dt, collision_bias=bias).run(scene, until=12).motion
+        return [vy * vy / 2 + y + dt * vy / 2 for _, _, y, _, vy in motion.knots[0]]  # pyright: ignore[reportAttributeAccessIssue]
+
+    assert max(energies(1.0)) - min(energies(1.0)) < 1e-12
+    assert max(energies(0.0)) - 2.1 > 0.02
+
+
+Change = Callable[[Scene], Any]
+
+
+class Otherwise:
+    """An engine that is given another scene than the one that it says it ran."""
+
+    def __init__(self, inner: Any, key: str, change: Change) -> None:
+        self.inner, self.key, self.change = inner, key, change
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.inner, name)
+
+    def finer(self) -> Otherwise:
+        return Otherwise(self.inner.finer(), self.key, self.change)
+
+    def firmer(self) -> Otherwise:
+        return Otherwise(self.inner.firmer(), self.key, self.change)
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        told = self.inner.run(scene.with_changes(**{self.key: self.change(scene)}), **limits)
+        return replace(told, scene=scene)
+
+
+def _times(text: str) -> Change:
+    factor = Quantity.of(text)
+    return lambda scene: scene.gravity and tuple(part * factor for part in scene.gravity)
+
+
+FAULTS: dict[str, tuple[str, Change, str]] = {
+    "gravity of the other sign": ("gravity", _times("-1"), ""),
+    "gravity more by a millionth": ("gravity", _times("1 + 1/10**6"), "an acceleration of -1e-06 along y"),
+    "no gravity": ("gravity", lambda scene: None, ""),
+    "gravity aslant": (
+        "gravity",
+        lambda scene: (Quantity.of("1/10**6"), scene.gravity and scene.gravity[1]),
+        "an acceleration of 1e-06 along x",
+    ),
+    "a restitution of 999 in 1,000": (
+        "restitution",
+        lambda scene: scene.restitution * Quantity.of("999/1000"),
+        "restitution 0.999 fits",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("text", ["falling-line", "wedge", "gas-under-gravity"])
+@pytest.mark.parametrize("name", ["double", "pymunk"])
+def test_a_planted_fault_is_found(fault: str, text: str, name: str) -> None:
+    key, change, told = FAULTS[fault]
+    found = audited(Otherwise(engine(name), key, change), catalogue.build(text), 40)
+    assert found.kept is False
+    assert told in found.sentence or name == "pymunk"
+    assert name == "double" or key == "gravity" or told in found.sentence
+
+
+def test_a_fault_of_a_trillionth_of_gravity_is_found_in_doubles() -> None:
+    for text in ("falling-line", "wedge", "gas-under-gravity", "bounce"):
+        assert (
+            audited(Otherwise(engine("double"), "gravity", _times("1 + 1/10**12")), catalogue.build(text)).kept is False
+        )
+
+
+def test_with_a_restitution_another_one_is_named_by_its_value() -> None:
+    found = audited(Otherwise(engine("double"), "restitution", lambda scene: "89/100"), catalogue.build("bounce"))
+    assert "restitution 0.89 fits 30 of 30 impacts" in found.sentence
+    assert audited(engine("double"), catalogue.build("cooling")).kept is True
+    lossless = audited(Otherwise(engine("double"), "restitution", lambda scene: 1), catalogue.build("cooling"))
+    assert lossless.kept is False
+    assert "restitution 1 fits" in lossless.sentence
+
+
+def test_a_circle_that_is_left_to_fall_for_ever_through_a_floor_is_found() -> None:
+    """The run says that nothing is left to happen, and has neither an impact nor a flight."""
+    floor = Scene([Circle(0, 5)], [FLOOR], gravity=(0, -1))
+    run = replace(engine("double").run(floor.with_changes(walls=())), scene=floor)
+    assert not run.events and math.isfinite(float(run.final_time))
+    found = audit_run(run, engine("double"))
+    assert found.kept is False
+    assert "c1 and floor fly" in found.finding
+
+
+def test_every_time_is_a_number_where_bounces_come_to_an_end_within_rounding() -> None:
+    """A single that is in its wall for all of its way up once made one that is none."""
+    short = 0
+    for seed in range(40):
+        scene = scene_of(seed).with_changes(restitution="1/2")
+        for name in ("single", "rounded:bits=12"):
+            run = engine(name).run(scene, events=60)
+            assert all(math.isfinite(float(event.time)) for event in run.events)
+            short += len(run.events) < 60
+    assert short > 20
