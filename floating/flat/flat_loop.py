@@ -8,7 +8,7 @@ from math import inf
 from typing import TypeAlias, cast
 
 from ...exact.numbers.system import NumberSystem
-from ...exact.replay.state import Go, Kick, ReplayState, Step
+from ...exact.replay.state import Go, Kick, Step
 from ...exact.simulation.decider import History, Limits, Mark, Noted, Record
 from ...exact.simulation.instant import Gatherer, Instant
 from ...exact.simulation.loop import Loop
