@@ -120,8 +120,8 @@ def _from(leg: Leg, start: float, fall: Fall) -> Leg:
     """The straight flight beside which a fall goes on from a time: each has its place and velocity then."""
     x, y, vx, vy = _fallen(leg, start, fall)
     apart = leg.apart + leg.turned * (start - leg.t) if leg.apart else 0.0
-    numbers = (float(value.mid()) for value in (x, y, vx, vy))
-    return Leg(leg.circle, start, leg.end, start, *numbers, apart, leg.turned)
+    x0, y0, ux, uy = (float(value.mid()) for value in (x, y, vx, vy))
+    return Leg(leg.circle, start, leg.end, start, x0, y0, ux, uy, apart, leg.turned)
 
 
 def _fallen(leg: Leg, time: float, fall: Fall) -> tuple[arb, arb, arb, arb]:

@@ -107,7 +107,8 @@ class Displacements:
         places = wall_bounce(own[0], own[1], hit.dx, hit.dy, square)
         speeds = wall_bounce(own[2], own[3], hit.dx, hit.dy, square)
         if self._pull is not None:
-            approach, pull = wall_approach(hit.vx, hit.vy, hit.dx, hit.dy), wall_approach(*self._pull, hit.dx, hit.dy)
+            gx, gy = self._pull
+            approach, pull = wall_approach(hit.vx, hit.vy, hit.dx, hit.dy), wall_approach(gx, gy, hit.dx, hit.dy)
             fallen = fall_turn(hit.dx, hit.dy, square, approach, pull, own[0], own[1])
             speeds = speeds[0] + fallen[0], speeds[1] + fallen[1]
         for k, after in enumerate((*places, *speeds)):

@@ -254,7 +254,7 @@ class Course:
             meets = ~behind
             meets[np.abs(gap).argsort()[:unknown]] = False
             meets[list(at)] = False
-            pull = side * wall_approach(*self._gravity, nx, ny)
+            pull = side * wall_approach(self._gravity[0], self._gravity[1], nx, ny)
             waits, rates = _falls_to(np.maximum(gap, 0.0), approach, pull)
             meets &= np.isfinite(waits)
             waits, rates = waits[meets], rates[meets]
@@ -264,7 +264,7 @@ class Course:
     def fall_rate(self, impact: Impact) -> float:
         """n.g over n.v of a circle that hits a wall: by what share gravity changes the approach in a unit of time."""
         _, _, nx, ny, vx, vy, *_ = as_doubles(impact)
-        return wall_approach(*self._gravity, nx, ny) / wall_approach(vx, vy, nx, ny)
+        return float(wall_approach(self._gravity[0], self._gravity[1], nx, ny) / wall_approach(vx, vy, nx, ny))
 
     def pulled(self, impact: Impact) -> bool:
         """Whether gravity pulls a circle to the wall that it hits: then it comes there at whatever speed it flies."""

@@ -25,7 +25,7 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import AtWall, Pair, Touch, contact_of, is_arc, is_flat, is_pair, name_of
+from ...exact.replay.contact import AtWall, Pair, Touch, can_push, contact_of, is_arc, is_flat, is_pair, name_of
 from ...exact.replay.state import Go, Kick
 from ...scenarios.numbers.quantity import Quantity
 
@@ -76,13 +76,20 @@ def first_graze(trajectory: Trajectory, motion: ExactMotion, events: int) -> Gra
 
 
 def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: int, link: Link) -> Graze | None:
-    """The graze that two were proved to have on their flights after an instant, if it comes to pass."""
+    """The graze that two were proved to have on their flights after an instant, if it comes to pass.
+
+    At the side of an arc it is taken to; at the rim of a pocket it changes no velocity.
+    """
+    if not can_push(link):
+        return None
     scene = motion.log.scene
     names = [scene.ids[k] for k in link.circles]
     one, other = contact_of(scene, link)
     before = sum(_number(event) <= instant for event in trajectory.events[:events])
+    if is_arc(link):
+        return Graze(before, one, other)
     with ball.precision(BITS):
-        time = _apex(motion, link, instant) if is_flat(link) else _nearest(motion, *link.circles, instant)
+        time = _apex(motion, link, instant) if is_flat(link) else _nearest(motion, link.a, link.b, instant)
         for event in trajectory.events[before:events]:
             if not event.time.ball(BITS) < time:
                 return Graze(before, one, other)
@@ -99,8 +106,8 @@ def _apex(motion: ExactMotion, link: AtWall, instant: int) -> arb:
     knots = motion.knots[link.circle]
     knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]
     vx, vy = (known_ball(number, BITS) for number in knot[3:5])
-    nx, ny = map(ball.constant, scene.walls[link.wall].normal)
-    gx, gy = map(ball.constant, scene.gravity)
+    nx, ny = (ball.constant(part) for part in scene.walls[link.wall].normal)
+    gx, gy = (ball.constant(part) for part in scene.gravity)
     return -wall_approach(vx, vy, nx, ny) / wall_approach(gx, gy, nx, ny)  # in the falling frame: n.(v + g t) = 0
 
 
