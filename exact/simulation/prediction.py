@@ -80,15 +80,17 @@ class Outlook(NamedTuple, Generic[N]):
 
     Attributes:
         others: for each, the circles to be looked at.
-        lines: for each, its walls.
+        lines: for each, its walls, then its faces.
         reaches: for each, sums of radii by kind of radius.
         pairs: how many pairs of circles that is.
+        first_face: the first of the walls that is a face.
     """
 
     others: list[list[Body[N]]]
     lines: list[list[FloatLine]]
     reaches: list[list[float]]
     pairs: int
+    first_face: int
 
 
 class Crossings(Protocol):
@@ -200,8 +202,10 @@ class ArrivalQueue(Generic[N]):
         """
         if predictions is None:
             return False
-        others, lines, reaches, _ = outlook
-        order = predictions.predict(moved, others, lines, reaches, bounds, slopes, standing, self._heap, self._order)
+        others, lines, reaches, _, first = outlook
+        order = predictions.predict(
+            moved, others, lines, reaches, bounds, slopes, standing, self._heap, self._order, first
+        )
         if order is None:
             return False
         self._order = order
