@@ -277,11 +277,8 @@ class Polygon:
 
     def sides(self) -> tuple[tuple[Point, Point], ...]:
         """Each corner with the next one, in the order of `corners`: what is outside lies to the left."""
-        return self._sides
-
-    @kept
-    def _sides(self) -> tuple[tuple[Point, Point], ...]:
-        return tuple(pairwise((*self._corners, self._corners[0])))
+        corners = self.corners()
+        return tuple(pairwise((*corners, corners[0])))
 
     def corners(self) -> tuple[Point, ...]:
         """The points, clockwise from the first of them that is a corner; one between two sides on one line is none."""

@@ -164,7 +164,9 @@ def _far(aged: Aged, rng: Random) -> Aged:
 def _scaled(aged: Aged, rng: Random) -> Aged:
     """Lengths and times in other units."""
     size, time = Quantity.of(10) ** rng.choice((-2, 2, 0)), Quantity.of(10) ** rng.choice((-5, 5, 0))
-    scene = _mapped(aged.scene, lambda a, b: (a * size, b * size), lambda a, b: (a * size / time, b * size / time), size)
+    scene = _mapped(
+        aged.scene, lambda a, b: (a * size, b * size), lambda a, b: (a * size / time, b * size / time), size
+    )
     if scene.reverse_at is not None:
         scene = scene.with_changes(reverse_at=scene.reverse_at * time)
     return replace(aged, scene=scene, until=aged.until * time)
@@ -193,7 +195,8 @@ def _swift(aged: Aged, rng: Random) -> Aged:
 
 
 def _gap(aged: Aged, rng: Random) -> Aged:
-    off = rng.choice((1, -1)) * Quantity.of(10) ** -rng.choice((12, 18, 22))  # its square is not below what the referee takes for zero
+    """By so much that its square is not below what the referee takes for zero."""
+    off = rng.choice((1, -1)) * Quantity.of(10) ** -rng.choice((12, 18, 22))
     axis = rng.choice(("x", "y", "vx", "vy"))
     return _with_one(aged, rng, lambda c: _again(c, **{axis: getattr(c, axis) + off}))
 
@@ -411,7 +414,8 @@ def report(rows: list[dict]) -> str:
     """The counts."""
     lines = [f"{len(rows):,} scenes, {sum(row['events'] for row in rows):,} events"]
     lines += [f"  {outcome}: {count:,}" for outcome, count in Counter(row["outcome"] for row in rows).most_common()]
-    pairs = Counter(pair for row in rows if row["outcome"] == "ok" for pair in combinations(sorted(row["ingredients"]), 2))
+    agreed = [sorted(row["ingredients"]) for row in rows if row["outcome"] == "ok"]
+    pairs = Counter(pair for ingredients in agreed for pair in combinations(ingredients, 2))
     least = [(pairs[pair], pair) for pair in combinations(sorted([*SHOWN, *BASES]), 2) if not set(pair) <= set(BASES)]
     least = [one for one in least if one[1] != ("restitution", "reversal")]  # refused together
     count, pair = min(least)

@@ -54,7 +54,7 @@ class CompiledPredictions(Protocol):
         first_face: int,
         /,
     ) -> int | None:
-        """`FilteredPredictor.predict` of one or two circles, into the heap of an `ArrivalQueue`; the lines of walls from
+        """`FilteredPredictor.predict` of one or two circles, into the heap of an `ArrivalQueue`; walls from
         `first_face` on are faces.
 
         Gives the last order that it used; None, with nothing changed, where something is not told by doubles, or not

@@ -76,7 +76,7 @@ class FlatFlights:
         self.ahead: set[int] = set()
         self._behind: set[int] = set()
         self._first_face = scene.faces.start
-        self._two_sided = scene.two_sided
+        self._sides_from, self._sides_to = n + scene.two_sided.start, n + scene.two_sided.stop
         self._lines: list[tuple[FlatLine, ...] | None] = [None] * n
 
     def lines(self, i: int) -> tuple[FlatLine, ...]:
@@ -91,10 +91,8 @@ class FlatFlights:
 
     def beside(self, j: int) -> tuple[int, ...]:
         """A place, with that of the other side of a segment, of which what is at one side meets neither."""
-        if j - self.n not in self._two_sided:
-            return (j,)
-        first = self.n + self._two_sided.start
-        return j, first + ((j - first) ^ 1)
+        first = self._sides_from
+        return (j,) if j < first or j >= self._sides_to else (j, first + ((j - first) ^ 1))
 
     def link(self, i: int, j: int) -> Pair | AtWall:
         """The contact of two places, the first a circle."""

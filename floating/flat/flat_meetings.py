@@ -188,6 +188,7 @@ class FlatMeetings(PlainMeetings[float]):
         self.crowd: FlatCrowd | None = None
         self._begun = False
         self._queue = queue
+        self._straight = len(scene.walls) - len(scene.faces)
         self._radii = [circle.r for circle in scene.circles]
         flights.unsure = self._look_closer
 
@@ -243,7 +244,7 @@ class FlatMeetings(PlainMeetings[float]):
             return
         if not f.rests(i):
             walls(f, i, f.lines(i), standing)
-            self._plan["walls predicted"] += f.wall_count - len(self._scene.faces)
+            self._plan["walls predicted"] += self._straight
 
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""

@@ -152,11 +152,11 @@ static int wall(const Held *held, PyObject *line, PyObject *serial, PyObject *ze
         PyErr_SetString(PyExc_TypeError, "a line is a tuple of eight");
         return -1;
     }
-    for (int k = 0; k < 6; k++)
+    int is_face = PyTuple_GET_ITEM(line, LINE - 1) == Py_True;
+    for (int k = 0; k < 5 + is_face; k++)
         if (read_double(PyTuple_GET_ITEM(line, k + 1), &told[k]) < 0)
             return -1;
     PyObject *place = PyTuple_GET_ITEM(line, 0);
-    int is_face = PyTuple_GET_ITEM(line, LINE - 1) == Py_True;
     double nx = told[NX], ny = told[NY], x = a[X] - told[FROM_X], y = a[Y] - told[FROM_Y];
     double approach = a[VX] * nx + a[VY] * ny;
     if (approach > 0.0 || (approach == 0.0 && !is_face))

@@ -101,7 +101,8 @@ def test_what_is_not_asked_rightly_is_refused(name: str) -> None:
     code = getattr(compiled, name)
     for given in [
         (run, 99, [], ()), (run, -1, [], ()), (run, "", [], ()), (run, 0, 5, ()), (run, 0, [()], ()),
-        (run, 0, [("",) * 8], ()), (run, 0, [("",) * 7], ()), (run, 0), (None, 0, [], ()), (Run([5], [], [inf], [0]), 0, [], ()),
+        (run, 0, [("",) * 8], ()), (run, 0, [("",) * 7], ()), (run, 0), (None, 0, [], ()),
+        (Run([5], [], [inf], [0]), 0, [], ()),
     ]:  # fmt: skip
         with pytest.raises((TypeError, IndexError, AttributeError)):
             code(*given)
