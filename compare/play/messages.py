@@ -290,7 +290,8 @@ def turned(scene: Scene, events: int, seconds: float) -> Scene:
         raise SceneError("the scene turns back by itself; leave its reversal out")
     if not scene.elastic:
         raise SceneError(
-            f"restitution = {scene.restitution.text()}: each hit loses energy, which turning back does not return; set it to 1"
+            f"restitution = {scene.restitution.text()}: each hit loses energy, which turning back does not return; "
+            "set it to 1"
         )
     with time_limit(seconds) as watch:
         ran = ExactEngine().run(scene, events=events + 1, progress=watch.watched(None))

@@ -322,7 +322,7 @@ def test_what_was_checked_of_a_certificate_is_shown(page: PagePlayed) -> None:
     page.wait("!document.getElementById('checked').hidden")
     shown = dict(
         page.browser.ask(
-            "[...document.querySelectorAll('#checked > div')].map((e) => [...e.children].map((p) => p.innerText))"
+            "[...document.querySelectorAll('#checked div')].map((e) => [...e.children].map((p) => p.innerText))"
         )
     )
     instants = json.loads(certified(ExactEngine().run(catalogue.build("inscribed"))).text)["instants"]
