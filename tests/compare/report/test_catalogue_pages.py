@@ -1,4 +1,4 @@
-"""Every scene of the catalogue as a report: its first screen, its length on a telephone, its size, what axe-core finds."""
+"""Every scene of the catalogue as a report: its first screen, its length on a telephone, its size, what axe finds."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_pat
         browser.size(width, height)
         browser.open(page)
         assert browser.ask(NAMED) == ["Where", "Why", "So what", "What now"]
-        assert 0 < browser.ask("document.querySelector('.verdict').getBoundingClientRect().top")
+        assert browser.ask("document.querySelector('.verdict').getBoundingClientRect().top") > 0
         assert browser.ask("document.querySelector('.answers').getBoundingClientRect().bottom") <= height
     assert browser.ask("document.documentElement.scrollHeight") <= 6000
     browser.size(320)
