@@ -57,14 +57,15 @@ class Passage(NamedTuple):
         time: when they are deepest; where that is never, when the run ends.
         residual: of the kind `depth`: how much deeper than at the start of their flights.
         began: when their flights began.
-        within: from when to when they overlap, or a circle is inside of a face's segment, where these flights have all
-            of that; without thickness the two are one. None where they have not, and for walls.
+        enter: when they begin to overlap, or when their flights begin, if they do then.
+        leave: when the overlap is over, where it begins and ends in these flights; infinite where it does not.
     """
 
     time: float
     residual: Residual
     began: float
-    within: tuple[float, float] | None = None
+    enter: float = -math.inf
+    leave: float = math.inf
 
 
 def passes_between(enter: float, leave: float, step: float, base: float) -> bool:
@@ -76,6 +77,8 @@ def passes_between(enter: float, leave: float, step: float, base: float) -> bool
     >>> passes_between(0.3, 0.6, 1.0, 0.0), passes_between(0.3, 1.6, 1.0, 0.0), passes_between(2.0, 2.0, 1.0, 0.0)
     (True, False, True)
     """
+    if not math.isfinite(leave):
+        return False
     return leave <= enter or math.floor((leave - base) / step) * step + base < enter
 
 
@@ -239,9 +242,9 @@ def _enclosed(
         return None
     pair = (min(leg.circle, other.circle), max(leg.circle, other.circle))
     half = math.sqrt(max(0.0, (wide - beside) * (wide + beside))) / speed
-    stay = deepest - half, deepest + half
-    within = stay if start < stay[0] and stay[1] < min(leg.end, other.end) else None
-    return Passage(time, Residual("depth", pair, size, room), start, within)
+    enter, leave = deepest - half, deepest + half
+    whole = start < enter and leave < min(leg.end, other.end)
+    return Passage(time, Residual("depth", pair, size, room), start, max(start, enter), leave if whole else math.inf)
 
 
 def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
@@ -273,10 +276,11 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
     if size <= room:
         return None
     residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
+    enter = leg.start + max(0.0, gap) / closing
     if wall not in laws.scene.faces:
-        return Passage(leg.end, residual, leg.start)
-    enter, leave = leg.start + gap / closing, leg.start + (gap + 2.0 * (radius + line.thick)) / closing
-    return Passage(end, residual, leg.start, (enter, leave) if leg.start < enter and leave < leg.end else None)
+        return Passage(leg.end, residual, leg.start, enter)
+    leave = leg.start + (gap + 2.0 * (radius + line.thick)) / closing
+    return Passage(end, residual, leg.start, enter, leave if leg.start < enter and leave < leg.end else math.inf)
 
 
 def _through(leg: Leg, line: WallInBalls, height: float, closing: float, radius: float, blur: float) -> float:
