@@ -146,6 +146,7 @@ class PartsNear(Generic[N]):
         strength = hypot(dx, dy)
         ways = [(_double(part.nx) * dx + _double(part.ny) * dy, part) for part in parts]
         links = [part.link for way, part in ways if way > 0.0]
+        links = links[:count] if count > 1 or self.things[thing].convex else links  # the nearest ones
         if strength > 0.0 and count == 1:
             off = [abs(_double(p.nx) * dy - _double(p.ny) * dx) / strength if w > 0.0 else inf for w, p in ways]
             if min(off) <= ONE_WAY:  # of several, the nearest
@@ -269,7 +270,7 @@ class PartsNear(Generic[N]):
         if link.hollow:  # towards the middle; r is below zero there
             nx, ny, gap = -nx, -ny, -reach - far
         towards = _double(nx * vx + ny * vy) < 0.0
-        return _PartSeen(abs(_double(gap)), towards, 2.0 * _double(a.r), NearestPart[N](link, nx, ny, gap))
+        return _PartSeen(abs(_double(gap)), towards, _double(a.r), NearestPart[N](link, nx, ny, gap))
 
     def name_of(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> int:
         """The thing by which what a circle is nearest to of a thing is named: an end that things share has one name.
