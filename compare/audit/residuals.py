@@ -18,6 +18,7 @@ from ...exact.replay.contact import Sides
 from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
+    from ...scenarios.arcs import ArcSide
     from ...scenarios.scene import Scene
     from .transcript import ReportedFlight, ReportedInstant, Transcript
 
@@ -197,14 +198,7 @@ class Laws:
         self._sides = Sides(scene)
         self._ends_of = {wall: parts.ends for parts in self.parts.values() for wall in parts.faces}
         self.first_side = self.count + len(scene.walls)
-        self.sides = [
-            SideInBalls(
-                ball.constant(side.x), ball.constant(side.y), abs(ball.constant(side.r)), side.r.sign(), side.full,
-                *map(float, (side.nx, side.ny, side.h)), math.hypot(float(side.x), float(side.y)), abs(float(side.r)),
-                next(parts.ends for parts in self.parts.values() if k in parts.sides),
-            )
-            for k, side in enumerate(scene.arc_sides)
-        ]  # fmt: skip
+        self.sides = [self._side(k, side) for k, side in enumerate(scene.arc_sides)]
         self._owners: dict[int, list[int]] = {}
         for thing, parts in self.parts.items():
             first = self.first_side
@@ -227,6 +221,13 @@ class Laws:
                 WallInBalls(x0, y0, -nx / span, -ny / span, size, length, thick),
             )
         return self._lines[wall][self._sides.negative(circle, wall)]
+
+    def _side(self, k: int, side: ArcSide) -> SideInBalls:
+        x, y, r = ball.constant(side.x), ball.constant(side.y), abs(ball.constant(side.r))
+        nx, ny, h = float(side.nx), float(side.ny), float(side.h)
+        ends = next(parts.ends for parts in self.parts.values() if k in parts.sides)
+        place, radius = math.hypot(float(side.x), float(side.y)), abs(float(side.r))
+        return SideInBalls(x, y, r, side.r.sign(), side.full, nx, ny, h, place, radius, ends)
 
     def reach(self, pair: tuple[int, int]) -> float:
         """From centre to centre as two touch: infinite for a wall, below zero for the hollow side of an arc."""

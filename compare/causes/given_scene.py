@@ -118,7 +118,11 @@ class RoundedState(ReplayState[arb]):
                 body.w = 1 / self._near(circle.m)
         for side, body in zip(scene.arc_sides, self.arcs, strict=True):
             body.r = self._near(side.r)
-            body.flight = Flight(self._near(side.x), self._near(side.y), *(self.zero,) * 4, rest=True)
+            body.flight = self._still_at(self._near(side.x), self._near(side.y))
+
+    def _still_at(self, x: arb, y: arb) -> Flight[arb]:
+        zero = self.zero
+        return Flight(x, y, zero, zero, zero, zero, rest=True)
 
     def _near(self, value: Quantity) -> arb:
         return ball.constant(value if self._bits is None else nearest(value, self._bits))
@@ -146,7 +150,7 @@ class RoundedState(ReplayState[arb]):
             body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
         for mine, one, two in zip(made.arcs, self.arcs, other.arcs, strict=True):
             x, y = (a + share * (b - a) for a, b in zip(one.flight[:2], two.flight[:2], strict=True))
-            mine.flight = Flight(x, y, *(self.zero,) * 4, rest=True)
+            mine.flight = self._still_at(x, y)
             mine.r = one.r + share * (two.r - one.r)
         for wall in range(len(self.scene.walls)):
             one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]

@@ -245,10 +245,11 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
     for (name, flight), k in product(flights.items(), whole.faces):
         if _meets_an_end_of(flight, whole.walls[k], radii[name]):
             return f"{name} meets {whole.walls[k].id} where a face becomes an end"
-    for (name, flight), side in product(flights.items(), whole.arc_sides):
-        told = _zero_at_side(flight, side, radii[name])
-        if told is not None:
-            return f"{name} {told}"
+    for name, flight in flights.items():
+        for side in whole.arc_sides:
+            zero = _zero_at_side(flight, side, radii[name])
+            if zero is not None:
+                return f"{name} {zero}"
     return None
 
 
