@@ -120,7 +120,7 @@ class RoundSide(NamedTuple):
         """What it covers of a line across a flight.
 
         >>> bow = RoundSide(arb(0), arb(0), arb(5), arb(1), True, ((arb(3), arb(-4)), (arb(3), arb(4))))
-        >>> [(float(s.low), float(s.high)) for s in bow.spans((arb(0), arb(1), arb(2), arb(0)))]
+        >>> [(round(float(s.low), 9), round(float(s.high), 9)) for s in bow.spans((arb(0), arb(1), arb(2), arb(0)))]
         [(-4.2, 2.2)]
         """
         if not self._ahead(way):
