@@ -189,11 +189,9 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.arcs:
-        return Audit(None, "arcs are not audited yet")
     if run.scene.restitution.sign() == 0:
         return Audit(None, "restitution 0 is not audited yet")
-    if run.scene.gravity is not None and any(circle.fixed for circle in run.scene.surfaces.circles):
+    if run.scene.gravity is not None and (run.scene.arcs or any(circle.fixed for circle in run.scene.surfaces.circles)):
         return Audit(None, "what is round and fixed is not audited yet under gravity")
     if engine.step is not None:
         return _audited_steps(run, engine)

@@ -25,9 +25,20 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import AtWall, Pair, Touch, can_push, contact_of, is_arc, is_flat, is_pair, name_of
+from ...exact.replay.contact import (
+    AtWall,
+    Pair,
+    Touch,
+    can_push,
+    contact_of,
+    is_arc,
+    is_flat,
+    is_pair,
+    name_of,
+    places_of,
+)
 from ...exact.replay.state import Go, Kick
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.quantity import ZERO, Quantity
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Link
@@ -78,7 +89,7 @@ def first_graze(trajectory: Trajectory, motion: ExactMotion, events: int) -> Gra
 def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: int, link: Link) -> Graze | None:
     """The graze that two were proved to have on their flights after an instant, if it comes to pass.
 
-    At the side of an arc it is taken to; at the rim of a pocket it changes no velocity.
+    At the rim of a pocket it changes no velocity.
     """
     if not can_push(link):
         return None
@@ -86,10 +97,12 @@ def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: in
     names = [scene.ids[k] for k in link.circles]
     one, other = contact_of(scene, link)
     before = sum(_number(event) <= instant for event in trajectory.events[:events])
-    if is_arc(link):
-        return Graze(before, one, other)
     with ball.precision(BITS):
-        time = _apex(motion, link, instant) if is_flat(link) else _nearest(motion, link.a, link.b, instant)
+        if is_flat(link):
+            time = _apex(motion, link, instant)
+        else:
+            i, j = places_of(scene, link)
+            time = _nearest(motion, i, j, instant)
         for event in trajectory.events[before:events]:
             if not event.time.ball(BITS) < time:
                 return Graze(before, one, other)
@@ -112,11 +125,17 @@ def _apex(motion: ExactMotion, link: AtWall, instant: int) -> arb:
 
 
 def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
-    """When two circles are nearest to each other on their flights after an instant."""
+    """When two circles, or one and the middle of an arc, are nearest to each other on flights after an instant."""
     rows: list[list[arb]] = []
+    scene = motion.log.scene
+    beyond = len(scene.circles) + len(scene.walls)
     for k in (i, j):
-        if k in motion.log.scene.ends:
-            end = motion.log.scene.circles[k]
+        if k >= beyond:
+            side = scene.arc_sides[k - beyond]
+            rows.append([ball.constant(number) for number in (ZERO, side.x, side.y, ZERO, ZERO)])
+            continue
+        if k in scene.ends:
+            end = scene.circles[k]
             rows.append([ball.constant(number) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
             continue
         knots = motion.knots[k]
