@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from flint import arb
+
 from .residuals import Laws, length_of
 
 if TYPE_CHECKING:
@@ -219,8 +221,33 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     yield Sample(
         instant.events[0] if instant.events else events, instant.time, pair, -closing, ratio, slid, aside,
         masses, lost, float(met.gap.mid()), room, met.room, abs(across),
-        laws.reach(pair), min(0.0, laws.began(pair, instant)),
+        laws.reach(pair), min(0.0, _began(laws, pair, instant)),
     )  # fmt: skip
+
+
+def _began(laws: Laws, pair: tuple[int, int], instant: ReportedInstant) -> float:
+    """The gap of two as the later of the flights begins that end at an instant; 0 without gravity."""
+    if laws.fall is None:
+        return 0.0
+    i, j = pair
+    flights = [instant.before[k] for k in pair if k < laws.count]
+    start = max(flights, key=lambda flight: flight.time).t
+    places: list[tuple[arb, arb]] = []
+    for flight, k in zip(flights, pair, strict=False):
+        end = instant.after[k].t if k in instant.after else instant.t
+        way, gain = laws.fall.fallen(end - flight.t)
+        off = way - gain * (end - flight.t)  # back to where it was, and on to the start of the later one
+        way, _ = laws.fall.fallen(start - flight.t)
+        x, y = flight.x - laws.fall.gx * off, flight.y - laws.fall.gy * off
+        vx, vy = flight.vx - laws.fall.gx * gain, flight.vy - laws.fall.gy * gain
+        span = start - flight.t
+        places.append((x + vx * span + laws.fall.gx * way, y + vy * span + laws.fall.gy * way))
+    if j >= laws.count:
+        line, ((x, y),) = laws.line(i, j - laws.count), places
+        return float((line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[i].r).mid())
+    (xa, ya), (xb, yb) = places
+    dx, dy = xb - xa, yb - ya
+    return float(((dx * dx + dy * dy).sqrt() - laws.things[i].r - laws.things[j].r).mid())
 
 
 def drifts(laws: Laws, instant: ReportedInstant, events: int) -> list[Drift]:

@@ -16,6 +16,7 @@ from flint import arb, arb_mat
 from ...exact.numbers import ball
 from ...exact.replay.contact import Sides
 from ...scenarios.surfaces import parts_of
+from .transcript import groups_of
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
@@ -278,7 +279,7 @@ class Laws:
                 if self.moving[k]:
                     yield self._bystander("bystander", k, instant.before[k], after)
             return
-        groups = _groups(instant.impulses, self.moving, self.count)
+        groups = groups_of(instant.impulses, self.moving, self.count)
         hit = instant.circles(self.count)
         for pairs in groups:
             if len(pairs) == 1:
@@ -388,30 +389,6 @@ class Laws:
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
-
-    def began(self, pair: tuple[int, int], instant: ReportedInstant) -> float:
-        """The gap of two as the later of the flights begins that end at an instant; 0 without gravity."""
-        if self.fall is None:
-            return 0.0
-        i, j = pair
-        flights = [instant.before[k] for k in pair if k < self.count]
-        start = max(flights, key=lambda flight: flight.time).t
-        places: list[tuple[arb, arb]] = []
-        for flight, k in zip(flights, pair, strict=False):
-            end = instant.after[k].t if k in instant.after else instant.t
-            way, gain = self.fall.fallen(end - flight.t)
-            off = way - gain * (end - flight.t)  # back to where it was, and on to the start of the later one
-            way, _ = self.fall.fallen(start - flight.t)
-            x, y = flight.x - self.fall.gx * off, flight.y - self.fall.gy * off
-            vx, vy = flight.vx - self.fall.gx * gain, flight.vy - self.fall.gy * gain
-            span = start - flight.t
-            places.append((x + vx * span + self.fall.gx * way, y + vy * span + self.fall.gy * way))
-        if j >= self.count:
-            line, ((x, y),) = self.line(i, j - self.count), places
-            return float((line.nx * (line.x - x) + line.ny * (line.y - y) - self.things[i].r).mid())
-        (xa, ya), (xb, yb) = places
-        dx, dy = xb - xa, yb - ya
-        return float(((dx * dx + dy * dy).sqrt() - self.things[i].r - self.things[j].r).mid())
 
     def _at_side(self, i: int, side: SideInBalls, instant: ReportedInstant, events: int) -> ImpactLaws:
         """A circle and a side of an arc: as two circles, one of which never moves, is hollow, and ends somewhere."""
@@ -528,11 +505,8 @@ class Laws:
             ends = [k for k in (i, j) if k < self.count]
             va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (arb(0), arb(0)))
             opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
-            speed = sum(
-                instant.before[k].speed + instant.before[k].fallen + self._left(k, instant)
-                for k in ends
-                if k in instant.before
-            )
+            begun = [(instant.before[k], self._left(k, instant)) for k in ends if k in instant.before]
+            speed = sum(flight.speed + flight.fallen + left for flight, left in begun)
             total = sum((self.things[k].weight for k in ends), arb(0))
             bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
             room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + LEAST
@@ -568,10 +542,8 @@ class Laws:
         change = {k: (arb(0), arb(0)) for k in circles}
         for k in after.keys() & change.keys():
             change[k] = after[k].vx - instant.before[k].vx, after[k].vy - instant.before[k].vy
-        fastest = max(
-            max(instant.before[k].speed, after.get(k, instant.before[k]).speed) + instant.before[k].fallen
-            for k in circles
-        )
+        begun = instant.before
+        fastest = max(max(begun[k].speed, after.get(k, begun[k]).speed) + begun[k].fallen for k in circles)
         columns = []
         for link in links:
             column: dict[int, tuple[float, float]] = {}
@@ -637,23 +609,6 @@ BITS_GAINED = 40
 """Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
 
 DOUBLE_BITS = 53
-
-
-def _groups(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int) -> list[list[tuple[int, int]]]:
-    """Impulses of one instant, those that hang together through circles that can move; in the order reported.
-
-    >>> _groups([(0, 1), (2, 5), (1, 3)], [True] * 4, 4)
-    [[(2, 5)], [(0, 1), (1, 3)]]
-    """
-    if len(pairs) == 1:
-        return [[pairs[0]]]
-    found: list[tuple[set[int], list[tuple[int, int]]]] = []
-    for pair in pairs:
-        names = {k for k in pair if k < count and moving[k]}
-        joined = [group for group in found if group[0] & names]
-        fresh = (names.union(*(group[0] for group in joined)), [p for group in joined for p in group[1]] + [pair])
-        found = [group for group in found if group not in joined] + [fresh]
-    return [group[1] for group in found]
 
 
 MOST_SWEEPS = 200

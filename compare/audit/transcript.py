@@ -180,6 +180,23 @@ class ReportedInstant:
         return {k for pair in self.impulses for k in pair if k < count}
 
 
+def groups_of(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int) -> list[list[tuple[int, int]]]:
+    """Impulses of one instant, those that hang together through circles that can move; in the order reported.
+
+    >>> groups_of([(0, 1), (2, 5), (1, 3)], [True] * 4, 4)
+    [[(2, 5)], [(0, 1), (1, 3)]]
+    """
+    if len(pairs) == 1:
+        return [[pairs[0]]]
+    found: list[tuple[set[int], list[tuple[int, int]]]] = []
+    for pair in pairs:
+        names = {k for k in pair if k < count and moving[k]}
+        joined = [group for group in found if group[0] & names]
+        fresh = (names.union(*(group[0] for group in joined)), [p for group in joined for p in group[1]] + [pair])
+        found = [group for group in found if group not in joined] + [fresh]
+    return [group[1] for group in found]
+
+
 class Transcript:
     """A run, to be read once from its start to its end.
 
