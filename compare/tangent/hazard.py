@@ -200,9 +200,10 @@ class Course:
 
     def _side(self, i: int, k: int, thing: ThingParts) -> RoundSide:
         """A side of an arc, as circle i may meet it."""
-        side, ends = self._sides[k], [tuple(map(arb, map(float, self.places[end]))) for end in thing.ends]
-        x, y = map(arb, map(float, self.places[self._count + k]))
-        return RoundSide(x, y, arb(abs(float(side.r))), arb(float(self._radii[i])), k % 2 == 1, tuple(ends))
+        places = [self._count + k, *thing.ends]
+        (x, y), *ends = ((arb(x), arb(y)) for x, y in self.places[places].tolist())
+        r = abs(float(self._sides[k].r))
+        return RoundSide(x, y, arb(r), arb(float(self._radii[i])), k % 2 == 1, tuple(ends))
 
     def _sides_of(self, i: int, at: Collection[int]) -> list[Others]:
         """The sides of arcs in its way, but for those that it is at."""
