@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from .errors import SceneError
 from .numbers.quantity import Quantity
-from .things import Circle, Closing, Wall
+from .things import Circle, Squeeze, Wall
 
 # -- Which circles and walls may touch: found in doubles with a bound on their rounding, never decided by them.
 
@@ -233,7 +233,7 @@ def _touches_wall(circle: Circle, wall: Wall) -> bool:
     return sign == 0
 
 
-def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Closing, ...]:
+def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Squeeze, ...]:
     """The circles between two parallel walls that close, each with the two that first leave no room for it.
 
     Between walls that are not parallel nothing is crushed: their meeting point moves with one velocity, and in its
@@ -243,7 +243,7 @@ def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Closin
     >>> closing_of([Circle(3, 0)], walls)[0].time, closing_of([Circle(3, 0), Circle(12, 0)], walls)[-1].circle
     (Quantity('7/2'), 0)
     """
-    found: dict[int, Closing] = {}
+    found: dict[int, Squeeze] = {}
     for k, wall in enumerate(walls):
         for j in range(k):
             other = walls[j]
@@ -266,7 +266,7 @@ def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Closin
                 time = (across if side > 0 else -across) - circle.r - circle.r
                 time = time / abs(rate)
                 if i not in found or time < found[i].time:
-                    found[i] = Closing(i, (j, k), time)
+                    found[i] = Squeeze(i, (j, k), time)
     return tuple(found[i] for i in sorted(found))
 
 

@@ -24,7 +24,7 @@ from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
 
 if TYPE_CHECKING:
     from .arcs import ArcSide
-    from .things import Closing
+    from .things import Squeeze
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
@@ -221,13 +221,13 @@ class Scene:
         return any(wall.moves for wall in self.walls)
 
     @kept
-    def closing(self) -> tuple[Closing, ...]:
+    def closing(self) -> tuple[Squeeze, ...]:
         """The circles between two walls that close, and when these leave no room: the earliest of each, in order."""
         if not self.moving_walls:
             return ()
         from .neighbours import closing_of
 
-        return closing_of(self.circles, self.walls)
+        return closing_of(self.circles, self.walls[: self.faces.start])
 
     def _check_things(self) -> None:
         if not self.circles:

@@ -208,7 +208,7 @@ class Wall:
         return nx * (x - self.x0) + ny * (y - self.y0)
 
 
-class Closing(NamedTuple):
+class Squeeze(NamedTuple):
     """A circle between two parallel walls that close: by place in the scene, and when they leave no room for it."""
 
     circle: int

@@ -1,4 +1,4 @@
-"""Discs under uniform gravity and walls that may move, simulated anew in true coordinates with mpmath: shares no code with truebreak.
+"""Discs under uniform gravity, walls that may move, simulated anew in true coordinates: shares no code with truebreak.
 
 Every disc is moved to every event along its parabola. A meeting is a zero, later than now, at which a gap falls: it is
 looked for among all zeros, by the sign of the gap's derivative there; no formula says which of them it is.

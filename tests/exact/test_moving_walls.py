@@ -57,9 +57,7 @@ def scene_of(seed: int) -> Scene | None:
         vx, vy = rng.choice(PACES)
         walls.append(Wall(*points, id=name, vx=vx, vy=vy))
     try:
-        return Scene(
-            discs, walls, gravity=rng.choice(PULLS), restitution=rng.choice(LOSSES), name=f"moving {seed}"
-        )
+        return Scene(discs, walls, gravity=rng.choice(PULLS), restitution=rng.choice(LOSSES), name=f"moving {seed}")
     except SceneError:
         return None
 
