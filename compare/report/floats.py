@@ -62,6 +62,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
 def _check_exported(scene: Scene) -> None:
     if scene.arcs:
         raise SceneError(f"{scene.name!r}: has arcs, which are not exported in doubles yet; leave out --floats")
+    if scene.moving_walls:
+        raise SceneError(f"{scene.name!r}: has walls that move, which are not exported in doubles yet")
 
 
 def floats_csv(scene: Scene) -> str:

@@ -249,7 +249,7 @@ class FlatLoop(Loop[float, float]):
 
 
 def follows(scene: Scene, policy: Policy | None) -> bool:
-    """Whether a run of a scene can be flat: circles, walls that stand, a policy that learns nothing from one contact."""
+    """Whether a run of a scene can be flat: circles, walls that stand, a policy that learns nothing of one contact."""
     return (
         not scene.pockets
         and not scene.segments

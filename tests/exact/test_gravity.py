@@ -156,8 +156,12 @@ FAULTS = {
     "a bounce at the speed of the falling frame": _form(wall_flights, "fall_speed", lambda v, half, dt: v),
     "a bounce at half of the speed fallen": _form(wall_flights, "fall_speed", lambda v, half, dt: v + half * dt),
     "a wall that does not fall": _form(wall_flights, "sag", lambda x, v, half, dt: x + v * dt),
-    "a wall that falls twice as far": _form(wall_flights, "sag", lambda x, v, half, dt: x + v * dt + (half + half) * dt * dt),
-    "a zero off by a sign": _form(wall_flights, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)),
+    "a wall that falls twice as far": _form(
+        wall_flights, "sag", lambda x, v, half, dt: x + v * dt + (half + half) * dt * dt
+    ),
+    "a zero off by a sign": _form(
+        wall_flights, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)
+    ),
     "e squared": _made(_loss_squared),
     "places in the falling frame": _form(exact_motion, "_sunk", lambda x, half, time: x),
     "speeds in the falling frame": _form(exact_motion, "fall_speed", lambda v, half, dt: v),
