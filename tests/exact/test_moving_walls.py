@@ -290,7 +290,7 @@ def test_what_moves_along_itself_changes_nothing():
 def test_bounces_on_one_wall_come_at_equal_intervals():
     run = ExactEngine().run(Scene([Circle(0, 6)], [Wall(0, 0, 1, 0, vy=1)], gravity=(0, -10)), events=9)
     first, second, *others = [Quantity.of(event.time.text()) for event in run.events]
-    assert first.text() == "1/10*sqrt(101) - 1/10"
+    assert first == Quantity.of("(sqrt(101) - 1)/10")
     assert [time - before for before, time in zip([second, *others], others, strict=False)] == [second - first] * 7
 
 
@@ -371,7 +371,7 @@ def test_sympy_and_pymunk_agree():
         run = ExactEngine().run(scene, until=9, events=3)
         assert len(run.events) > 1
         literal = SymbolicEngine().run(scene, until=9, events=3)
-        assert [e.time.text() for e in literal.events] == [e.time.text() for e in run.events]
+        assert [Quantity.of(e.time.text()) for e in literal.events] == [Quantity.of(e.time.text()) for e in run.events]
         stepped = PymunkEngine(dt=1 / 2048).run(scene, until=9, events=len(run.events))
         assert [e.contacts for e in stepped.events] == [e.contacts for e in run.events]
         for mine, theirs in zip(run.events, stepped.events, strict=True):
