@@ -13,7 +13,7 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
 from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
-from .passages import Passage, passages
+from .passages import Passage, passages, passes_between
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
 
@@ -142,7 +142,9 @@ class Audit:
     def sentence(self) -> str:
         """The audit in one sentence."""
         if self.kept:
-            return f"keeps the law in all of its {self.steps}{self._phantoms}"
+            through = any(defect.kind == "tunnelling" for defect in self.defects)
+            passes = "; between the ends of its steps it passes through what it should hit" if through else ""
+            return f"keeps the law in all of its {self.steps}{self._phantoms}{passes}"
         if self.kept is None:
             return f"whether it keeps the law is not determined: {self.reason}"
         total = sum(self.counts.values())
@@ -417,7 +419,7 @@ def _step_violations(
     if "missed" in kinds:
         found += [
             Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
-            for p in lasting(measures, step)
+            for p in lasting(measures, measures.passages, step)
         ]
     return sorted(found, key=lambda violation: (violation.time, violation.event))
 
@@ -459,6 +461,7 @@ class Measures:
         drifts: flights whose end is beyond rounding.
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
+        tunnels: those of overlaps that begin and end between two ends of steps.
         impacts: how many contacts there were.
         flights: how many flights.
         back: how long before the end of a step impulses are applied.
@@ -470,6 +473,7 @@ class Measures:
     drifts: list[Drift] = field(default_factory=list[Drift])
     several: list[tuple[int, float, Residual]] = field(default_factory=list[tuple[int, float, Residual]])
     passages: list[Passage] = field(default_factory=list[Passage])
+    tunnels: list[Passage] = field(default_factory=list[Passage])
     impacts: int = 0
     flights: int = 0
     back: float = 0.0
@@ -482,7 +486,7 @@ class Defect:
     """One kind of defect of an engine of steps.
 
     Attributes:
-        kind: `impulse`, `restitution`, `lateness`, `correction`, `several`, `bystander`, `missed`.
+        kind: `impulse`, `lateness`, `correction`, `several`, `bystander`, `missed`, `tunnelling`, `iterations`.
         size: at the run's own step: a share of the impulse, a time, a length, or how many.
         order: with which power of the step it falls; None where that is not known.
         finest: its size at the finest step that was run.
@@ -528,7 +532,11 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
-        found.passages = [*passages(laws, transcript.flights(), transcript.end, gone)]
+        turn = math.inf if run.reversal is None else float(run.reversal.time)
+        for passage in passages(laws, transcript.flights(), transcript.end, gone):
+            base = turn if passage.time > turn else 0.0
+            through = passage.within is not None and step > 0.0 and passes_between(*passage.within, step, base)
+            (found.tunnels if through else found.passages).append(passage)
     found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
     found.samples = ways[found.back]
@@ -546,17 +554,18 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
         "correction": _middle_of([math.hypot(d.x, d.y) for d in measures.drifts]),
         "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
         "bystander": float(sum(r.kind == "bystander" for r in several)),
-        "missed": max((p.residual.size for p in lasting(measures, step)), default=0.0),
+        "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
+        "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
 
 
-def lasting(measures: Measures, step: float) -> list[Passage]:
+def lasting(measures: Measures, found: Sequence[Passage], step: float) -> list[Passage]:
     """Overlaps of pairs that do not meet within the steps that it takes to see them, and passages."""
     late = LATE * step
     return [
         passage
-        for passage in measures.passages
+        for passage in found
         if not any(
             abs(time - passage.time) <= late
             for whole in measures.wholes(passage.residual.bodies)
@@ -593,6 +602,8 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
         if sizes is None:
             break
         at.append((chosen.step, sizes))
+    if "tunnelling" in found and "missed" in at[-1][1]:  # a finer step has an end in the overlap, and does not see it
+        found.setdefault("missed", at[-1][1]["missed"])
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         if defect.kind in ("several", "impulse") and defect.of_step is not True:
@@ -610,7 +621,7 @@ def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
         return float(run.final_time)
     first = [s.time for s in measures.samples if s.defect > NEAR * s.room][:1]
     first += [time for _, time, told in measures.several if told.broken][:1]
-    first += [p.time for p in measures.passages[:1] if math.isfinite(p.time)]
+    first += [p.time for p in (*measures.passages[:1], *measures.tunnels[:1]) if math.isfinite(p.time)]
     least = times[min(len(times), impacts) - 1]
     return max([least, *(time for time in first if time <= 4 * least)])
 
@@ -622,6 +633,7 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         [d for d in measures.drifts if d.time <= until],
         [told for told in measures.several if told[1] <= until],
         [p for p in measures.passages if p.time <= until],
+        [p for p in measures.tunnels if p.time <= until],
         back=measures.back,
         met=measures.met,
         wholes=measures.wholes,
@@ -632,6 +644,8 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
 def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[str, float]]], known: bool) -> Defect:
     """What a series says of one kind of defect."""
     last, finest = at[-1][0], at[-1][1].get(kind, 0.0)
+    if kind == "tunnelling":
+        return Defect(kind, size, None, finest, last, True)
     first = at[0][1].get(kind, 0.0) or size
     if len(at) <= 2 and not known:
         return Defect(kind, size, None, finest, last, None)
