@@ -20,11 +20,10 @@ from .settings import (
     positive_count,
     positive_time,
 )
-from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
+from .things import Arc, Circle, Pocket, Polygon, Segment, Squeeze, Wall
 
 if TYPE_CHECKING:
     from .arcs import ArcSide
-    from .things import Squeeze
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
@@ -208,12 +207,13 @@ class Scene:
         if self.reverse_after is not None or self.reverse_at is not None:
             key = "reverse_at" if self.reverse_after is None else "reverse_after"
             raise SceneError(f"wall {wall.id!r}: moves: cannot be turned back, as walls go on; leave {key} out")
-        crushed = next((found for found in self.closing if found.time.sign() == 0), None)
-        if crushed is not None:
-            name, (one, other) = self.circles[crushed.circle].id, (self.walls[k].id for k in crushed.walls)
-            raise SceneError(
-                f"circle {name!r}: walls {one!r} and {other!r} touch it and close at time 0; move them apart"
-            )
+        for crushed in self.closing:
+            if crushed.time.sign() == 0:
+                one, other = (self.ids[len(self.circles) + k] for k in crushed.walls)
+                raise SceneError(
+                    f"circle {self.ids[crushed.circle]!r}: walls {one!r} and {other!r} touch it and close at time 0; "
+                    "move them apart"
+                )
 
     @kept
     def moving_walls(self) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Generic, NamedTuple
 
 from ..laws.formulas import (
@@ -87,7 +86,7 @@ class WallFlights(Generic[N]):
     bodies: dict[int, Body[N]]
     sides: Sides
     falling: Gravity[N] | None
-    drifts: Mapping[int, tuple[N, N]]
+    drifts: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
 
     def line(self, circle: int, wall: int) -> SeenWall[N]:
