@@ -13,7 +13,7 @@ from flint import arb
 from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.arc_ranges import within_arc
+from ..exact.replay.arc_ranges import faces_arc
 from ..exact.replay.contact import (
     AtArc,
     AtWall,
@@ -225,6 +225,10 @@ class PlainMeetings(Generic[M]):
         """Nothing is plain before it is asked."""
         return False
 
+    def close(self) -> None:
+        """Lets go of its predictor and of who decides for it, which know it."""
+        del self._predictor, self._ask
+
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
         self._predictor.predict(moved, standing, gone)
@@ -311,7 +315,7 @@ class PlainMeetings(Generic[M]):
             a, b = link.ends(state)
             pair = state.relation(link)
             through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
-            if through < 0 and self._sign(within_arc(state, link, pair.dx, pair.dy)) > 0:
+            if through < 0 and self._sign(faces_arc(state, link, pair.dx, pair.dy)) > 0:
                 return a.flight.t, False
         disc = arc_contact(link, self._ask, final=True)
         if disc is None or disc < 0:
@@ -381,15 +385,18 @@ class PlainDecider(Generic[M]):
     def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state
-        self.history: History[M] = History()
         self.bodies = state.bodies
-        self.queue = ArrivalQueue(self.bodies)
-        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
+        self.history, self.queue, self.meetings = self._parts(numbers)
         self.reading = PlainReading(state, numbers)
         self.stride = None
         self._sign = numbers.sign
         self._standing = StandingClock()
         self.refresh([*state.bodies.values(), *state.pockets])
+
+    def _parts(self, numbers: NumberSystem[M]) -> tuple[History[M], ArrivalQueue[M], PlainMeetings[M]]:
+        history: History[M] = History()
+        queue = ArrivalQueue(self.bodies)
+        return history, queue, PlainMeetings(self.scene, self.state, queue, history.plan, numbers, self.ask)
 
     def begin(self, instant: int) -> None:
         """The precision is what it is; but time must pass (see `pass_on`)."""
@@ -427,8 +434,8 @@ class PlainDecider(Generic[M]):
 
     def close(self) -> None:
         """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
-        vars(self.meetings).clear()
-        vars(self).clear()
+        self.meetings.close()
+        del self.meetings
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""

@@ -233,6 +233,17 @@ def _touches_wall(circle: Circle, wall: Wall) -> bool:
     return sign == 0
 
 
+def shown_amount(amount: Quantity) -> str:
+    """An exact amount as an error shows it: itself if short, else its first digits."""
+    text = amount.text()
+    if len(text) <= 24:
+        return text
+    try:
+        return f"about {float(amount):.6g}"
+    except OverflowError:
+        return "more than 1e308"
+
+
 def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Squeeze, ...]:
     """The circles between two parallel walls that close, each with the two that first leave no room for it.
 
@@ -268,14 +279,3 @@ def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Squeez
                 if i not in found or time < found[i].time:
                     found[i] = Squeeze(i, (j, k), time)
     return tuple(found[i] for i in sorted(found))
-
-
-def shown_amount(amount: Quantity) -> str:
-    """An exact amount as an error shows it: itself if short, else its first digits."""
-    text = amount.text()
-    if len(text) <= 24:
-        return text
-    try:
-        return f"about {float(amount):.6g}"
-    except OverflowError:
-        return "more than 1e308"

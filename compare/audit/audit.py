@@ -189,8 +189,6 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.arcs:
-        return Audit(None, "arcs are not audited yet")
     if not run.scene.elastic:
         return Audit(None, "a restitution below 1 is not audited yet")
     if run.scene.moving_walls:
@@ -465,6 +463,7 @@ class Measures:
         impacts: how many contacts there were.
         flights: how many flights.
         back: how long before the end of a step impulses are applied.
+        end: up to when its flights are known.
         met: when each pair meets.
         wholes: see `Laws.wholes`: what is met of a thing is not always the face or end that is overlapped a step later.
     """
@@ -477,6 +476,7 @@ class Measures:
     impacts: int = 0
     flights: int = 0
     back: float = 0.0
+    end: float = math.inf
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
     wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = _themselves
 
@@ -532,10 +532,11 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
+        found.end = transcript.end
         turn = math.inf if run.reversal is None else float(run.reversal.time)
         for passage in passages(laws, transcript.flights(), transcript.end, gone):
             base = turn if passage.time > turn else 0.0
-            through = passage.within is not None and step > 0.0 and passes_between(*passage.within, step, base)
+            through = step > 0.0 and passes_between(passage.enter, passage.leave, step, base)
             (found.tunnels if through else found.passages).append(passage)
     found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
@@ -561,12 +562,13 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
 
 
 def lasting(measures: Measures, found: Sequence[Passage], step: float) -> list[Passage]:
-    """Overlaps of pairs that do not meet within the steps that it takes to see them, and passages."""
+    """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that."""
     late = LATE * step
     return [
         passage
         for passage in found
-        if not any(
+        if not measures.end - late < passage.enter
+        and not any(
             abs(time - passage.time) <= late
             for whole in measures.wholes(passage.residual.bodies)
             for time in measures.met.get(whole, ())
@@ -586,6 +588,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     step = engine.step or 0.0
     found = defects(engine, measures)
     known = {kind for kind, size in found.items() if kind == "lateness" and size <= LATE * step}
+    seen: list[Defect] = []
     if not found.keys() - known:
         return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
@@ -602,8 +605,8 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
         if sizes is None:
             break
         at.append((chosen.step, sizes))
-    if "tunnelling" in found and "missed" in at[-1][1]:  # a finer step has an end in the overlap, and does not see it
-        found.setdefault("missed", at[-1][1]["missed"])
+    if "tunnelling" in found and "missed" not in found and (unseen := at[-1][1].get("missed")):
+        seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False))  # a finer step ends in an overlap
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         if defect.kind in ("several", "impulse") and defect.of_step is not True:
@@ -611,7 +614,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
             left = math.inf if sizes is None else sizes.get(defect.kind, 0.0)
             if left <= defect.size / 2:
                 judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
-    return judged
+    return judged + seen
 
 
 def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
@@ -635,6 +638,7 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         [p for p in measures.passages if p.time <= until],
         [p for p in measures.tunnels if p.time <= until],
         back=measures.back,
+        end=measures.end,
         met=measures.met,
         wholes=measures.wholes,
     )
@@ -646,6 +650,8 @@ def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[
     last, finest = at[-1][0], at[-1][1].get(kind, 0.0)
     if kind == "tunnelling":
         return Defect(kind, size, None, finest, last, True)
+    if kind not in at[0][1] and not known:  # the series is too short to have any
+        return Defect(kind, size, None, finest, last, None)
     first = at[0][1].get(kind, 0.0) or size
     if len(at) <= 2 and not known:
         return Defect(kind, size, None, finest, last, None)

@@ -8,7 +8,7 @@ from math import inf
 from typing import TypeAlias, cast
 
 from ...exact.numbers.system import NumberSystem
-from ...exact.replay.state import Go, Kick, ReplayState, Step
+from ...exact.replay.state import Go, Kick, Step
 from ...exact.simulation.decider import History, Limits, Mark, Noted, Record
 from ...exact.simulation.instant import Gatherer, Instant
 from ...exact.simulation.loop import Loop
@@ -131,9 +131,9 @@ class FlatStride:
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
-        stale = f.stale
+        stale, slides = f.stale, self._meetings.slides
         done = 0
-        while done < most and heap:
+        while done < most and heap and not slides:
             first = heap[0]
             time, _, i, j, si, sj, wait, _ = first
             if serial[i] != si or serial[j] != sj:
@@ -176,15 +176,13 @@ EVENTS_A_LOOK = 256
 class FlatDecider(PlainDecider[float]):
     """See `PlainDecider`; ordinary instants are not asked about."""
 
-    def __init__(self, scene: Scene, state: ReplayState[float], numbers: NumberSystem[float]) -> None:
-        super().__init__(scene, state, numbers)
-        vars(self.meetings).clear()  # others take their place
-        self.flights = FlatFlights(scene, state)
-        self.history = self._kept = FlatHistory(self.flights)
-        self.queue = FlatQueue(self.flights)
-        plan = self.history.plan
-        self.meetings = FlatMeetings(scene, state, self.queue, plan, numbers, self.ask, self.flights)
-        self.plain_stride = FlatStride(self.flights, self._kept, self.meetings)
+    def _parts(self, numbers: NumberSystem[float]) -> tuple[FlatHistory, FlatQueue, FlatMeetings]:
+        self.flights = FlatFlights(self.scene, self.state)
+        self._kept = FlatHistory(self.flights)
+        queue = FlatQueue(self.flights)
+        meetings = FlatMeetings(self.scene, self.state, queue, self._kept.plan, numbers, self.ask, self.flights)
+        self.plain_stride = FlatStride(self.flights, self._kept, meetings)
+        return self._kept, queue, meetings
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""
@@ -220,7 +218,11 @@ class FlatGatherer(Gatherer[float, float]):
     def gather(self, last: int) -> Instant | Stop | None:
         """See `Gatherer`; None also after a stride."""
         self.decider.pass_on()
-        if not self._touching and self.decider.plain_stride(self._most(), self._before()):
+        slides = self.decider.meetings.slides
+        if not self._touching and (self.decider.plain_stride(self._most(), self._before()) or slides):
+            for link in slides:
+                self._touching.add(link)
+            slides.clear()
             return None
         self.decider.flights.sync()
         return super().gather(last)
@@ -252,8 +254,6 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
     """Whether a run of a scene can be flat: circles, walls that stand, a policy that learns nothing of one contact."""
     return (
         not scene.pockets
-        and not scene.segments
-        and not scene.polygons
         and not scene.arcs
         and scene.gravity is None
         and not scene.moving_walls
