@@ -155,7 +155,7 @@ class SteppedAdapter(Adapted):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but arcs, walls that move, `capture` (no pockets), `tie_policy`: contacts of a step are solved at once."""
+        """All but arcs, walls that move, `capture` (no pockets), `tie_policy`: a step solves its contacts at once."""
         return ALL_KEYS - {"arc", "capture", "tie_policy", "restitution", "moving walls"}
 
     def finer(self) -> SteppedAdapter:
