@@ -315,7 +315,7 @@ def test_bad_input_has_one_line(made, says):
 
 
 def test_scenes_with_older_ingredients_agree_with_the_referee(monkeypatch):
-    """The beginning of the campaign of `edge_campaign.py`; in its last scenes a referee that forgets to turn is seen."""
+    """The beginning of the campaign of `edge_campaign.py`; a referee that forgets to turn is seen."""
     monkeypatch.setattr(segment_referee, "DIGITS", edge_campaign.FINE[0])
     monkeypatch.setattr(segment_referee, "SAME", edge_campaign.FINE[1])
     rows = [row for seed in range(45) if (row := edge_campaign.verdict(seed)) is not None]
