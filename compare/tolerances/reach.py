@@ -232,7 +232,8 @@ class ErrorWalk:
         scene = run.scene
         beyond = {
             "segments": bool(scene.segments), "polygons": bool(scene.polygons), "arcs": bool(scene.arcs),
-            "a restitution below 1": not scene.elastic, "gravity": scene.gravity is not None,
+            "a restitution below 1": not scene.elastic, "walls that move": bool(scene.moving_walls),
+            "gravity": scene.gravity is not None,
         }  # fmt: skip
         for what in (name for name, there in beyond.items() if there):
             told = f"{scene.name!r}: has {what}, where what rounding may do is not bounded yet"
