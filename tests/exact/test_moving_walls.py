@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -15,6 +20,7 @@ from truebreak.compare.certificate.certified import difference
 from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_json
+from truebreak.compare.report.player import played
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import check_start
 from truebreak.compare.tolerances.errors_grown import local_error
@@ -27,8 +33,9 @@ from truebreak.exact.replay.state import Flights, ReplayState
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.exact.simulation import prediction
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall, pictures
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
+from truebreak.scenarios.pictures import as_at
 
 UNTIL, EVENTS = 12, 14
 
@@ -431,3 +438,30 @@ def test_files_hold_them_and_digests_of_others_stay():
         text = f'[[circle]]\nid = "a"\nx = 0\ny = 0\nr = 1\n[[{kind}]]\nid = "s"\n{body}\nvx = 1\n'
         with pytest.raises(SceneError, match=f"{kind} 's': vx: of what is fixed, walls alone move"):
             loads_toml(text)
+
+
+def test_pictures_draw_walls_where_they_are_at_the_time():
+    scene = closing().with_changes(walls=[Wall(9, 0, 9, 1, id="right", vx=-2)])
+    run = ExactEngine().run(scene, events=1)
+    there = as_at(scene, float(run.final_time))
+    assert float(there.walls[0].x0) == pytest.approx(float(run.final["c"].x) + 1)
+    assert (there.walls[0].id, scene.walls[0].x0.text()) == ("right", "9")
+    told = played(scene, run, [], name="exact", title="exact")
+    assert told is not None
+    assert told["walls"] == [[9.0, 0.0, 9.0, 1.0, "right", -2.0, 0.0]]
+    still = played(Scene([Circle(3, 0)], [Wall(9, 0, 9, 1)]), run, [], name="exact", title="exact")
+    assert still is not None
+    assert still["walls"] == [[9.0, 0.0, 9.0, 1.0, "w1"]]
+
+
+def test_the_player_moves_walls():
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not there")
+    source = (Path(pictures.__file__).parents[1] / "compare/report/templates/stage.js").read_text("utf-8")
+    body = re.search(r"  moved\((.*?)\n  }", source, re.DOTALL)
+    assert body is not None
+    calls = "[moved([9,0,9,1,'w',-2,1],1.5),moved([9,0,9,1,'w'],3)]"
+    told = f"const moved = function({body[1]}\n}}; console.log(JSON.stringify({calls}))"
+    found = subprocess.run([node, "-e", told], capture_output=True, text=True, check=True).stdout
+    assert json.loads(found) == [[6, 1.5, 6, 2.5], [9, 0, 9, 1]]
