@@ -17,9 +17,11 @@ from truebreak.compare.adapters.box2d import Box2DEngine
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import certificate_of
 from truebreak.compare.certificate.certified import difference
+from truebreak.compare.deadline import Clock
 from truebreak.compare.foreign.impulses import Impacts
-from truebreak.compare.grids.row import energy_drift
+from truebreak.compare.grids.row import energy_drift, energy_gained
 from truebreak.compare.report.floats import floats_json
+from truebreak.compare.report.listing import print_trajectory
 from truebreak.compare.report.player import played
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import check_start
@@ -465,3 +467,16 @@ def test_the_player_moves_walls():
     told = f"const moved = function({body[1]}\n}}; console.log(JSON.stringify({calls}))"
     found = subprocess.run([node, "-e", told], capture_output=True, text=True, check=True).stdout
     assert json.loads(found) == [[6, 1.5, 6, 2.5], [9, 0, 9, 1]]
+
+
+def test_what_moving_walls_brought_in_is_said(capsys):
+    """Each hit of a wall that comes with speed u takes v to v + 2 u: m ((v + 2 u)^2 - v^2) / 2."""
+    run = ExactEngine().run(closing(), events=3)
+    assert energy_gained(run) == pytest.approx((9**2 - 1) / 2)
+    falls = ExactEngine().run(Scene([Circle(0, 6)], [Wall(0, 0, 1, 0, vy=1)], gravity=(0, -10)), until=3)
+    hits = [(float(falls.after(e.index)["c1"].vy) - 2, float(falls.after(e.index)["c1"].vy)) for e in falls.events]
+    assert energy_gained(falls) == pytest.approx(sum((after**2 - before**2) / 2 for before, after in hits))
+    still = ExactEngine().run(Scene([Circle(0, 6)], [Wall(0, 0, 1, 0)], gravity=(0, -10)), until=3)
+    assert energy_gained(still) == pytest.approx(0, abs=1e-9)
+    print_trajectory(run, exact=False, watch=Clock(None))
+    assert "energy: walls that move brought in 40" in capsys.readouterr().out
