@@ -1,4 +1,4 @@
-"""Predictions of the exact engine at arcs: in doubles beyond a bound on their rounding, else in short balls."""
+"""Predictions of the exact engine at arcs, and at circles that stand under gravity: in doubles, else short balls."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..replay.contact import AtArc, Body, Link
+from ..numbers.system import Undecided
+from ..replay.contact import AtArc, Body, Link, Pair, name_of
 from ..replay.refinable import RefinableState
+from ..replay.round_falls import peg_meeting
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting
 from ..simulation.prediction import ArrivalQueue
@@ -180,3 +182,56 @@ class ArcPredictor(FilteredPredictor):
     ) -> None:
         super().__init__(scene, refinable, queue, plan, unsure)
         self.arcs = ShortArcSides(scene, refinable.balls, self)
+
+
+class PegPredictor(FilteredPredictor):
+    """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
+
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `Predictor.predict`. What stands is met like a wall: what a flight would meet after it, it does not."""
+        state, pegs = self.refinable.balls, self.state.scene.pegs
+        moved = [a for a in moved if a.index not in gone]
+        falling = [a for a in moved if a.index not in pegs]
+        self._walls_of(falling, standing)
+        others = [b for b in state.bodies.values() if b.index not in gone]
+        predicted = 0
+        for a in moved:
+            others.remove(a)
+            if a.index in pegs:
+                met = [b for b in others if b.index not in pegs]
+                for b in met:
+                    self._fall_onto(b, a, standing)
+            else:
+                met = others
+                for b in others:
+                    if b.index in pegs:
+                        self._fall_onto(a, b, standing)
+                self.pairs(a, [b for b in others if b.index not in pegs], standing)
+            predicted += len(met)
+        if moved:
+            self.plan["pairs predicted"] += predicted
+
+    def _fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with one that stands."""
+        state = self.refinable.balls
+        i, j = a.index, peg.index
+        link = Pair(i, j) if i < j else Pair(j, i)
+        if link in standing and not state.stood(link):
+            raise Undecided(
+                f"{name_of(self.scene, link)} touch at one instant with other contacts, and not by an impulse of their "
+                "own: what comes then, under gravity, is not decided"
+            )
+        self.prepare()
+        flight = a.flight
+        end = inf if a.until == inf else (a.until - ball.double_bounds(flight.instant)[0]) * (1 + 2.0**-40)
+        if end <= 0.0:
+            return
+        found = peg_meeting(state, link, end)
+        if isinstance(found, arb):
+            low, high = self.bounds(time := flight.t + found)
+            if low <= a.until:
+                self.queue.push(low, high, time, link)
+                a.until = min(a.until, high)
+        elif found is not None:
+            self.plan["unclear in doubles"] += 1
+            self.unsure(link)

@@ -659,3 +659,28 @@ class WallFall(NamedTuple, Generic[N]):
     gap: N
     approach: N
     half: N
+
+
+# -- A wall, or another body, as a circle sees it.
+
+
+class SeenWall(NamedTuple, Generic[N]):
+    """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
+
+    x0: N
+    y0: N
+    nx: N
+    ny: N
+    nn: N
+    length: N
+
+
+class Relation(NamedTuple, Generic[N]):
+    """Two bodies at the later of their clocks: that clock, d = b - a, v = b - a, R."""
+
+    t: N
+    dx: N
+    dy: N
+    vx: N
+    vy: N
+    reach: N

@@ -1,15 +1,20 @@
-"""The first zero at which a polynomial of degree at most 4 falls: in doubles with bounds, in balls, and exactly."""
+"""Circles that fall onto round things that stand: the first zero at which a quartic falls, in any numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import frexp, inf, isfinite, ldexp
-from typing import NamedTuple, TypeVar
+from typing import Generic, NamedTuple, NoReturn, TypeVar
 
 from flint import arb, fmpq, fmpq_poly
 
-from .ball import bits_in_use, sign_of
-from .system import N
+from ...scenarios.errors import NoClosedForm
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
+from ...scenarios.scene import Scene
+from ..numbers.ball import LeavesField, bits_in_use, sign_of
+from ..numbers.system import N
+from .contact import Body, Gravity, Link, Pair, Relation, Round, is_pair, touching_at_start
 
 # -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
 # after a time s their centres are d + v s - h s^2 apart, and the gap is a quartic. It is positive as the flight begins,
@@ -269,7 +274,7 @@ def falling_zero_in_balls(c: Sequence[arb], end: float = inf) -> Found:
     """As `falling_zero`, of balls at the working precision: in doubles where these tell it, else in balls.
 
     >>> falling_zero_in_balls([arb(2), arb(0), arb(-1)])
-    Isolated(low=1.414213562373047, high=1.4142135623731433)
+    Isolated(low=1.414213562373088, high=1.4142135623731018)
     """
     mids = [float(x.mid()) for x in c]
     off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
@@ -346,6 +351,11 @@ def sharpened(found: Isolated, value: Callable[[arb], arb], slope: Callable[[arb
     (True, [+/- 1.08e-15])
     """
     low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
+    return sharpened_between(low, high, value, slope)
+
+
+def sharpened_between(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
+    """As `sharpened`, of a falling zero that is the only one between two balls."""
     at = low.union(high)
     while True:
         middle = at.mid()
@@ -360,7 +370,7 @@ def sharpened(found: Isolated, value: Callable[[arb], arb], slope: Callable[[arb
             if done:
                 return at
             continue
-        sign = sign_of(value(middle))
+        sign = sign_of(value(middle)) if low < middle < high else None
         if not sign:
             return None
         if sign > 0:
@@ -468,3 +478,195 @@ def order_exactly(first: ExactZero, second: ExactZero) -> int:
         if _sign(common(max(low, start))) * _sign(common(min(high, stop))) < 0:
             return 0
         (low, high), (start, stop) = _halved(first.factor, low, high), _halved(second.factor, start, stop)
+
+
+# -- The same in a state: which contacts it concerns, and where the two are.
+
+
+class RoundFall(NamedTuple, Generic[N]):
+    """A circle that falls and one that stands, at one time: d, its velocity, half of its fall (d + v s - h s^2), R."""
+
+    dx: N
+    dy: N
+    vx: N
+    vy: N
+    hx: N
+    hy: N
+    reach: N
+
+    def after(self, s: N) -> RoundFall[N]:
+        """After a time."""
+        bend_x, bend_y = self.hx * s, self.hy * s
+        return RoundFall(
+            self.dx + (self.vx - bend_x) * s,
+            self.dy + (self.vy - bend_y) * s,
+            self.vx - (bend_x + bend_x),
+            self.vy - (bend_y + bend_y),
+            *self[4:],
+        )
+
+    def gap(self) -> N:
+        """|d|^2 - R^2."""
+        return self.dx * self.dx + self.dy * self.dy - self.reach * self.reach
+
+    def approach(self) -> N:
+        """d.v: negative while the two come nearer."""
+        return self.dx * self.vx + self.dy * self.vy
+
+    def polynomial(self, stood: bool) -> tuple[N, ...]:
+        """The gap as a polynomial of the time; `stood`: as it is 0 now, with that zero divided out."""
+        found = gap_quartic(*self)
+        return found[1:] if stood else found
+
+
+class RoundFalls(Generic[N]):
+    """What of a state concerns circles that stand under gravity.
+
+    Attributes:
+        pegs: the circles that do.
+    """
+
+    scene: Scene
+    zero: N
+    falling: Gravity[N] | None
+    bodies: dict[int, Body[N]]
+
+    def reach(self, a: Body[N], b: Body[N]) -> N:
+        """The sum of two radii."""
+        raise NotImplementedError
+
+    def begin_falls(self) -> None:
+        """At the start."""
+        self.pegs = self.scene.pegs
+        self._stood: dict[int, tuple[int, frozenset[Link]]] = {}
+
+    def on_peg(self, link: Link) -> bool:
+        """Whether one of the two of a contact stands under gravity."""
+        return is_pair(link) and (link.a in self.pegs or link.b in self.pegs)
+
+    def faller(self, link: Round) -> Body[N]:
+        """The other."""
+        return self.bodies[link[1] if link[0] in self.pegs else link[0]]
+
+    def peg_relation(self, link: Round) -> Relation[N]:
+        """The two at the clock of the one that falls, in true coordinates."""
+        body, first = self.faller(link), link[0] in self.pegs
+        peg = self.bodies[link[0] if first else link[1]]
+        x, y, vx, vy, t, *_ = body.flight
+        falling = self.falling
+        assert falling is not None
+        if not falling.bent:
+            wx, wy = falling.hx * t, falling.hy * t
+            x, y, vx, vy = x + wx * t, y + wy * t, vx + (wx + wx), vy + (wy + wy)
+        dx, dy = peg.flight.x - x, peg.flight.y - y
+        reach = self.reach(body, peg)
+        return Relation(t, -dx, -dy, vx, vy, reach) if first else Relation(t, dx, dy, -vx, -vy, reach)
+
+    def peg_fall_at_clock(self, link: Round) -> RoundFall[N]:
+        """The two at the clock of the one that falls."""
+        falling = self.falling
+        assert falling is not None
+        first = link[0] in self.pegs
+        hx, hy = (-falling.hx, -falling.hy) if first else (falling.hx, falling.hy)
+        _, dx, dy, vx, vy, reach = self.peg_relation(link)
+        return RoundFall(dx, dy, vx, vy, hx, hy, reach)
+
+    def peg_fall(self, link: Round) -> RoundFall[N]:
+        """The two at the instant from which the flight of the one that falls holds."""
+        late, fall = self.faller(link).flight.late, self.peg_fall_at_clock(link)
+        return fall if late is None else fall.after(late)
+
+    def bent_relation(self, falling: Gravity[N], a: Body[N], b: Body[N]) -> Relation[N]:
+        """Of two that fall, in true coordinates, where velocities change too until the later of the clocks."""
+        f, g = a.flight, b.flight
+        t = f.t if f.last >= g.last else g.t
+        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f[:4], t - f.t)
+        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g[:4], t - g.t)
+        return Relation(t, bx - ax, by - ay, bvx - avx, bvy - avy, self.reach(a, b))
+
+    # -- contacts at gap zero as a flight begins
+
+    def note_stood(self, links: Sequence[Link]) -> None:
+        """Told which contacts are at gap zero, at the instant at which their circles stand."""
+        for link in links:
+            for i in link.circles:
+                if i in self.pegs:
+                    continue
+                last, before = self.bodies[i].flight.last, self._stood.get(i)
+                mine = frozenset(other for other in links if i in other.circles)
+                self._stood[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
+
+    def stood(self, link: Pair) -> bool:
+        """Whether the two of a contact touch as the flight of the one that falls begins."""
+        body = self.faller(link)
+        last, (at, links) = body.flight.last, self._stood.get(body.index, (-1, frozenset[Link]()))
+        return (at == last and link in links) or (last == 0 and link in touching_at_start(self.scene))
+
+    def take_stood(self, other: RoundFalls[N]) -> None:
+        """Takes over what another state of the same run has noted."""
+        self._stood = other._stood
+
+    # -- when they meet
+
+    def peg_hit(self, link: Pair) -> tuple[N, N]:
+        """As `Flights.round_hit`: in closed numbers there is none.
+
+        Raises:
+            LeavesField, TowerLimit, NoClosedForm: by the kind of the numbers.
+        """
+        return self.no_closed_form()
+
+    def no_closed_form(self) -> NoReturn:
+        """What a zero of a quartic is, in numbers that have square roots alone."""
+        told = "the time at which a circle falls onto one that stands is a zero of a quartic"
+        if isinstance(self.zero, fmpq):
+            raise LeavesField
+        if isinstance(self.zero, Element):
+            raise TowerLimit(told)
+        raise NoClosedForm(f"{told}, and none of square roots: ask for `digits` or `ball`")
+
+
+class Unsharp(ZeroDivisionError):
+    """Balls at hand do not tell the first falling zero; none comes before `since`, reckoned from the instant."""
+
+    def __init__(self, since: float) -> None:
+        super().__init__(since)
+        self.since = since
+
+
+def peg_wait(state: RoundFalls[arb], link: Pair, end: float) -> arb:
+    """The time from the clock of the one that falls to the hit, at the working precision.
+
+    Where it is told from all else is reckoned from the instant, where the gap is above zero, or zero and divided out;
+    then it is sharpened from the clock, whose time is exact.
+
+    Raises:
+        Unsharp: where balls at hand do not tell it.
+        AssertionError: where there is none, as it is asked of contacts alone that come.
+    """
+    found = peg_meeting(state, link, end)
+    if not isinstance(found, arb):
+        assert found is not None, "a circle that was to fall onto another does not: a defect"
+        raise Unsharp(found.since)
+    return found
+
+
+def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear | None:
+    """As `peg_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
+    at_clock, late = state.peg_fall_at_clock(link), state.faller(link).flight.late
+    fall = at_clock if late is None else at_clock.after(late)
+    found = falling_zero_in_balls(fall.polynomial(state.stood(link)), end)
+    if not isinstance(found, Isolated):
+        return found
+
+    def value(s: arb) -> arb:
+        return at_clock.after(s).gap()
+
+    def slope(s: arb) -> arb:
+        return 2 * at_clock.after(s).approach()
+
+    low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
+    if late is not None:
+        low, high = low + late, high + late
+    wait = sharpened_between(low, high, value, slope)
+    return Unclear(float(found.low)) if wait is None else wait
