@@ -16,7 +16,7 @@ from ..replay.contact import AtArc, Body, Link, Pair, name_of
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import peg_meeting
 from ..replay.state import ReplayState
-from ..simulation.arc_meetings import ArcSides, Predicting
+from ..simulation.arc_meetings import ArcSides, Predicting, predict_falls
 from ..simulation.prediction import ArrivalQueue
 from .filtered import (
     ACCURATE_BITS,
@@ -188,30 +188,10 @@ class PegPredictor(FilteredPredictor):
     """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
-        """See `Predictor.predict`. What stands is met like a wall: what a flight would meet after it, it does not."""
-        state, pegs = self.refinable.balls, self.state.scene.pegs
-        moved = [a for a in moved if a.index not in gone]
-        falling = [a for a in moved if a.index not in pegs]
-        self._walls_of(falling, standing)
-        others = [b for b in state.bodies.values() if b.index not in gone]
-        predicted = 0
-        for a in moved:
-            others.remove(a)
-            if a.index in pegs:
-                met = [b for b in others if b.index not in pegs]
-                for b in met:
-                    self._fall_onto(b, a, standing)
-            else:
-                met = others
-                for b in others:
-                    if b.index in pegs:
-                        self._fall_onto(a, b, standing)
-                self.pairs(a, [b for b in others if b.index not in pegs], standing)
-            predicted += len(met)
-        if moved:
-            self.plan["pairs predicted"] += predicted
+        """See `Predictor.predict`."""
+        predict_falls(self, moved, standing, gone, self._walls_of)
 
-    def _fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
+    def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""
         state = self.refinable.balls
         i, j = a.index, peg.index
