@@ -70,12 +70,12 @@ class Clock:
 
     Attributes:
         seconds: how many; None: no limit.
-        told: what a message says instead: the user's seconds, of which these are a part.
+        asked: what a message says instead: the user's seconds, of which these are a part.
     """
 
-    def __init__(self, seconds: float | None, told: float | None = None) -> None:
+    def __init__(self, seconds: float | None, asked: float | None = None) -> None:
         self.seconds = seconds
-        self.told = seconds if told is None else told
+        self.asked = seconds if asked is None else asked
         self._deadline = None if seconds is None else clock.monotonic() + seconds
 
     @property
@@ -91,7 +91,7 @@ class Clock:
 
     def is_up(self) -> TimeIsUp:
         """What ends a run then."""
-        return TimeIsUp(f"{self.told:g} second{'' if self.told == 1 else 's'} (--max-seconds)")
+        return TimeIsUp(f"{self.asked:g} second{'' if self.asked == 1 else 's'} (--max-seconds)")
 
     def watched(self, progress: OnProgress | None) -> OnProgress | None:
         """A callback that ends a run once they are over, and hands progress on until then."""
@@ -116,7 +116,7 @@ def clock_at_work() -> Clock | None:
 
 
 @contextmanager
-def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clock]:
+def time_limit(seconds: float | None, asked: float | None = None) -> Iterator[Clock]:
     """Ends the runs of engines in its body after so many seconds, all told: they come back with a stop for BUDGET.
 
     In the main thread, where the platform has timers, a run of truebreak's own ends wherever it can be (`endable`).
@@ -127,7 +127,7 @@ def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clo
         OutOfTime: if the seconds are over and there is no partial result, which is unlikely.
         SceneError: for seconds that are not above zero.
     """
-    watch = Clock(checked_seconds(seconds), told)
+    watch = Clock(checked_seconds(seconds), asked)
     try:
         with _alarm(watch, reading=False):
             yield watch

@@ -43,7 +43,7 @@ class ClassPath(NamedTuple):
     settings: str
 
     @property
-    def told(self) -> str:
+    def place(self) -> str:
         """Where it is."""
         return f"{self.module}:{self.attribute}"
 
@@ -87,10 +87,10 @@ def load_class(path: ClassPath) -> Any:
         missing = isinstance(error, ModuleNotFoundError) and error.name and path.module.startswith(error.name)
         reason = " ".join(str(error).split())
         remedy = "; is it installed, or in this folder?" if missing else ""
-        raise SceneError(f"engine '{path.told}': {type(error).__name__}: {reason}{remedy}") from None
+        raise SceneError(f"engine '{path.place}': {type(error).__name__}: {reason}{remedy}") from None
     for part in path.attribute.split("."):
         if not hasattr(found, part):
-            raise SceneError(f"engine '{path.told}': {path.module} has no {part!r}; name a class of that module")
+            raise SceneError(f"engine '{path.place}': {path.module} has no {part!r}; name a class of that module")
         found = getattr(found, part)
     return found
 
@@ -194,7 +194,7 @@ def engine(text: str) -> Engine:
 
     path = class_path(text)
     if path is not None:
-        return build(path.told, load_class(path), parsed_settings(f"engine '{path.told}'", path.settings))
+        return build(path.place, load_class(path), parsed_settings(f"engine '{path.place}'", path.settings))
     others = offered()
     if name in others:
         return build(name, load_offered(name), parsed_settings(f"engine {name!r}", settings))

@@ -281,6 +281,10 @@ class PlainMeetings(Generic[M]):
         """Nothing is plain before it is asked."""
         return False
 
+    def close(self) -> None:
+        """Lets go of its predictor and of who decides for it, which know it."""
+        del self._predictor, self._ask
+
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
         self._predictor.predict(moved, standing, gone)
@@ -437,15 +441,18 @@ class PlainDecider(Generic[M]):
     def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state
-        self.history: History[M] = History()
         self.bodies = state.bodies
-        self.queue = ArrivalQueue(self.bodies)
-        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
+        self.history, self.queue, self.meetings = self._parts(numbers)
         self.reading = PlainReading(state, numbers)
         self.stride = None
         self._sign = numbers.sign
         self._standing = StandingClock()
         self.refresh([*state.bodies.values(), *state.pockets])
+
+    def _parts(self, numbers: NumberSystem[M]) -> tuple[History[M], ArrivalQueue[M], PlainMeetings[M]]:
+        history: History[M] = History()
+        queue = ArrivalQueue(self.bodies)
+        return history, queue, PlainMeetings(self.scene, self.state, queue, history.plan, numbers, self.ask)
 
     def begin(self, instant: int) -> None:
         """The precision is what it is; but time must pass (see `pass_on`)."""
@@ -483,8 +490,8 @@ class PlainDecider(Generic[M]):
 
     def close(self) -> None:
         """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
-        vars(self.meetings).clear()
-        vars(self).clear()
+        self.meetings.close()
+        del self.meetings
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""

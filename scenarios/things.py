@@ -282,6 +282,10 @@ class Polygon:
 
     def corners(self) -> tuple[Point, ...]:
         """The points, clockwise from the first of them that is a corner; one between two sides on one line is none."""
+        return self._corners
+
+    @kept
+    def _corners(self) -> tuple[Point, ...]:
         points = self.points
         n = len(points)
         found = [points[k] for k in range(n) if _turn(points[k - 1], points[k], points[(k + 1) % n]).sign() != 0]

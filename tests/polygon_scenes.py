@@ -40,7 +40,7 @@ def _drawn(rng: Random, fine: bool) -> list[Polygon]:
         return [Polygon([(x + a, y + b) for a, b in box], id=f"g{k}") for k, box in enumerate(boxes)]
     found: list[Polygon] = []
     for _ in range(60):
-        if len(found) == 1 + (rng.random() < 0.4):
+        if len(found) > (rng.random() < 0.4):
             break
         try:
             found.append(_polygon(rng, fine, f"g{len(found)}"))

@@ -13,7 +13,7 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
 from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
-from .passages import Passage, passages
+from .passages import Passage, passages, passes_between
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
 
@@ -142,7 +142,9 @@ class Audit:
     def sentence(self) -> str:
         """The audit in one sentence."""
         if self.kept:
-            return f"keeps the law in all of its {self.steps}{self._phantoms}"
+            through = any(defect.kind == "tunnelling" for defect in self.defects)
+            passes = "; between the ends of its steps it passes through what it should hit" if through else ""
+            return f"keeps the law in all of its {self.steps}{self._phantoms}{passes}"
         if self.kept is None:
             return f"whether it keeps the law is not determined: {self.reason}"
         total = sum(self.counts.values())
@@ -415,7 +417,7 @@ def _step_violations(
     if "missed" in kinds:
         found += [
             Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
-            for p in lasting(measures, step)
+            for p in lasting(measures, measures.passages, step)
         ]
     return sorted(found, key=lambda violation: (violation.time, violation.event))
 
@@ -457,9 +459,11 @@ class Measures:
         drifts: flights whose end is beyond rounding.
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
+        tunnels: those of overlaps that begin and end between two ends of steps.
         impacts: how many contacts there were.
         flights: how many flights.
         back: how long before the end of a step impulses are applied.
+        end: up to when its flights are known.
         met: when each pair meets.
         wholes: see `Laws.wholes`: what is met of a thing is not always the face or end that is overlapped a step later.
     """
@@ -468,9 +472,11 @@ class Measures:
     drifts: list[Drift] = field(default_factory=list[Drift])
     several: list[tuple[int, float, Residual]] = field(default_factory=list[tuple[int, float, Residual]])
     passages: list[Passage] = field(default_factory=list[Passage])
+    tunnels: list[Passage] = field(default_factory=list[Passage])
     impacts: int = 0
     flights: int = 0
     back: float = 0.0
+    end: float = math.inf
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
     wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = _themselves
 
@@ -480,7 +486,7 @@ class Defect:
     """One kind of defect of an engine of steps.
 
     Attributes:
-        kind: `impulse`, `restitution`, `lateness`, `correction`, `several`, `bystander`, `missed`.
+        kind: `impulse`, `lateness`, `correction`, `several`, `bystander`, `missed`, `tunnelling`, `iterations`.
         size: at the run's own step: a share of the impulse, a time, a length, or how many.
         order: with which power of the step it falls; None where that is not known.
         finest: its size at the finest step that was run.
@@ -526,7 +532,12 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
-        found.passages = [*passages(laws, transcript.flights(), transcript.end, gone)]
+        found.end = transcript.end
+        turn = math.inf if run.reversal is None else float(run.reversal.time)
+        for passage in passages(laws, transcript.flights(), transcript.end, gone):
+            base = turn if passage.time > turn else 0.0
+            through = step > 0.0 and passes_between(passage.enter, passage.leave, step, base)
+            (found.tunnels if through else found.passages).append(passage)
     found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
     found.samples = ways[found.back]
@@ -544,18 +555,20 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
         "correction": _middle_of([math.hypot(d.x, d.y) for d in measures.drifts]),
         "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
         "bystander": float(sum(r.kind == "bystander" for r in several)),
-        "missed": max((p.residual.size for p in lasting(measures, step)), default=0.0),
+        "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
+        "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
 
 
-def lasting(measures: Measures, step: float) -> list[Passage]:
-    """Overlaps of pairs that do not meet within the steps that it takes to see them, and passages."""
+def lasting(measures: Measures, found: Sequence[Passage], step: float) -> list[Passage]:
+    """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that."""
     late = LATE * step
     return [
         passage
-        for passage in measures.passages
-        if not any(
+        for passage in found
+        if not measures.end - late < passage.enter
+        and not any(
             abs(time - passage.time) <= late
             for whole in measures.wholes(passage.residual.bodies)
             for time in measures.met.get(whole, ())
@@ -575,6 +588,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     step = engine.step or 0.0
     found = defects(engine, measures)
     known = {kind for kind, size in found.items() if kind == "lateness" and size <= LATE * step}
+    seen: list[Defect] = []
     if not found.keys() - known:
         return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
@@ -591,6 +605,8 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
         if sizes is None:
             break
         at.append((chosen.step, sizes))
+    if "tunnelling" in found and "missed" not in found and (unseen := at[-1][1].get("missed")):
+        seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False))  # a finer step ends in an overlap
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         if defect.kind in ("several", "impulse") and defect.of_step is not True:
@@ -598,7 +614,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
             left = math.inf if sizes is None else sizes.get(defect.kind, 0.0)
             if left <= defect.size / 2:
                 judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
-    return judged
+    return judged + seen
 
 
 def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
@@ -608,7 +624,7 @@ def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
         return float(run.final_time)
     first = [s.time for s in measures.samples if s.defect > NEAR * s.room][:1]
     first += [time for _, time, told in measures.several if told.broken][:1]
-    first += [p.time for p in measures.passages[:1] if math.isfinite(p.time)]
+    first += [p.time for p in (*measures.passages[:1], *measures.tunnels[:1]) if math.isfinite(p.time)]
     least = times[min(len(times), impacts) - 1]
     return max([least, *(time for time in first if time <= 4 * least)])
 
@@ -620,7 +636,9 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         [d for d in measures.drifts if d.time <= until],
         [told for told in measures.several if told[1] <= until],
         [p for p in measures.passages if p.time <= until],
+        [p for p in measures.tunnels if p.time <= until],
         back=measures.back,
+        end=measures.end,
         met=measures.met,
         wholes=measures.wholes,
     )
@@ -630,6 +648,10 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
 def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[str, float]]], known: bool) -> Defect:
     """What a series says of one kind of defect."""
     last, finest = at[-1][0], at[-1][1].get(kind, 0.0)
+    if kind == "tunnelling":
+        return Defect(kind, size, None, finest, last, True)
+    if kind not in at[0][1] and not known:  # the series is too short to have any
+        return Defect(kind, size, None, finest, last, None)
     first = at[0][1].get(kind, 0.0) or size
     if len(at) <= 2 and not known:
         return Defect(kind, size, None, finest, last, None)

@@ -57,11 +57,29 @@ class Passage(NamedTuple):
         time: when they are deepest; where that is never, when the run ends.
         residual: of the kind `depth`: how much deeper than at the start of their flights.
         began: when their flights began.
+        enter: when they begin to overlap, or when their flights begin, if they do then.
+        leave: when the overlap is over, where it begins and ends in these flights; infinite where it does not.
     """
 
     time: float
     residual: Residual
     began: float
+    enter: float = -math.inf
+    leave: float = math.inf
+
+
+def passes_between(enter: float, leave: float, step: float, base: float) -> bool:
+    """Whether an overlap begins and ends between two ends of steps, of which none can see it, or lasts no time.
+
+    Args:
+        base: from when steps are counted: the start, or the reversal.
+
+    >>> passes_between(0.3, 0.6, 1.0, 0.0), passes_between(0.3, 1.6, 1.0, 0.0), passes_between(2.0, 2.0, 1.0, 0.0)
+    (True, False, True)
+    """
+    if not math.isfinite(leave):
+        return False
+    return leave <= enter or math.floor((leave - base) / step) * step + base < enter
 
 
 def passages(
@@ -198,11 +216,11 @@ def _between(laws: Laws, leg: Leg, other: Leg) -> Passage | None:
     sizes += (leg.speed + other.speed) * late
     if near - CLOSE * sizes > reach:
         return None
-    return _enclosed(laws, leg, other, start, min(time, end), away, speed, sizes)
+    return _enclosed(laws, leg, other, start, min(time, end), start + wait, away, speed, sizes)
 
 
 def _enclosed(
-    laws: Laws, leg: Leg, other: Leg, start: float, time: float, away: float, speed: float, sizes: float
+    laws: Laws, leg: Leg, other: Leg, start: float, time: float, deepest: float, away: float, speed: float, sizes: float
 ) -> Passage | None:
     """The same, enclosed: by how much more than at the start the two overlap at a time."""
     reach = laws.things[leg.circle].r + laws.things[other.circle].r
@@ -223,7 +241,10 @@ def _enclosed(
     if size <= room:
         return None
     pair = (min(leg.circle, other.circle), max(leg.circle, other.circle))
-    return Passage(time, Residual("depth", pair, size, room), start)
+    half = math.sqrt(max(0.0, (wide - beside) * (wide + beside))) / speed
+    enter, leave = deepest - half, deepest + half
+    whole = start < enter and leave < min(leg.end, other.end)
+    return Passage(time, Residual("depth", pair, size, room), start, max(start, enter), leave if whole else math.inf)
 
 
 def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
@@ -254,8 +275,12 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
     size = size_of(deeper) if deeper > 0 else 0.0
     if size <= room:
         return None
-    time = end if wall in laws.scene.faces else leg.end
-    return Passage(time, Residual("depth", (leg.circle, laws.count + wall), size, room), leg.start)
+    residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
+    enter = leg.start + max(0.0, gap) / closing
+    if wall not in laws.scene.faces:
+        return Passage(leg.end, residual, leg.start, enter)
+    leave = leg.start + (gap + 2.0 * (radius + line.thick)) / closing
+    return Passage(end, residual, leg.start, enter, leave if leg.start < enter and leave < leg.end else math.inf)
 
 
 def _through(leg: Leg, line: WallInBalls, height: float, closing: float, radius: float, blur: float) -> float:

@@ -40,7 +40,7 @@ class Cause:
 
 
 STEP_HEAD = "The time step changed what happened"
-TUNNELS = "The time step let circles pass through each other"
+TUNNELS = "The time step let circles pass through what they should hit"
 SOLVER_HEAD = "The solver's iterations changed what happened"
 
 CAUSES: dict[str, Cause] = {

@@ -72,8 +72,7 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if got is not None and (expected is None or got < expected):
         latest = max(got, parted.time)  # what it has too much is there by then
     missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
-    events = lab.engine.step is None
-    if events and any(found.kind == "depth" and {*found.bodies} == missed for found in laws.violations):
+    if any(found.kind == "depth" and {*found.bodies} == missed for found in laws.violations):
         return [Experiment(CauseName["LAW"], laws.finding, None, True)]
     if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..alignment.align import align
 from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED
+from ..audit.passages import passes_between
 from ..foreign.guard import finer_of, firmer_of
 from ..study import finer_by, series_steps
 from .decision import decisions
@@ -100,11 +101,13 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         reversal = lab.candidate.trajectory.reversal
         if reversal is not None and lab.study.scene.reverse_at is not None and float(reversal.time) < enter:
             base = float(reversal.time)
-        whole = math.floor((leave - base) / step) * step + base
         body, partner = decision.first.body, decision.first.partner
-        told = f"{body} and {partner} overlap for {leave - enter:.3g}, a step takes {step:.3g}"
-        through = ", and none ends in between: they pass through each other" if whole < enter else ""
-        return [Experiment(cause, told + through, None, whole < enter)]
+        told, through = f"{body} and {partner} overlap for {leave - enter:.3g}, a step takes {step:.3g}", False
+        if leave <= enter:
+            told, through = f"{body} and {partner} have no thickness: they overlap at no step's end", True
+        elif passes_between(enter, leave, step, base):
+            told, through = f"{told}, and none ends in between: one passes through the other", True
+        return [Experiment(cause, told, None, through)]
     return [Experiment(cause, "no circle that it should meet is passed through", None, False)]
 
 

@@ -47,7 +47,7 @@ class Certified:
         return self.code == 0
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """What a report says of it."""
         return f"{'Independently checked' if self.checked else 'Not independently checked'}: {self.sentence}."
 

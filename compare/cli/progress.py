@@ -85,15 +85,15 @@ class Pace:
         self._phase: str | None = None
         self._began = 0.0, 0, 0.0
 
-    def told(self, progress: Progress) -> str:
+    def line(self, progress: Progress) -> str:
         """One line: done, total, rate, and the seconds left as far as they can be told.
 
         >>> from truebreak.scenarios.trajectory import Progress
         >>> seconds = iter([0.0, 2.0])
         >>> pace = Pace("gas", RunEnd(events=200), lambda: next(seconds))
-        >>> pace.told(Progress(0, 0.0, "exact"))
+        >>> pace.line(Progress(0, 0.0, "exact"))
         'gas: exact: 0 of 200 events, time 0'
-        >>> pace.told(Progress(50, 36.2, "exact, 256 bits"))
+        >>> pace.line(Progress(50, 36.2, "exact, 256 bits"))
         'gas: exact, 256 bits: 50 of 200 events, time 36.2, 25 a second, 6 s left'
         """
         phase, now = progress.note.partition(",")[0], self.now()
@@ -211,7 +211,7 @@ def showing_progress(title: str, goal: RunEnd | None = None) -> Iterator[OnProgr
     """A line on stderr that follows a run; None, and no output, where stderr is not a terminal."""
     pace = Pace(title, goal)
     with showing(title) as show:
-        yield None if show is None else lambda progress: show(pace.told(progress))
+        yield None if show is None else lambda progress: show(pace.line(progress))
 
 
 @contextmanager

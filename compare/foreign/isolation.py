@@ -227,7 +227,7 @@ def run_apart(
     if watch is not None and watch.over:
         raise watch.is_up()
     seconds = None if watch is None else watch.left()
-    late, told = (None, None) if watch is None or seconds is None else (clock.monotonic() + seconds, watch.told)
+    late, told = (None, None) if watch is None or seconds is None else (clock.monotonic() + seconds, watch.asked)
     request = Request(run, name, scene, late, told, replace(apart, watch=None), progress is not None)
     process = IsolatedProcess(request)
     try:

@@ -93,7 +93,7 @@ class HistoryGoal:
         if told.unable:
             return Judged(False, told.run.stop.message)
         if alignment.divergence is not None:
-            return Judged(False, parted(alignment.divergence), alignment.agreed)
+            return Judged(False, parted(alignment.divergence, told.run), alignment.agreed)
         if alignment.verdict == "agree":
             return _lawful(Judged(True, "agrees", len(study.reference.events)), told.run, engine)
         return Judged(False, _unknown(told.run, alignment.verdict), alignment.agreed)
@@ -191,12 +191,12 @@ def _lawful(judged: Judged, run: Trajectory, engine: Engine) -> Judged:
     return Judged(False, f"{LAWLESS}: {found.finding}", judged.agreed) if found.kept is False else judged
 
 
-def parted(divergence: Divergence) -> str:
-    """A first divergence in a few words."""
-    d = divergence
+def parted(divergence: Divergence, run: Trajectory) -> str:
+    """A first divergence in a few words; of what a run lacks, up to when it was looked for."""
+    d, end = divergence, float(run.final_time)
     match d.kind:
         case Kind.MISSING:
-            what = f"{d.body} does not meet {d.expected}"
+            what = f"{d.body} does not meet {d.expected}" + (f" by t = {end:.6g}" if math.isfinite(end) else "")
         case Kind.EXTRA:
             what = f"{d.body} meets {d.got}, which it should not"
         case _:

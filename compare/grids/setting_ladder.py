@@ -210,7 +210,7 @@ def _taken_apart(text: str) -> tuple[str, dict[str, str]]:
     if path is None:
         name, _, settings = text.strip().partition(":")
     else:
-        name, settings = f"{path.label}={path.told}" if path.label else path.told, path.settings
+        name, settings = f"{path.label}={path.place}" if path.label else path.place, path.settings
     return name, parsed_settings(f"engine {name!r}", settings)
 
 

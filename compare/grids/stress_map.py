@@ -106,12 +106,12 @@ class Testimony:
 
     Attributes:
         mark: `right` only if the checker proves the whole run again, and no closed form contradicts it.
-        told: the checker's sentence, or what is wrong.
+        note: the checker's sentence, or what is wrong.
         closed_form: whether the outcome is that of the family's closed form; None where there is none.
     """
 
     mark: MapMark
-    told: str
+    note: str
     closed_form: bool | None
 
 
@@ -126,7 +126,7 @@ def witness(run: Trajectory, family: StressFamily, place: MapPlace) -> Testimony
     >>> one = stress_family("near-ties")
     >>> place = one.place(20)
     >>> found = witness(ExactEngine().run(one.scene(place)), one, place)
-    >>> found.mark.value, found.told.partition(";")[0], found.closed_form
+    >>> found.mark.value, found.note.partition(";")[0], found.closed_form
     ('right', 'verified: 4 events, to the end: quiet', True)
     """
     if unknowing(run):
@@ -206,7 +206,7 @@ class StressJob:
         found = witness(run, of, place)
         varies = {"family": place.family, "side": place.side, "seed": str(place.seed), "k": str(place.k)}
         row = Row(self.index, scene.name, "exact", "agree", parameters=varies, **reference_of(run))
-        exact = replace(row, mark=found.mark.value, closed_form=found.closed_form, note=found.told,
+        exact = replace(row, mark=found.mark.value, closed_form=found.closed_form, note=found.note,
                         verdict="undecided" if unknowing(run) else "agree", agreed=len(run.events))  # fmt: skip
         expected = outcomes_of(run)
         return [exact, *(_compared(replace(row, engine=label), run, expected) for label in self.engines)]
@@ -408,15 +408,15 @@ class Ladder:
         return () if first is None else tuple(k for k, mark in told if k > first and mark is MapMark.RIGHT)
 
     @property
-    def first_told(self) -> str:
+    def first_words(self) -> str:
         """From which k on it is wrong, and where after it the engine is right; "none" if it is wrong at none.
 
         Where the k before was not tried, all that is known is that it turns wrong at or before the first wrong one.
 
         >>> R, W = MapMark.RIGHT, MapMark.WRONG
-        >>> Ladder("walls", "opening", 0, "double", (1, 2, 3, 4, 5, 6), (R, W, R, R, W, R)).first_told
+        >>> Ladder("walls", "opening", 0, "double", (1, 2, 3, 4, 5, 6), (R, W, R, R, W, R)).first_words
         '2, but right at 3 to 4, 6'
-        >>> Ladder("near-ties", "left", 0, "double", (1, 14, 27, 40), (R, R, W, W)).first_told
+        >>> Ladder("near-ties", "left", 0, "double", (1, 14, 27, 40), (R, R, W, W)).first_words
         'at or before 27 (right at 14)'
         """
         if self.first_wrong is None:
@@ -427,7 +427,7 @@ class Ladder:
 
     @property
     def first_short(self) -> str:
-        """`first_told` without what comes after; empty if it is wrong at none."""
+        """`first_words` without what comes after; empty if it is wrong at none."""
         first = self.first_wrong
         if first is None or first - 1 in self.levels or first == stress_family(self.family).first:
             return "" if first is None else str(first)
@@ -454,11 +454,11 @@ class Ladder:
             found.append((mark, ks[0], ks[-1]))
         return tuple(found)
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """The whole ladder in words.
 
         >>> marks = (MapMark.RIGHT, MapMark.WRONG, MapMark.RIGHT, MapMark.WRONG, MapMark.WRONG)
-        >>> Ladder("near-ties", "left", 0, "double", (1, 2, 3, 4, 5), marks).told()
+        >>> Ladder("near-ties", "left", 0, "double", (1, 2, 3, 4, 5), marks).summary()
         'right 1; wrong 2; right 3; wrong 4 to 5'
         """
         return "; ".join(f"{mark.value} {_ends(low, high)}" for mark, low, high in self.stretches)

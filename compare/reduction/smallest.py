@@ -293,12 +293,12 @@ class Reduction:
     runs: int
 
     @property
-    def told(self) -> str:
+    def change(self) -> str:
         """What was left out, in words.
 
-        >>> Reduction("circles", ("a", "b"), None, 3).told, Reduction("events", ("12",), None, 4).told
+        >>> Reduction("circles", ("a", "b"), None, 3).change, Reduction("events", ("12",), None, 4).change
         ('circles a, b', 'events after 12')
-        >>> Reduction("circles", ("a",), None, 5).told
+        >>> Reduction("circles", ("a",), None, 5).change
         'circle a'
         """
         if self.kind == "events":

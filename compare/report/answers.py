@@ -495,9 +495,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
         return f"By the growth of errors alone {name} is predicted to be right {seen}."
     if not horizon.low.event:
         return f"{name} is predicted to be wrong from the first event on."
-    half = (
-        "" if horizon.expected.event is None else f" (half of such engines leave by event {horizon.expected.event:,})"
-    )
+    half = "" if horizon.expected.event is None else f" (half of such runs diverge by event {horizon.expected.event:,})"
     parted = candidate.alignment.divergence
     if parted is not None and parted.event < horizon.low.event:
         return f"{name} was predicted to be right until event {horizon.low.event:,}, and diverged before that."

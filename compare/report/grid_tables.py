@@ -273,7 +273,7 @@ def print_stress(rows: Store, told: Sequence[Ladder]) -> None:
         tried = f"{levels[0]} to {levels[-1]}" if every or len(levels) > FEW else ", ".join(map(str, levels))
         table = grid("engine", "scene", "wrong at", f"k = {tried}")
         for ladder in lanes:
-            wrong = "" if ladder.first_wrong is None else ladder.first_told
+            wrong = "" if ladder.first_wrong is None else ladder.first_words
             tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
             table.add_row(ladder.engine, ladder.lane, wrong, " ".join(tens))
         out.print(table)

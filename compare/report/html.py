@@ -350,7 +350,7 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
         ("Proof", proof_phrase(comparison)),
     ]
     if comparison.certificate is not None:
-        facts.append(("Certificate", comparison.certificate.told))
+        facts.append(("Certificate", comparison.certificate.summary))
     return facts + [("Note", note) for note in reference.notes]
 
 

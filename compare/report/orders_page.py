@@ -68,14 +68,14 @@ class Drawn:
         label: its class.
         engines: place and name of the engines that came to it.
         policies: the named policies that lead to it.
-        told: how it differs from the policy's own, in words.
+        note: how it differs from the policy's own, in words.
         picture: an SVG element.
     """
 
     label: str
     engines: tuple[tuple[int, str], ...]
     policies: tuple[str, ...]
-    told: str
+    note: str
     picture: str
 
 

@@ -439,7 +439,7 @@ def print_smallest(found: Smallest) -> None:
             candidate = step.comparison.candidates[0]
             broken = candidate.laws.finding if found.law and candidate.laws is not None else None
             phrase = broken or divergence_phrase(step.comparison, candidate)
-            table.add_row(f"{step.runs:,}", step.told, phrase)
+            table.add_row(f"{step.runs:,}", step.change, phrase)
         out.print(table)
     print_comparison(found.comparison, verbose=True)
 

@@ -161,7 +161,7 @@ class Against:
         return tuple(change for change in self.changes if not change.within)
 
     @property
-    def told(self) -> bool:
+    def comparable(self) -> bool:
         """Whether a difference says something: the same machine, idle both times."""
         return self.same and self.then.idle and self.now.idle
 
@@ -177,7 +177,7 @@ class Against:
         lines += [f"Then: {self.then}", f"Now: {self.now}"]
         if not self.same:
             lines.append("It is another machine, or another Python: ratios may differ for that.")
-        if self.beyond and not self.told and self.same:
+        if self.beyond and not self.comparable and self.same:
             lines.append("As the machine was not idle, the differences say nothing of the engines.")
         if self.missing:
             lines.append(f"Measured in one of the two alone: {'; '.join(self.missing)}.")

@@ -172,7 +172,7 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
         f"{span_phrase(comparison)}{ended}. {proof_phrase(comparison)}",
     )
     if comparison.certificate is not None:
-        say(out, comparison.certificate.told)
+        say(out, comparison.certificate.summary)
     if reference.assumptions:
         say(out, str(reference.assumptions[0]), "bold yellow")
     for note in reference.notes:

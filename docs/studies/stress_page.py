@@ -70,7 +70,7 @@ def family_part(one: StressFamily, told: Sequence[Ladder]) -> str:
     """One family's table."""
     levels = told[0].levels
     rows = [
-        f"| {ladder.engine} | {ladder.lane} | {ladder.first_told} | {ladder.told()} |"
+        f"| {ladder.engine} | {ladder.lane} | {ladder.first_words} | {ladder.summary()} |"
         for ladder in sorted(told, key=lambda ladder: list(dict.fromkeys(x.engine for x in told)).index(ladder.engine))
     ]
     return "\n".join(

@@ -652,9 +652,8 @@ class CertifiedDecider:
 
     def close(self) -> None:
         """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
-        vars(self.meetings.predictor).clear()
-        vars(self.meetings).clear()
-        vars(self).clear()
+        del self.meetings.predictor, self.meetings, self.reading, self.stride, self._cascade
+        self.state.held = None
 
     # -- questions
 

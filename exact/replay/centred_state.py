@@ -20,6 +20,7 @@ from .contact import (
     Midpoints,
     Pair,
     Touch,
+    WaitingBody,
     can_push,
     is_arc,
     is_flat,
@@ -86,6 +87,10 @@ class CentredState(BallState):
         self._pending: Pending | None = None
         self._break = 0
         self._next_break = 1
+
+    def _circle(self, i: int) -> Body[arb]:
+        body = super()._circle(i)
+        return WaitingBody(i, body.flight, body.r, body.w)
 
     def loosen(self) -> None:
         """Gives the deviations up: each body keeps its balls."""

@@ -69,7 +69,7 @@ class Body(Generic[N]):
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
-    __slots__ = ("_make", "_of", "acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
+    __slots__ = ("acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
@@ -83,14 +83,10 @@ class Body(Generic[N]):
         self.until = inf
         self.kind = 0
         self.acc = 0
-        self._make: Callable[..., Flight[N]]
-        self._of: tuple[object, ...] | None
 
     def await_flight(self, make: Callable[..., Flight[N]], *of: object) -> None:
-        """Has a new flight made, of some things, when it is first asked for."""
-        if type(self) is not WaitingBody:
-            object.__setattr__(self, "__class__", WaitingBody)  # for good
-        self._make, self._of = make, of
+        """Has a new flight made, of some things: at once, or by a `WaitingBody` when it is first asked for."""
+        self.flight = make(*of)
 
     def become(self, other: Body[N]) -> None:
         """Takes over the numbers of the same body, computed again."""
@@ -107,7 +103,15 @@ _FLIGHT: Any = Body.__dict__["flight"]
 class WaitingBody(Body[N]):
     """A body whose flights are made when they are asked for: a class of its own, as asking takes longer."""
 
-    __slots__ = ()
+    __slots__ = ("_make", "_of")
+
+    def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
+        super().__init__(index, flight, r, w, is_pocket)
+        self._make: Callable[..., Flight[N]]
+
+    def await_flight(self, make: Callable[..., Flight[N]], *of: object) -> None:
+        """See `Body`."""
+        self._make, self._of = make, of
 
     @property
     def flight(self) -> Flight[N]:
@@ -120,7 +124,7 @@ class WaitingBody(Body[N]):
     @flight.setter
     def flight(self, flight: Flight[N]) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
         _FLIGHT.__set__(self, flight)
-        self._of = None
+        self._of: tuple[object, ...] | None = None
 
 
 Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]

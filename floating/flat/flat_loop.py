@@ -8,7 +8,7 @@ from math import inf
 from typing import TypeAlias, cast
 
 from ...exact.numbers.system import NumberSystem
-from ...exact.replay.state import Go, Kick, ReplayState, Step
+from ...exact.replay.state import Go, Kick, Step
 from ...exact.simulation.decider import History, Limits, Mark, Noted, Record
 from ...exact.simulation.instant import Gatherer, Instant
 from ...exact.simulation.loop import Loop
@@ -176,15 +176,13 @@ EVENTS_A_LOOK = 256
 class FlatDecider(PlainDecider[float]):
     """See `PlainDecider`; ordinary instants are not asked about."""
 
-    def __init__(self, scene: Scene, state: ReplayState[float], numbers: NumberSystem[float]) -> None:
-        super().__init__(scene, state, numbers)
-        vars(self.meetings).clear()  # others take their place
-        self.flights = FlatFlights(scene, state)
-        self.history = self._kept = FlatHistory(self.flights)
-        self.queue = FlatQueue(self.flights)
-        plan = self.history.plan
-        self.meetings = FlatMeetings(scene, state, self.queue, plan, numbers, self.ask, self.flights)
-        self.plain_stride = FlatStride(self.flights, self._kept, self.meetings)
+    def _parts(self, numbers: NumberSystem[float]) -> tuple[FlatHistory, FlatQueue, FlatMeetings]:
+        self.flights = FlatFlights(self.scene, self.state)
+        self._kept = FlatHistory(self.flights)
+        queue = FlatQueue(self.flights)
+        meetings = FlatMeetings(self.scene, self.state, queue, self._kept.plan, numbers, self.ask, self.flights)
+        self.plain_stride = FlatStride(self.flights, self._kept, meetings)
+        return self._kept, queue, meetings
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""

@@ -191,6 +191,11 @@ class FlatMeetings(PlainMeetings[float]):
         self._radii = [circle.r for circle in scene.circles]
         flights.unsure = self._look_closer
 
+    def close(self) -> None:
+        """See `PlainMeetings`."""
+        super().close()
+        del self._flights.unsure
+
     def predict(self, moved: Sequence[Body[float]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `PlainMeetings`; nothing is gone where there are no pockets."""
         f = self._flights

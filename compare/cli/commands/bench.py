@@ -157,7 +157,7 @@ def bench(
         return ExitCode.UNDECIDED
     if held is None or not held.beyond:
         return DONE
-    return ExitCode.DIVERGED if held.told else ExitCode.UNDECIDED
+    return ExitCode.DIVERGED if held.comparable else ExitCode.UNDECIDED
 
 
 @contextmanager

@@ -126,7 +126,7 @@ class _Sheet:
         self.lines(f"{family.summary} {family.grows}.", "faint")
         self._ticks(max((ladder.levels for ladder in ladders), key=len))
         for ladder in ladders:
-            self.parts.append(f"<g><title>{escape(f'{_label(ladder)}: {ladder.told()}')}</title>")
+            self.parts.append(f"<g><title>{escape(f'{_label(ladder)}: {ladder.summary()}')}</title>")
             self.text(EDGE, _label(ladder, self.engines))
             place = dict(zip(ladder.levels, range(len(ladder.levels)), strict=True))
             for mark, low, high in ladder.stretches:

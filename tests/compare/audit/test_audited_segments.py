@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
 from segment_faults import SEEN, SegmentFault
 from segment_scenes import scene_of
 
-from truebreak.compare import engine
+from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
-from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, Segment
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Declared, Scene, Segment, Wall, catalogue
+from truebreak.scenarios.files import load_scene
 
 SCENES = [scene for seed in range(120) if (scene := scene_of(seed)) is not None]
 UNTIL, EVENTS = 20, 30
@@ -37,6 +41,81 @@ def test_steps_keep_the_laws_among_segments_of_some_thickness() -> None:
     found = [audited(chosen, scene) for scene in thick[:8]]
     assert [audit.sentence for audit in found if audit.kept is False] == []
     assert sum(audit.impacts for audit in found) > 30
+
+
+class Blind(Declared):
+    """pymunk, which does not know of any segment, at this step or the finer ones."""
+
+    name, bits, rounds_input = "blind", 53, True
+
+    def __init__(self, step: float, sees: float) -> None:
+        self.step, self.sees = step, sees
+
+    def finer(self) -> Blind:
+        return Blind(self.step / 2, self.sees)
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        seen = scene if self.step <= self.sees else scene.with_changes(segments=())
+        told = PymunkEngine(dt=self.step).run(seen, **limits)
+        return replace(told, scene=scene, engine=self.name)
+
+
+def slit(thick: str) -> Scene:
+    """A disc of radius 1/100 that flies at a slit twice as thick as is given, and back from a wall behind it."""
+    disc = Circle("11/50", "1/3", r="1/100", vx=1, vy="1/7", id="disc")
+    sides = [Wall(0, 0, 0, 1, id="left"), Wall(1, 1, 1, 0, id="right")]
+    return Scene([disc], sides, segments=[Segment("1/2", 0, "1/2", 1, r=thick, id="slit")])
+
+
+@pytest.mark.parametrize(
+    ("thick", "dt", "sees", "kind"),
+    [
+        ("0", "1/16", 1 / 128, "tunnelling"),
+        ("1/2000", "1/16", 1 / 32, "tunnelling"),
+        ("0", "1/16", 0.0, "missed"),
+        ("1/100", "1/256", 0.0, "missed"),
+    ],
+)
+def test_what_is_passed_between_two_steps_is_tunnelling_and_the_rest_a_law(
+    thick: str, dt: str, sees: float, kind: str
+) -> None:
+    """An overlap in which a step ends, or a finer one, and which is not told, is no matter of the step."""
+    chosen = Blind(float(Fraction(dt)), sees)
+    audit = audited(chosen, slit(thick))
+    assert kind in [defect.kind for defect in audit.defects], audit.defects
+    assert audit.kept is (kind == "tunnelling"), audit.sentence
+    found = compare(slit(thick), [chosen], until=2).candidates[0]
+    assert found.diagnosis is not None
+    assert found.diagnosis.name.name == {"tunnelling": "TUNNELLING", "missed": "LAW"}[kind]
+
+
+def test_a_contact_that_is_missed_after_the_series_is_not_said_to_be_of_the_step() -> None:
+    """The series ends long before the slow disc comes to what the engine does not see: nothing shows that it falls."""
+    discs = [Circle("1/2", -5, r="1/10", vx=3, id="fast"), Circle("1/2", 0, r="1/10", vy=1, id="slow")]
+    walls = [Wall(0, 0, 0, 1, id="left"), Wall(1, 1, 1, 0, id="right")]
+    scene = Scene(discs, walls, segments=[Segment("1/10", 50, "9/10", 50, id="shelf")])
+    blind = Blind(1 / 64, 0.0)
+    audit = audit_run(blind.run(scene, until=60), blind)
+    assert [(d.kind, d.of_step) for d in audit.defects if d.kind == "missed"] == [("missed", None)]
+    assert audit.kept is None, audit.sentence
+    assert "missed" in audit.reason
+
+
+def test_a_bullet_that_a_step_lets_through_breaks_no_law() -> None:
+    """It overlaps the target for a twelfth of the finest step of the series: no end of a step can see it."""
+    scene = load_scene(Path(__file__).parents[2] / "data" / "verdict" / "bullet.json")
+    laws = compare(scene, ["pymunk:dt=1/64"], until=12).candidates[0].laws
+    assert laws is not None and laws.kept, laws
+
+
+def test_a_point_and_a_segment_without_thickness_never_overlap() -> None:
+    """No finer step helps; nor is it a law that is not kept: at no step's end is there anything to see."""
+    found = compare(catalogue.build("barrier"), ["pymunk"], events=40)["pymunk"]
+    assert found.laws is not None and found.laws.kept, found.laws
+    assert "between the ends of its steps it passes through" in found.laws.sentence
+    assert found.diagnosis is not None
+    assert found.diagnosis.name.value == "tunnelling"
+    assert found.diagnosis.finding == "ball and slit have no thickness: they overlap at no step's end"
 
 
 @pytest.mark.parametrize("seed", [67, 119])

@@ -234,29 +234,29 @@ def ticking(*seconds: float) -> Pace:
 
 def test_the_time_left_is_that_of_the_end_that_comes_first() -> None:
     pace = ticking(0.0, 10.0, 10.0)
-    pace.told(Progress(0, 0.0, "exact"))
-    assert pace.told(Progress(20, 25.0, "exact")).endswith("20 of 100 events, time 25, 2 a second, 10 s left")
-    assert pace.told(Progress(50, 10.0, "exact")).endswith("5 a second, 10 s left")
+    pace.line(Progress(0, 0.0, "exact"))
+    assert pace.line(Progress(20, 25.0, "exact")).endswith("20 of 100 events, time 25, 2 a second, 10 s left")
+    assert pace.line(Progress(50, 10.0, "exact")).endswith("5 a second, 10 s left")
 
 
 def test_work_with_limits_of_its_own_has_no_total() -> None:
     pace = ticking(0.0, 2.0)
-    pace.told(Progress(0, 0.0, "why double"))
-    assert pace.told(Progress(10, 5.0, "why double")) == "gas: why double: 10 events, time 5, 5 a second"
+    pace.line(Progress(0, 0.0, "why double"))
+    assert pace.line(Progress(10, 5.0, "why double")) == "gas: why double: 10 events, time 5, 5 a second"
 
 
 def test_each_engine_has_a_rate_of_its_own() -> None:
     pace = ticking(0.0, 10.0, 20.0, 22.0)
-    pace.told(Progress(0, 0.0, "exact"))
-    assert "9 a second" in pace.told(Progress(90, 40.0, "exact, 512 bits"))
-    assert "a second" not in pace.told(Progress(5, 3.0, "double"))
-    assert "10 a second" in pace.told(Progress(25, 13.0, "double"))
+    pace.line(Progress(0, 0.0, "exact"))
+    assert "9 a second" in pace.line(Progress(90, 40.0, "exact, 512 bits"))
+    assert "a second" not in pace.line(Progress(5, 3.0, "double"))
+    assert "10 a second" in pace.line(Progress(25, 13.0, "double"))
 
 
 def test_beyond_the_total_no_total_is_told() -> None:
     pace = ticking(0.0, 2.0)
-    pace.told(Progress(0, 0.0, ""))
-    told = pace.told(Progress(110, 60.0, ""))
+    pace.line(Progress(0, 0.0, ""))
+    told = pace.line(Progress(110, 60.0, ""))
     assert "of 100" not in told
     assert "left" not in told
 

@@ -64,7 +64,7 @@ def test_a_ladder_tells_the_first_wrong_and_where_it_does_not_stay(
     marks: str, first_wrong: int | None, right_again: tuple[int, ...], told: str
 ) -> None:
     one = ladder(marks)
-    assert (one.first_wrong, one.right_again, one.told(), one.signs) == (first_wrong, right_again, told, marks)
+    assert (one.first_wrong, one.right_again, one.summary(), one.signs) == (first_wrong, right_again, told, marks)
 
 
 def test_ladders_are_lane_by_lane_with_the_exact_engine_first() -> None:
@@ -83,7 +83,7 @@ def test_a_near_tie_is_lost_where_the_numbers_are_too_far_apart() -> None:
         for engine, kind in (("single", np.float32), ("double", np.float64)):
             half = float(np.spacing(kind(place))) / 2
             lost = next(k for k in range(1, 40) if 10.0**-k < half)
-            assert found[side, engine].told() == f"right 5 to {lost - 1}; wrong {lost} to 18"
+            assert found[side, engine].summary() == f"right 5 to {lost - 1}; wrong {lost} to 18"
 
 
 def test_what_is_not_right_is_told_of_the_exact_engine() -> None:
@@ -238,7 +238,7 @@ def test_the_picture_draws_every_stretch_and_names_every_lane() -> None:
     for mark in MapMark:
         assert fills.count(f"url(#stress-{mark.value})") == legend + 2
     titles = [node.text for node in picture.iter("{http://www.w3.org/2000/svg}title")]
-    assert f"{long}  left: {mine[0].told()}" in titles
+    assert f"{long}  left: {mine[0].summary()}" in titles
 
 
 # -- the command

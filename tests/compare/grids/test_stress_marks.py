@@ -143,7 +143,7 @@ def marked(code: int) -> MapMark:
         patch.setattr(witnessing, "checked", lambda text: (code, "its sentence"))
         patch.setattr(witnessing, "MOST_TIMES", 1)
         told = witness(ExactEngine().run(one.scene(place)), one, place)
-    assert told.told == "its sentence"
+    assert told.note == "its sentence"
     return told.mark
 
 
@@ -177,8 +177,8 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
     monkeypatch.setattr(witnessing, "certificate_of", lambda run: rough)
     told = witness(run, one, place)
     assert told.mark is MapMark.RIGHT
-    assert told.told.startswith("verified: 4 events, to the end: quiet; ")
-    assert told.told.endswith(" (with 2 times its bits)")
+    assert told.note.startswith("verified: 4 events, to the end: quiet; ")
+    assert told.note.endswith(" (with 2 times its bits)")
     monkeypatch.setattr(witnessing, "MOST_TIMES", 1)
     assert witness(run, one, place).mark is MapMark.UNCHECKED
 

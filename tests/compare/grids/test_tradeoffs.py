@@ -179,7 +179,7 @@ def test_against_itself_every_ratio_agrees(tmp_path: Path) -> None:
     told = report(row("near-tie", "exact", 2.0), row("near-tie", "double", 1.0))
     held = against(told, load(written(tmp_path / "a.json", told), "--against"))
     assert [change.share for change in held.changes] == [0.0, 0.0]
-    assert held.told
+    assert held.comparable
     assert not held.beyond
     assert held.sentences()[0] == "2 of 2 ratios agree within 15%."
 
@@ -191,12 +191,12 @@ def test_against_tells_what_differs_and_whether_that_says_something(tmp_path: Pa
     held = against(now, data)
     assert [change.name for change in held.beyond] == ["near-tie, double"]
     assert held.missing == ("near-tie, quad", "near-tie, single")
-    assert held.told
+    assert held.comparable
     busy = against(replace(now, idleness=Idleness(2.0, 1.0)), data)
-    assert not busy.told
+    assert not busy.comparable
     assert any("say nothing of the engines" in line for line in busy.sentences())
     other = against(now, {**data, "machine": {**data["machine"], "cores": 10**6}})
-    assert not other.told
+    assert not other.comparable
     assert any("another machine" in line for line in other.sentences())
 
 

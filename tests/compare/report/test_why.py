@@ -42,7 +42,7 @@ def test_permitted_patterns_are_drawn_with_the_engines_own_marked() -> None:
     found = gallery(comparison("rack"))
     assert found is not None
     assert found.drawn[0].label == "the policy's own"
-    assert found.drawn[0].told == ""
+    assert found.drawn[0].note == ""
     permitted = comparison("rack").permitted
     assert permitted is not None
     marked = {name for drawn in found.drawn for _, name in drawn.engines}
@@ -50,7 +50,7 @@ def test_permitted_patterns_are_drawn_with_the_engines_own_marked() -> None:
     for drawn in found.drawn:
         picture = ElementTree.fromstring(drawn.picture)
         lines = [e.get("class") for e in picture.iter("line")]
-        assert ("more" in lines or "fewer" in lines) <= bool(drawn.told)
+        assert ("more" in lines or "fewer" in lines) <= bool(drawn.note)
     assert "What the physics permits" in page("rack")
 
 

@@ -61,3 +61,20 @@ def test_one_that_is_off_or_looks_less_often_still_stays_so(first: int) -> None:
     with SeldomCollected():
         assert gc.get_threshold() == (first, 11, 12)
     assert gc.get_threshold() == (first, 11, 12)
+
+
+@pytest.mark.parametrize("name", ["exact", "double"])
+@pytest.mark.parametrize("scene", ["gas:n=6", "pinball", "lorentz", "stadium", "bounce", "cradle"])
+def test_no_part_of_a_run_is_left_in_a_circle(name: str, scene: str) -> None:
+    built = catalogue.build(scene)
+    engine(name).run(built, events=20)
+    gc.collect()
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        engine(name).run(built, events=20)
+        gc.collect()
+        left = {type(found).__name__ for found in gc.garbage if type(found).__module__.startswith("truebreak")}
+    finally:
+        gc.set_debug(0)
+        gc.garbage.clear()
+    assert not left
