@@ -28,7 +28,7 @@ from ..exact.replay.contact import (
     is_pair,
     name_of,
 )
-from ..exact.replay.round_falls import told_falling_zero
+from ..exact.replay.round_falls import told_wait
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.arc_meetings import arc_contact, predict_falls
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
@@ -68,41 +68,9 @@ class PlainState(ReplayState[M]):
 
     def peg_hit(self, link: Pair) -> tuple[M, M]:
         """See `RoundFalls.peg_hit`; only of what comes."""
-        wait = self.peg_time(link)
+        wait = told_wait(self, link)
         assert wait is not None, "a circle that was to fall onto another does not: a defect"
         return self.faller(link).flight.t, wait
-
-    def peg_time(self, link: Pair) -> M | None:
-        """The time to the hit of a circle that falls onto one that stands; None where it does not.
-
-        Which zero of the quartic that is, is told of its coefficients in doubles, as they are; then it is sharpened in
-        the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
-        else meet again as if they touched.
-        """
-        fall, stood = self.peg_fall(link), self.stood(link)
-        if not fall.gap() > self.zero:
-            if not stood and fall.approach() < self.zero:
-                return self.zero
-            stood = True
-        found = told_falling_zero([float(value) for value in fall.polynomial(stood)])  # pyright: ignore[reportArgumentType]
-        if found is None:
-            return None
-        wait = self.constant(Quantity.of(found))
-        for _ in range(SHARPENINGS):
-            then = fall.after(wait)
-            slope = then.approach() + then.approach()
-            gap = then.gap() if not stood else then.gap() - fall.gap()
-            if not slope < self.zero:
-                break
-            better = wait - gap / slope
-            if not better > self.zero or not (better < wait or better > wait):
-                break
-            wait = better
-        return wait
-
-
-SHARPENINGS = 8
-"""Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
 
 
 # -- Tells when a run in finite precision goes round without end while its clock stands still.
@@ -240,10 +208,9 @@ class PlainPegs(Predictor[M]):
 
     def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""
-        state, link = self.state, link_of(a, peg)
-        assert isinstance(state, PlainState)
+        link = link_of(a, peg)
         assert is_pair(link)
-        wait = state.peg_time(link)
+        wait = told_wait(self.state, link)
         if wait is not None:
             self.push(a.flight.t + wait, link)
 

@@ -6,8 +6,8 @@ import sys
 from types import FrameType
 from typing import Any, ClassVar, Protocol
 
-from .numbers.quantity import Quantity, QuantityLike
 from .errors import SceneError
+from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene
 from .settings import positive_count, positive_time
 from .trajectory import OnProgress, Trajectory
@@ -22,7 +22,8 @@ SCENE_KEYS = frozenset(
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
 ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed"}
-"""These, where "fixed" is a circle that stands under gravity, and the keys that an engine follows only where it says so: `Declared` leaves them out."""
+"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out. "fixed" is a circle
+that stands under gravity."""
 
 
 class Engine(Protocol):

@@ -3,8 +3,7 @@ with truebreak.
 
 Whether and when a disc comes to a fixed one is looked for among all four zeros of the squared distance as a polynomial
 of the time, made anew by sampling it at five times; each zero is polished by Newton's rule to all digits from what
-numpy says of it, and where that does not give four zeros apart from one another, or one of them may be a double one, the
-scene is not for this referee.
+numpy says of it, and where that does not give four zeros apart from one another the scene is not for this referee.
 """
 
 from __future__ import annotations
@@ -59,9 +58,7 @@ class PegReferee(GravityReferee):
 
     def __init__(self, scene: Scene) -> None:
         with workdps(DIGITS):
-            self.pegs = {
-                k: [number(q) for q in (c.x, c.y, c.r)] for k, c in enumerate(scene.circles) if c.fixed
-            }
+            self.pegs = {k: [number(q) for q in (c.x, c.y, c.r)] for k, c in enumerate(scene.circles) if c.fixed}
             movable = [c for c in scene.circles if not c.fixed]
             self.peg_ids = [(str(scene.circles[k].id), *row) for k, row in self.pegs.items()]
         self.ids = [str(c.id) for c in movable]

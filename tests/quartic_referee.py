@@ -1,8 +1,9 @@
-"""The first falling zero of a polynomial by Sturm's chains in fractions: shares no code, and no method, with truebreak."""
+"""The first falling zero of a polynomial by Sturm's chains in fractions: shares no code or method with truebreak."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 Poly = list[Fraction]
 """Coefficients, the constant one first; the last is not zero."""
@@ -53,7 +54,7 @@ def value(p: Poly, t: Fraction) -> Fraction:
 def changes(chain: list[Poly], t: Fraction) -> int:
     """Changes of sign at t."""
     signs = [x > 0 for p in chain if (x := value(p, t)) != 0]
-    return sum(a != b for a, b in zip(signs, signs[1:], strict=False))
+    return sum(a != b for a, b in pairwise(signs))
 
 
 def first_fall(c: Poly, width: Fraction) -> tuple[Fraction, Fraction] | None:

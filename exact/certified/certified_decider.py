@@ -17,7 +17,18 @@ from ..numbers.ball import Known
 from ..numbers.system import BudgetSpent, Undecided
 from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..replay.contact import (
-    AtWall, Body, Entry, Link, Pair, Touch, can_push, is_arc, is_flat, is_pair, name_of, touching_at_start,
+    AtWall,
+    Body,
+    Entry,
+    Link,
+    Pair,
+    Touch,
+    can_push,
+    is_arc,
+    is_flat,
+    is_pair,
+    name_of,
+    touching_at_start,
 )  # fmt: skip
 from ..replay.refinable import Projection, RefinableState
 from ..replay.round_falls import Unclear, peg_meeting

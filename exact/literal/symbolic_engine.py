@@ -165,8 +165,8 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, or a scene in which pockets capture circles, or one stands under
-                gravity.
+            SceneError: for a limit that is not above zero, a scene in which pockets capture circles, or one in which a
+                circle stands under gravity.
         """
         refuse_pegs(scene, "square roots", "a fall onto it is a zero of a quartic: use exact, or leave gravity out")
         if scene.capture:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import frexp, inf, isfinite, ldexp
-from typing import Generic, NamedTuple, NoReturn, TypeVar
+from typing import Any, Generic, NamedTuple, NoReturn
 
 from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.errors import NoClosedForm
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
-from ..numbers.system import N
+from ..numbers.system import M, N
 from .contact import Body, Gravity, Link, Pair, Relation, Round, is_pair, touching_at_start
 
 # -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
@@ -68,7 +70,7 @@ Found = Isolated | Unclear | None
 """What is known of the first falling zero; None: there is none."""
 
 
-def gap_quartic(dx: N, dy: N, vx: N, vy: N, hx: N, hy: N, reach: N) -> tuple[N, N, N, N, N]:
+def gap_quartic(dx: N, dy: N, vx: N, vy: N, hx: N, hy: N, reach: N) -> tuple[N, ...]:
     """|d + v s - h s^2|^2 - R^2 as a polynomial of s, the constant term first.
 
     >>> gap_quartic(0, -5, 0, 0, 0, -5, 1)
@@ -154,7 +156,7 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
         half = 0.5 * (low + high)
         left, right = [b[0]], [b[-1]]
         for _ in range(degree):
-            b = [(x + y) * 0.5 for x, y in zip(b, b[1:], strict=False)]
+            b = [(x + y) * 0.5 for x, y in pairwise(b)]
             left.append(b[0])
             right.append(b[-1])
         right.reverse()
@@ -164,7 +166,7 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
 
 
 def _last_zero(c: Sequence[float], off: Sequence[float]) -> float:
-    """A double beyond all positive zeros: 0 where there are none, infinite where none is known (Kioustelidis, Fujiwara)."""
+    """A double beyond all positive zeros (Kioustelidis, Fujiwara): 0 where there are none, infinite where unknown."""
     degree = len(c) - 1
     while degree and c[degree] == 0.0 == off[degree]:
         degree -= 1
@@ -264,8 +266,6 @@ def _sharpened(c: Sequence[float], off: Sequence[float], low: float, high: float
 
 # -- In balls, and in fractions: the same, with signs that are certain or None.
 
-T = TypeVar("T", arb, fmpq)
-
 SPLITS = (fmpq(1, 2), fmpq(3, 7), fmpq(4, 7), fmpq(5, 11), fmpq(6, 11))
 """Where an interval is parted: at most four of five places are zeros."""
 
@@ -295,9 +295,9 @@ def bits_of(c: Sequence[arb]) -> int:
     return 16 + min(bits_in_use(), max([0, *(x.rel_accuracy_bits() for x in c if not x.is_zero())]))
 
 
-def _isolated(c: Sequence[T], top: fmpq, sign: Callable[[T], int | None], most: int | None) -> Found:
+def _isolated(c: Sequence[Any], top: fmpq, sign: Callable[[Any], int | None], most: int | None) -> Found:
     """The first falling zero in (0, top], by parting; `most` times at most."""
-    kind = type(c[0])
+    kind: Any = type(c[0])
     terms, power = [c[0]], fmpq(1)
     for value in c[1:]:
         power *= top
@@ -308,7 +308,7 @@ def _isolated(c: Sequence[T], top: fmpq, sign: Callable[[T], int | None], most: 
         low, high, b, depth = stack.pop()
         signs = [sign(x) for x in b]
         if 0 not in signs[1:-1] and None not in signs and 0 not in (signs[0], signs[-1]):
-            changes = sum(one != other for one, other in zip(signs, signs[1:], strict=False))
+            changes = sum(one != other for one, other in pairwise(signs))
             if not changes:
                 continue
             if changes == 1:
@@ -328,34 +328,29 @@ def _isolated(c: Sequence[T], top: fmpq, sign: Callable[[T], int | None], most: 
     return None
 
 
-def _parted(b: list[T], share: T) -> tuple[list[T], list[T]]:
+def _parted(b: list[Any], share: Any) -> tuple[list[Any], list[Any]]:
     """The Bernstein coefficients of both parts of an interval (de Casteljau)."""
     left, right = [b[0]], [b[-1]]
     while len(b) > 1:
-        b = [x + (y - x) * share for x, y in zip(b, b[1:], strict=False)]
+        b = [x + (y - x) * share for x, y in pairwise(b)]
         left.append(b[0])
         right.append(b[-1])
     right.reverse()
     return left, right
 
 
-def sharpened(found: Isolated, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
-    """The zero as a ball of the working precision, by interval Newton; None where that is not told.
+def sharpened(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
+    """The falling zero that is the only one between two balls, to the working precision, by interval Newton; None where
+    that is not told.
 
     Args:
-        found: where it is, and no other.
+        low, high: the balls.
         value, slope: the polynomial and its derivative, as enclosures.
 
-    >>> zero = sharpened(Isolated(1.25, 1.5), lambda t: 2 - t * t, lambda t: -2 * t)
+    >>> zero = sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
     >>> zero.rel_accuracy_bits() > 40, zero * zero - 2
     (True, [+/- 1.08e-15])
     """
-    low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
-    return sharpened_between(low, high, value, slope)
-
-
-def sharpened_between(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
-    """As `sharpened`, of a falling zero that is the only one between two balls."""
     at = low.union(high)
     while True:
         middle = at.mid()
@@ -483,26 +478,6 @@ def _halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     raise AssertionError("a polynomial has more zeros than its degree: a defect")
 
 
-def order_exactly(first: ExactZero, second: ExactZero) -> int:
-    """Whether one zero comes before (negative), with (zero: by the common divisor) or after another.
-
-    >>> one = falling_zero_exactly([fmpq(2), fmpq(0), fmpq(-1)])
-    >>> two = falling_zero_exactly([fmpq(4), fmpq(0), fmpq(0), fmpq(0), fmpq(-1)])
-    >>> order_exactly(one, two), order_exactly(one, falling_zero_exactly([fmpq(3), fmpq(0), fmpq(-1)]))
-    (0, -1)
-    """
-    common = first.factor.gcd(second.factor)
-    (low, high), (start, stop) = first[1:3], second[1:3]
-    while True:
-        if high <= start:
-            return -1
-        if stop <= low:
-            return 1
-        if _sign(common(max(low, start))) * _sign(common(min(high, stop))) < 0:
-            return 0
-        (low, high), (start, stop) = _halved(first.factor, low, high), _halved(second.factor, start, stop)
-
-
 # -- The same in a state: which contacts it concerns, and where the two are.
 
 
@@ -547,21 +522,20 @@ class RoundFalls(Generic[N]):
 
     Attributes:
         pegs: the circles that do.
+        contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
     """
 
     scene: Scene
     zero: N
+    constant: Callable[[Quantity], N]
     falling: Gravity[N] | None
     bodies: dict[int, Body[N]]
+    pegs: frozenset[int]
+    contacts: dict[int, tuple[int, frozenset[Link]]]
 
     def reach(self, a: Body[N], b: Body[N]) -> N:
         """The sum of two radii."""
         raise NotImplementedError
-
-    def begin_falls(self) -> None:
-        """At the start."""
-        self.pegs = self.scene.pegs
-        self._stood: dict[int, tuple[int, frozenset[Link]]] = {}
 
     def on_peg(self, link: Link) -> bool:
         """Whether one of the two of a contact stands under gravity."""
@@ -615,19 +589,15 @@ class RoundFalls(Generic[N]):
             for i in link.circles:
                 if i in self.pegs:
                     continue
-                last, before = self.bodies[i].flight.last, self._stood.get(i)
+                last, before = self.bodies[i].flight.last, self.contacts.get(i)
                 mine = frozenset(other for other in links if i in other.circles)
-                self._stood[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
+                self.contacts[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
 
     def stood(self, link: Pair) -> bool:
         """Whether the two of a contact touch as the flight of the one that falls begins."""
         body = self.faller(link)
-        last, (at, links) = body.flight.last, self._stood.get(body.index, (-1, frozenset[Link]()))
+        last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
         return (at == last and link in links) or (last == 0 and link in touching_at_start(self.scene))
-
-    def take_stood(self, other: RoundFalls[N]) -> None:
-        """Takes over what another state of the same run has noted."""
-        self._stood = other._stood
 
     # -- when they meet
 
@@ -691,5 +661,38 @@ def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear
     low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
     if late is not None:
         low, high = low + late, high + late
-    wait = sharpened_between(low, high, value, slope)
+    wait = sharpened(low, high, value, slope)
     return Unclear(float(found.low)) if wait is None else wait
+
+
+SHARPENINGS = 8
+"""Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
+
+
+def told_wait(state: RoundFalls[M], link: Pair) -> M | None:
+    """The time to the hit of a circle that falls onto one that stands; None where it does not.
+
+    Which zero of the quartic that is, is told of its coefficients in doubles, as they are; then it is sharpened in
+    the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
+    else meet again as if they touched.
+    """
+    fall, stood = state.peg_fall(link), state.stood(link)
+    if not fall.gap() > state.zero:
+        if not stood and fall.approach() < state.zero:
+            return state.zero
+        stood = True
+    found = told_falling_zero([float(value) for value in fall.polynomial(stood)])  # pyright: ignore[reportArgumentType]
+    if found is None:
+        return None
+    wait = state.constant(Quantity.of(found))
+    for _ in range(SHARPENINGS):
+        then = fall.after(wait)
+        slope = then.approach() + then.approach()
+        gap = then.gap() if not stood else then.gap() - fall.gap()
+        if not slope < state.zero:
+            break
+        better = wait - gap / slope
+        if not better > state.zero or not (better < wait or better > wait):
+            break
+        wait = better
+    return wait

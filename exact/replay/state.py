@@ -35,7 +35,21 @@ from ..laws.formulas import (
 )
 from ..numbers.system import Arithmetic, N, solve_positive
 from .contact import (
-    AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, SeenWall, Sides, Touch, WallFall, is_pair,
+    AtArc,
+    AtWall,
+    Body,
+    Entry,
+    Flight,
+    Gravity,
+    Link,
+    Pair,
+    Relation,
+    Round,
+    SeenWall,
+    Sides,
+    Touch,
+    WallFall,
+    is_pair,
 )  # fmt: skip
 from .round_falls import RoundFalls
 
@@ -191,7 +205,7 @@ class Flights(RoundFalls[N]):
         self.arcs = [self._still(k, side, False) for k, side in enumerate(scene.arc_sides)]
         self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
         self.sides = Sides(scene)
-        self.begin_falls()
+        self.pegs, self.contacts = scene.pegs, {}
 
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero

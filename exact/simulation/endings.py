@@ -101,8 +101,8 @@ class Endings:
         for link, sign in standing.items():
             if pegs and sign == 0 and not pegs.isdisjoint(link.circles) and is_pair(link):
                 raise Undecided(
-                    f"{name_of(self.scene, link)} touch and neither approach nor part, under gravity: whether one rests "
-                    "on the other, slides along it or flies off is not followed"
+                    f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
+                    "rests on the other, slides along it or flies off is not followed"
                 )
         names = [
             name_of(self.scene, link)

@@ -269,7 +269,7 @@ def test_a_file_keeps_gravity_and_scenes_without_have_no_such_key():
     ],
 )
 def test_what_is_round_and_fixed_is_refused_under_gravity(things, named):
-    with pytest.raises(SceneError, match=f"gravity: {named}; under gravity there are walls and circles that move"):
+    with pytest.raises(SceneError, match=f"gravity: {named}; under gravity there are walls and circles, and nothing"):
         Scene(**{"circles": [Circle(0, 5)], "gravity": (0, -1), **things})
     for bad in ((0,), "down", (0, "x"), [1, 2, 3]):
         with pytest.raises(SceneError, match="gravity"):
