@@ -435,7 +435,7 @@ def explained(
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
-    new = "with arcs" if study.scene.arcs else "" if study.scene.elastic else "whose restitution is below 1"
+    new = "" if study.scene.elastic else "whose restitution is below 1"
     new = new if study.scene.gravity is None else "with gravity"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment

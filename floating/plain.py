@@ -13,7 +13,7 @@ from flint import arb
 from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.arc_ranges import within_arc
+from ..exact.replay.arc_ranges import faces_arc
 from ..exact.replay.contact import (
     AtArc,
     AtWall,
@@ -338,7 +338,7 @@ class PlainMeetings(Generic[M]):
             a, b = link.ends(state)
             pair = state.relation(link)
             through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
-            if through < 0 and self._sign(within_arc(state, link, pair.dx, pair.dy)) > 0:
+            if through < 0 and self._sign(faces_arc(state, link, pair.dx, pair.dy)) > 0:
                 return a.flight.t, False
         disc = arc_contact(link, self._ask, final=True)
         if disc is None or disc < 0:

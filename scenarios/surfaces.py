@@ -292,7 +292,7 @@ def _run_on(a: Segment, b: Segment) -> bool:
 
 
 class ThingParts(NamedTuple):
-    """What a thing of several parts is made of: its faces and its ends, by index in `Scene.surfaces`.
+    """What a thing of several parts is made of: faces, ends and sides of an arc, by index in `Scene.surfaces`.
 
     Of a convex one what recedes from its nearest part recedes for ever; of another it may come to a part farther on.
     """
@@ -300,6 +300,7 @@ class ThingParts(NamedTuple):
     faces: tuple[int, ...]
     ends: tuple[int, ...]
     convex: bool = True
+    sides: tuple[int, ...] = ()
 
 
 @lru_cache(maxsize=64)
@@ -308,9 +309,11 @@ def parts_of(scene: Any) -> Mapping[int, ThingParts]:
 
     >>> from truebreak.scenarios import Scene
     >>> parts_of(Scene([Circle(0, 5)], [Wall(0, -9, 1, -9)], segments=[Segment(-1, 0, 1, 0)]))
-    {2: ThingParts(faces=(1, 2), ends=(1, 2), convex=True)}
+    {2: ThingParts(faces=(1, 2), ends=(1, 2), convex=True, sides=())}
     >>> parts_of(Scene([Circle(0, 5)], polygons=[Polygon([(0, 0), (2, 0), (1, 1), (1, 3)])]))
-    {1: ThingParts(faces=(0, 1, 2, 3), ends=(1, 2, 3), convex=False)}
+    {1: ThingParts(faces=(0, 1, 2, 3), ends=(1, 2, 3), convex=False, sides=())}
+    >>> parts_of(Scene([Circle(0, 0)], arcs=[Arc(0, 0, 5, full=True)]))
+    {1: ThingParts(faces=(), ends=(), convex=False, sides=(0, 1))}
     """
     whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
     ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
@@ -326,4 +329,7 @@ def parts_of(scene: Any) -> Mapping[int, ThingParts]:
         faces = tuple(range(face, face + len(sides)))
         found[k] = ThingParts(faces, tuple(end for end in corners if end is not None), polygon.convex)
         face += len(sides)
+    for k, arc in enumerate(scene.arcs):
+        place = before + len(scene.segments) + len(scene.polygons) + k
+        found[place] = ThingParts((), tuple(ends[end] for end in arc.ends), False, (2 * k, 2 * k + 1))
     return found

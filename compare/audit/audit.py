@@ -189,8 +189,6 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.arcs:
-        return Audit(None, "arcs are not audited yet")
     if not run.scene.elastic:
         return Audit(None, "a restitution below 1 is not audited yet")
     if run.scene.gravity is not None:

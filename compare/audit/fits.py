@@ -40,7 +40,7 @@ class Sample(NamedTuple):
         room: what rounding may make of each ratio.
         loose: what it may make of the gap.
         slide: how fast they pass each other across the line of centres.
-        reach: from centre to centre as they touch; infinite for a wall.
+        reach: from centre to centre as they touch; infinite for a wall, below zero within an arc.
     """
 
     event: int
@@ -67,10 +67,10 @@ class Sample(NamedTuple):
         if not self.speed:
             return 0.0
         if math.isfinite(self.reach):
-            far, over = self.reach + self.gap, self.gap * (2 * self.reach + self.gap)
+            far, over = abs(self.reach + self.gap), self.gap * (2 * self.reach + self.gap)
             square = (far * self.speed) ** 2 - over * (self.speed**2 + self.slide**2)
             if square >= 0:
-                return -over / (far * self.speed + math.sqrt(square))
+                return -math.copysign(over, over * self.reach) / (far * self.speed + math.sqrt(square))
         return -self.gap / self.speed
 
     @property
@@ -159,6 +159,15 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     if wall:
         b = lb = a
         bx, by, vx, vy, ux, uy = 0 * ax, 0 * ay, -a.vx, -a.vy, -la.vx, -la.vy
+        if back and j >= laws.first_side:
+            side = laws.sides[j - laws.first_side]
+            dx = side.inward * (side.x - la.x + la.vx * back)
+            dy = side.inward * (side.y - la.y + la.vy * back)
+            far = (dx * dx + dy * dy).sqrt()
+            if not float(far.mid()):
+                return
+            nx, ny = dx / far, dy / far
+            opening = nx * vx + ny * vy
     else:
         b = instant.before[j]
         lb = instant.after.get(j, b)
@@ -200,7 +209,7 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     yield Sample(
         instant.events[0] if instant.events else events, instant.time, pair, -closing, -after / closing, slid, aside,
         masses, lost, float(met.gap.mid()), room, met.room, abs(across),
-        math.inf if wall else float((laws.things[i].r + laws.things[j].r).mid()),
+        laws.reach(pair),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Contacts that a run misses: circles that fly into each other, or across a wall, in its own flights."""
+"""Contacts that a run misses: circles that fly into each other, or across a wall or an arc, in its own flights."""
 
 from __future__ import annotations
 
@@ -101,6 +101,10 @@ def passages(
         if laws.moving[leg.circle]:
             for wall in range(len(laws.scene.walls)):
                 found = _across(laws, leg, wall)
+                if found is not None:
+                    yield found
+            for side in range(len(laws.sides)):
+                found = _into_side(laws, leg, side)
                 if found is not None:
                     yield found
         for other in near.beside(leg):
@@ -304,3 +308,56 @@ def _through(leg: Leg, line: WallInBalls, height: float, closing: float, radius:
     ahead = (line.length - foot if slide > 0.0 else foot) / abs(slide) if slide else math.inf
     thick = radius + line.thick
     return leg.start + min(ahead, (height - radius + 2.0 * thick) / closing if thick else math.inf)
+
+
+def _into_side(laws: Laws, leg: Leg, place: int) -> Passage | None:
+    """How far into a side of an arc a circle flies.
+
+    Looked at is what comes to the side, from where it certainly is on it, within the range by more than rounding: from
+    then on it grows into the arc, up to where it is nearest to the middle, or, from within, to the end of its flight.
+    What comes from the other side says there what it meets; what is beside the range meets an end first.
+    """
+    side, circle = laws.sides[place], laws.things[leg.circle]
+    r, hollow = circle.radius, side.inward < 0
+    reach = side.radius + side.inward * r
+    if reach <= 0.0 or not leg.speed or (hollow and not (side.r - circle.r).mid() > 0):
+        return None
+    x, y, speed = leg.x - float(side.x), leg.y - float(side.y), leg.speed
+    ux, uy = leg.vx / speed, leg.vy / speed
+    flown, end = speed * (leg.start - leg.t), min(leg.end, 1e300)
+    x, y = x + ux * flown, y + uy * flown
+    nearest, beside = -(x * ux + y * uy), abs(x * uy - y * ux)
+    root = (reach - beside) * (reach + beside)
+    way = speed * (end - leg.start)
+    if root <= 0.0 or (nearest <= 0.0 and not hollow):
+        return None
+    half = math.sqrt(root)
+    begin = max(0.0, nearest) if hollow else 0.0
+    meets = max(begin, nearest + half if hollow else nearest - half)
+    last = way if hollow else min(way, nearest)
+    if last <= meets:
+        return None
+    away = math.hypot(x, y)
+    sizes = math.hypot(leg.x, leg.y) + speed * min(leg.start + last / speed, 1e300) + side.place + side.radius + away
+    blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes + leg.apart + leg.turned * meets / speed
+    height = math.hypot(x + ux * begin, y + uy * begin) - side.radius
+    dx, dy = x + ux * meets, y + uy * meets
+    turn = math.hypot(side.nx, side.ny) * 2.0 * blur * (1.0 + reach / half)
+    within = math.inf if side.full else side.nx * dx + side.ny * dy - side.h * math.hypot(dx, dy)
+    if side.inward * height <= blur or within <= turn:
+        return None
+    gaps: list[arb] = []
+    for moment in (leg.start + begin / speed, leg.start + last / speed):
+        cx = (arb(moment) - leg.t) * leg.vx + leg.x - side.x
+        cy = (arb(moment) - leg.t) * leg.vy + leg.y - side.y
+        gaps.append(side.inward * ((cx * cx + cy * cy).sqrt() - side.r) - circle.r)
+    deeper = (gaps[0].min(arb(0)) - gaps[1]).mid()
+    far = away + speed * (end - leg.start) if end < 1e300 else away + last
+    room = laws.unit * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / reach) + reach + side.radius)) + LEAST
+    room += leg.apart + leg.turned * last / speed if leg.apart else 0.0
+    room += laws.underflown(speed, speed * half)
+    size = size_of(deeper) if deeper > 0 else 0.0
+    if size <= room:
+        return None
+    time = leg.start + last / speed
+    return Passage(time, Residual("depth", (leg.circle, laws.first_side + place), size, room), leg.start)

@@ -18,6 +18,7 @@ from ...exact.replay.contact import Sides
 from ...scenarios.surfaces import parts_of
 
 if TYPE_CHECKING:
+    from ...scenarios.arcs import ArcSide
     from ...scenarios.scene import Scene
     from .transcript import ReportedFlight, ReportedInstant, Transcript
 
@@ -96,6 +97,25 @@ class WallInBalls(NamedTuple):
     size: float
     length: float
     thick: float = 0.0
+
+
+class SideInBalls(NamedTuple):
+    """A side of an arc: the middle of its circle, its radius, and its range; doubles near them.
+
+    Of a hollow one `inward` is -1, else 1. n = (nx, ny) and h tell the range: see `scenarios.things.Arc.chord`.
+    """
+
+    x: arb
+    y: arb
+    r: arb
+    inward: int
+    full: bool
+    nx: float
+    ny: float
+    h: float
+    place: float
+    radius: float
+    ends: tuple[int, ...]
 
 
 class ImpactLaws(NamedTuple):
@@ -177,9 +197,12 @@ class Laws:
         self._fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
         self._sides = Sides(scene)
         self._ends_of = {wall: parts.ends for parts in self.parts.values() for wall in parts.faces}
+        self.first_side = self.count + len(scene.walls)
+        self.sides = [self._side(k, side) for k, side in enumerate(scene.arc_sides)]
         self._owners: dict[int, list[int]] = {}
         for thing, parts in self.parts.items():
-            for place in (*parts.ends, *(self.count + wall for wall in parts.faces)):
+            first = self.first_side
+            for place in (*parts.ends, *(self.count + w for w in parts.faces), *(first + s for s in parts.sides)):
                 self._owners.setdefault(place, []).append(thing)
         self._lines: dict[int, tuple[WallInBalls, WallInBalls]] = {}
 
@@ -199,9 +222,24 @@ class Laws:
             )
         return self._lines[wall][self._sides.negative(circle, wall)]
 
+    def _side(self, k: int, side: ArcSide) -> SideInBalls:
+        x, y, r = ball.constant(side.x), ball.constant(side.y), abs(ball.constant(side.r))
+        nx, ny, h = float(side.nx), float(side.ny), float(side.h)
+        ends = next(parts.ends for parts in self.parts.values() if k in parts.sides)
+        place, radius = math.hypot(float(side.x), float(side.y)), abs(float(side.r))
+        return SideInBalls(x, y, r, side.r.sign(), side.full, nx, ny, h, place, radius, ends)
+
+    def reach(self, pair: tuple[int, int]) -> float:
+        """From centre to centre as two touch: infinite for a wall, below zero for the hollow side of an arc."""
+        i, j = pair
+        if j >= self.first_side:
+            side = self.sides[j - self.first_side]
+            return side.inward * float(side.r.mid()) + self.things[i].radius
+        return math.inf if j >= self.count else float((self.things[i].r + self.things[j].r).mid())
+
     @property
     def parts_places(self) -> Iterable[int]:
-        """The faces and ends, by place in `Scene.ids` of the scene as engines see it."""
+        """The faces, ends and sides of arcs, by place in `Scene.ids` of the scene as engines see it."""
         return self._owners
 
     def wholes(self, bodies: tuple[int, ...]) -> list[tuple[int, ...]]:
@@ -301,6 +339,8 @@ class Laws:
         i, j = pair
         a, xa, ya = self._there(i, instant)
         time = instant.time
+        if j >= self.first_side:
+            return self._at_side(i, self.sides[j - self.first_side], instant, events)
         if j >= self.count:
             line = self.line(i, j - self.count)
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
@@ -332,6 +372,37 @@ class Laws:
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
+
+    def _at_side(self, i: int, side: SideInBalls, instant: ReportedInstant, events: int) -> ImpactLaws:
+        """A circle and a side of an arc: as two circles, one of which never moves, is hollow, and ends somewhere."""
+        a, x, y = self._there(i, instant)
+        dx, dy = side.inward * (side.x - x), side.inward * (side.y - y)
+        distance = (dx * dx + dy * dy).sqrt()
+        gap = side.inward * (distance - side.r) - self.things[i].r
+        near, wide = float(distance.mid()), side.radius + side.inward * self.things[i].radius
+        blur = self._blurred(a, math.hypot(float(x), float(y)), instant.time, events, self._left(i, instant))
+        blur += ROOT_UNITS * self.unit * (side.place + side.radius + self.things[i].radius)
+        if not near:  # in the very middle: no line leads to the arc
+            return ImpactLaws(dx, dy, gap, arb(0), a.speed, blur, 1.0)
+        far = near + a.speed * max(0.0, instant.time - a.time)
+        room = blur + ROOT_UNITS * self.unit * (far * (far / (near + abs(wide))) + abs(wide))
+        nx, ny = dx / distance, dy / distance
+        opening = -(nx * a.vx + ny * a.vy)
+        room += self.underflown(a.speed, abs(float(opening.mid()) * wide))
+        stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
+        turned = min(1.0, blur / near) + self._bent_beside(side, x, y, near, blur, self.things[i].radius)
+        return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched)
+
+    def _bent_beside(self, side: SideInBalls, x: arb, y: arb, near: float, blur: float, radius: float) -> float:
+        """As `_bent_at_end`, of an arc: how near the point of it that is met is to its ends."""
+        share = side.radius / near
+        fx, fy = float(side.x + (x - side.x) * share), float(side.y + (y - side.y) * share)
+        blur *= 1.0 + share
+        for end in side.ends:
+            circle = self.scene.circles[end]
+            if math.hypot(fx - float(circle.x), fy - float(circle.y)) <= blur:
+                return min(1.0, blur / (radius or blur))
+        return 0.0
 
     def _bent_at_end(self, wall: int, line: WallInBalls, x: arb, y: arb, blur: float, radius: float) -> float:
         """By what angle the normal may turn where rounding may make of a face the end beside it; 0 elsewhere."""

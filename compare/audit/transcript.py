@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from flint import arb
 
 from ...exact.numbers import ball
+from ...exact.replay.contact import places_of
 from ...exact.replay.parts import PartsNear
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.numbers.quantity import real
@@ -214,8 +215,7 @@ class Transcript:
         turn = self._loose if self._step is None else TURNED
         with ball.precision(READ_BITS):
             links = self._parts.pushing(i, j, x, y, flight.vx, flight.vy, push, times, room, turn)
-        count = len(self.scene.circles)
-        return [(i, count + link[1] if link.flat else link[1]) for link in links]
+        return [places_of(self.scene, link) for link in links]
 
     @cached_property
     def _parts(self) -> PartsNear[arb]:

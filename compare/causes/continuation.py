@@ -24,6 +24,7 @@ from ...exact.laws.formulas import (
     pair_gap,
     pair_hit_time,
     pair_impulse,
+    pair_last_time,
     pair_strength,
     wall_approach,
     wall_bounce,
@@ -31,7 +32,7 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Entry, Flight, Pair, Touch, is_flat, is_pair
+from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_arc, is_flat, is_pair
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import ReportedFlight as OwnRow
@@ -259,7 +260,7 @@ class Continuation:
         begin = steps_through(events[event - 1]) if event else 0
         found: list[tuple[set[int], list[Step]]] = []
         for step in self._log[begin : steps_through(events[event])]:
-            if isinstance(step, Go) and isinstance(step.source, Pair | AtWall | Entry):
+            if isinstance(step, Go) and isinstance(step.source, Pair | AtWall | AtArc | Entry):
                 found.append(({*step.bodies, *step.source.circles}, [step]))
             elif isinstance(step, Kick):
                 circles = {k for link in step.links for k in link.circles}
@@ -275,7 +276,7 @@ class Continuation:
             if kicks:
                 source = steps[0].source if isinstance(steps[0], Go) else ()
                 pushed = {k for step in kicks for at in step.links for k in at.circles if self._moving[k]}
-                asked = set(source.circles) if isinstance(source, Pair | AtWall) else set[int]()
+                asked = set(source.circles) if isinstance(source, Pair | AtWall | AtArc) else set[int]()
                 bodies = tuple(k for k in sorted(pushed | asked) if self._moving[k])
                 single = kicks[0].links[0] if len(kicks) == 1 and len(kicks[0].links) == 1 else None
                 mine = tuple(
@@ -569,6 +570,25 @@ class _Carried(RunReader):
         return False
 
 
+def _bounce_off_arc(state: ReplayState[arb], link: AtArc, row: Row, here: bool) -> Rows:
+    """See `bounce`: a hollow side is met at the later zero of the gap."""
+    a, b = link.ends(state)
+    t, x, y, vx, vy = row
+    dx, dy, reach = b.flight.x - x, b.flight.y - y, a.r + b.r
+    wait = t - t
+    if here:
+        reach = (dx * dx + dy * dy).sqrt()
+    else:
+        root, approach = pair_discriminant(dx, dy, -vx, -vy, reach).sqrt(), pair_approach(dx, dy, -vx, -vy)
+        if link.hollow:
+            wait = pair_last_time(approach, root, vx * vx + vy * vy)
+        else:
+            wait = pair_hit_time(pair_gap(dx, dy, reach), approach, root)
+        dx, dy = advance(dx, -vx, wait), advance(dy, -vy, wait)
+    jx, jy = pair_impulse(dx, dy, -vx, -vy, reach, a.w, b.w)
+    return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - a.w * jx, vy - a.w * jy)}
+
+
 def _told(flight: OwnRow) -> Row:
     return flight.t, flight.x, flight.y, flight.vx, flight.vy
 
@@ -599,10 +619,10 @@ def _plus(row: Row, other: Row, scale: arb | None) -> Row:
 
 
 def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: bool = False) -> Rows:
-    """The elastic bounce of two circles, or of a circle and a wall, where they touch first in free flight.
+    """The elastic bounce of two circles, or of a circle and a wall or an arc, where they touch first in free flight.
 
     Args:
-        state: has the radii, the masses and the walls, and where fixed circles are.
+        state: has the radii, the masses, the walls and the arcs, and where fixed circles are.
         rows: the flights of those that can move.
         here: where they are now, along their line of centres, however long it is.
     """
@@ -615,7 +635,9 @@ def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: 
             wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))
         left = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
         return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
-    assert is_pair(link), "no cause is looked for among arcs"
+    if is_arc(link):
+        return _bounce_off_arc(state, link, rows[link.circle], here)
+    assert is_pair(link)
     a, b = link.ends(state)
     one, other = (rows[k] if k in rows else _row(state.bodies[k].flight) for k in link)
     later = one[0] if link.b not in rows else other[0]

@@ -5,23 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, product
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
 
 from flint import arb
 
 from ...exact.laws import formulas as law
-from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
+from ...exact.laws.formulas import advance, pair_discriminant, pair_gap
 from ...exact.numbers import ball
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.knots import DoubleMotion
 from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
 from ...scenarios.surfaces import ThingParts, parts_of
-from ...scenarios.things import Circle, Wall
+from ...scenarios.things import Circle
 from ..alignment.instants import Kind, instants
-from ..alignment.walk import history
+from ..tangent.flight_aside import RoundSide, out_of, stretches
 from ..tangent.flight_aside import middle as _middle
-from ..tangent.flight_aside import out_of, stretches
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
@@ -414,7 +412,20 @@ class RunReader:
                 root = ball.root(pair_discriminant(dx, dy, ux, uy, reach))
                 time += (root + root) / (ux * ux + uy * uy)
             found += [] if time is None else [time]
+        ways = [told for side in self._sides_of(pairing, parts, bits) if (told := side.waits((x, y, vx, vy)))]
+        if ways:  # of an arc the time through the side that is met first
+            found.append(t + min(ways, key=lambda told: _middle(told[0]))[leaving])
         return found
+
+    def _sides_of(self, pairing: Pairing, parts: ThingParts, bits: int) -> list[RoundSide]:
+        """The sides of an arc, as the circle that may meet it has them."""
+        things = self.things(bits)
+        r, ends = things.bodies[self.places[pairing.body]].r, [things.bodies[end].flight for end in parts.ends]
+        return [
+            RoundSide(body.flight.x, body.flight.y, abs(body.r), r, k % 2 == 1, tuple((e.x, e.y) for e in ends))
+            for k in parts.sides
+            for body in (things.arcs[k],)
+        ]
 
     def _nearest(self, pairing: Pairing, bits: int, time: arb | None = None) -> NearestPart[arb] | None:
         """The face or end of its partner that a circle is nearest to, as its flight begins or at a time."""
@@ -467,6 +478,7 @@ class RunReader:
             bodies[circle].r,
             [things.line(circle, face) for face in parts.faces],
             [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
+            self._sides_of(pairing, parts, bits),
         )
         passed = out_of(seen)
         if passed is None or ball.sign_of(passed.aside) is not None:
@@ -560,15 +572,17 @@ class RunReader:
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
         if end is not None:
-            own = _exact(self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing)))
+            own = exact_flight(
+                self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing))
+            )
             circle, there = self.scene.circles[self.places[pairing.body]], self.scene.circles[end]
             if own is None or self._rounds_to is not None:
                 return False
-            apart = _apart(own, _resting(there))
-            return _is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
+            apart = apart_at(own, resting(there))
+            return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
-        exact = [flight for flight in map(_exact, flights) if flight is not None]
+        exact = [flight for flight in map(exact_flight, flights) if flight is not None]
         if len(exact) < 2:
             return False
         radii = [
@@ -576,8 +590,8 @@ class RunReader:
             for c in self.scene.circles
             if c.id in names
         ]
-        apart = _apart(*exact)
-        return _is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
+        apart = apart_at(*exact)
+        return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
 
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
@@ -595,7 +609,7 @@ def _meeting_time(relative: Relative) -> arb | None:
 
 # -- zeros that are proved
 
-Exact: TypeAlias = tuple[Quantity, Quantity, Quantity, Quantity, Quantity]
+ExactFlight: TypeAlias = tuple[Quantity, Quantity, Quantity, Quantity, Quantity]
 """t, x, y, vx, vy of a flight."""
 
 LONGEST_TEXT = 400
@@ -603,73 +617,10 @@ LONGEST_TEXT = 400
 tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
 
 
-def exact_zero(reference: Trajectory, event: int) -> str | None:
-    """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
-
-    Looked for are grazes, circles that touch without approaching, circles that fly parallel to a wall or a face, and
-    those that meet a segment where its face becomes its end.
-    """
-    flights = _flights_before(reference, event)
-    radii = {str(c.id): c.r for c in reference.scene.circles}
-    for (one, a), (other, b) in combinations(flights.items(), 2):
-        dx, dy, vx, vy = _apart(a, b)
-        reach = radii[one] + radii[other]
-        if _is_zero(pair_gap, dx, dy, reach) and _is_zero(pair_approach, dx, dy, vx, vy):
-            return f"{one} and {other} touch and do not approach"
-        if float(pair_approach(dx, dy, vx, vy)) < 0 and _is_zero(pair_discriminant, dx, dy, vx, vy, reach):
-            return f"{one} and {other} graze"
-    whole = reference.scene.surfaces
-    for name, (*_, vx, vy) in flights.items():
-        for wall in whole.walls:
-            if (vx.sign() or vy.sign()) and _is_zero(wall_approach, vx, vy, *wall.normal):
-                return f"{name} flies parallel to {wall.id}"
-    for (name, flight), k in product(flights.items(), whole.ends):
-        end = whole.circles[k]
-        apart = _apart(flight, _resting(end))
-        if float(pair_approach(*apart)) < 0 and _is_zero(pair_discriminant, *apart, radii[name] + end.r):
-            return f"{name} grazes an end of {end.id}"
-    for (name, flight), k in product(flights.items(), whole.faces):
-        if _meets_an_end_of(flight, whole.walls[k], radii[name]):
-            return f"{name} meets {whole.walls[k].id} where a face becomes an end"
-    return None
-
-
-def _meets_an_end_of(flight: Exact, face: Wall, r: Quantity) -> bool:
-    """Whether a circle comes to the line of a face right above one of its points."""
-    _, x, y, vx, vy = flight
-    nx, ny = face.normal
-    approach = wall_approach(vx, vy, nx, ny)
-    if not float(approach) < 0:
-        return False
-    span = (nx * nx + ny * ny).sqrt()
-    slide = law.face_along(vx, vy, ZERO, ZERO, nx, ny)
-
-    def foot(x0: Quantity, y0: Quantity) -> Quantity:
-        return law.face_foot(
-            law.face_along(x, y, x0, y0, nx, ny), slide, law.wall_gap(x, y, x0, y0, nx, ny, r * span), approach
-        )
-
-    return any(_is_zero(foot, x0, y0) for x0, y0 in ((face.x0, face.y0), (face.x1, face.y1)))
-
-
-def _flights_before(reference: Trajectory, event: int) -> dict[str, Exact]:
-    """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
-    met = history(reference).meetings
-    flights: dict[str, Exact] = {}
-    for circle in reference.scene.circles:
-        past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
-        time = reference.events[past[-1]].time if past else Quantity.of(0)
-        state = reference.at(time)[str(circle.id)]
-        flight = _exact(OwnFlight(time, state.x, state.y, state.vx, state.vy))
-        if flight is not None:
-            flights[str(circle.id)] = flight
-    return flights
-
-
-def _exact(flight: OwnFlight | None) -> Exact | None:
+def exact_flight(flight: OwnFlight | None) -> ExactFlight | None:
     """A flight in exact numbers, where they are short."""
     values = [] if flight is None else [short_quantity(value) for value in flight]
-    return None if None in values or len(values) < 5 else cast("Exact", tuple(values))
+    return None if None in values or len(values) < 5 else cast("ExactFlight", tuple(values))
 
 
 def short_quantity(value: Real) -> Quantity | None:
@@ -678,12 +629,12 @@ def short_quantity(value: Real) -> Quantity | None:
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
 
 
-def _resting(circle: Circle) -> Exact:
+def resting(circle: Circle) -> ExactFlight:
     """The flight of what never moves."""
     return ZERO, circle.x, circle.y, ZERO, ZERO
 
 
-def _apart(one: Exact, other: Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+def apart_at(one: ExactFlight, other: ExactFlight) -> tuple[Quantity, Quantity, Quantity, Quantity]:
     """d and v from one to the other, at the later of the times from which they fly."""
     (s, *a), (t, *b) = one, other
     later = s if (s - t).sign() >= 0 else t
@@ -692,7 +643,7 @@ def _apart(one: Exact, other: Exact) -> tuple[Quantity, Quantity, Quantity, Quan
     return bx - ax, by - ay, b[2] - a[2], b[3] - a[3]
 
 
-def _is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
+def is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
     """Whether a formula is proved to give zero."""
     try:
         return formula(*numbers).sign() == 0

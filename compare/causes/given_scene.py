@@ -13,7 +13,7 @@ from ...exact.replay.state import ReplayState, SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Polygon, Segment, Wall
+from ...scenarios.things import Arc, Circle, Polygon, Segment, Wall
 from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
@@ -80,7 +80,14 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         Polygon([(nearest(x, bits), nearest(y, bits)) for x, y in g.points], id=g.id, r=nearest(g.r, bits))
         for g in scene.polygons
     ]
-    others = {"segments": segments, "polygons": polygons}
+    arcs = [
+        Arc(
+            *(nearest(value, bits) for value in (a.x, a.y, a.r)), id=a.id, full=a.full,
+            **{} if a.full else {key: nearest(getattr(a, key), bits) for key in ("x0", "y0", "x1", "y1")},
+        )
+        for a in scene.arcs
+    ]  # fmt: skip
+    others = {"segments": segments, "polygons": polygons, "arcs": arcs}
     return scene.with_changes(circles=circles, walls=walls, **{key: things for key, things in others.items() if things})
 
 
@@ -109,6 +116,13 @@ class RoundedState(ReplayState[arb]):
             body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
             if isinstance(circle.m, Quantity):
                 body.w = 1 / self._near(circle.m)
+        for side, body in zip(scene.arc_sides, self.arcs, strict=True):
+            body.r = self._near(side.r)
+            body.flight = self._still_at(self._near(side.x), self._near(side.y))
+
+    def _still_at(self, x: arb, y: arb) -> Flight[arb]:
+        zero = self.zero
+        return Flight(x, y, zero, zero, zero, zero, rest=True)
 
     def _near(self, value: Quantity) -> arb:
         return ball.constant(value if self._bits is None else nearest(value, self._bits))
@@ -134,6 +148,10 @@ class RoundedState(ReplayState[arb]):
             x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
             body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
             body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
+        for mine, one, two in zip(made.arcs, self.arcs, other.arcs, strict=True):
+            x, y = (a + share * (b - a) for a, b in zip(one.flight[:2], two.flight[:2], strict=True))
+            mine.flight = self._still_at(x, y)
+            mine.r = one.r + share * (two.r - one.r)
         for wall in range(len(self.scene.walls)):
             one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
             made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))

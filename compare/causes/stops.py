@@ -6,17 +6,23 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, cast
 
+from ...exact.laws import formulas as law
+from ...exact.laws.formulas import pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import real
+from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
+from ..alignment.walk import history
 from ..foreign.guard import wider_of
-from .decision import exact_zero
+from .decision import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 from .diagnosis import CauseName, Diagnosis, Experiment
 
 if TYPE_CHECKING:
+    from ...scenarios.arcs import ArcSide
     from ...scenarios.engine import Engine
+    from ...scenarios.things import Wall
     from ...scenarios.trajectory import OnProgress, Trajectory
     from ..candidate import Candidate
     from ..study import Study
@@ -206,3 +212,100 @@ def _bits_lost(run: Trajectory, bits: int) -> int:
         if size and radius:
             lost = max(lost, bits + math.log2(radius) - math.log2(size))
     return math.ceil(lost)
+
+
+# -- exact zeros before an event
+
+
+def exact_zero(reference: Trajectory, event: int) -> str | None:
+    """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
+
+    Looked for are grazes, circles that touch without approaching, circles that fly parallel to a wall or a face, and
+    those that meet a segment where its face becomes its end, or an arc where it ends.
+    """
+    flights = _flights_before(reference, event)
+    radii = {str(c.id): c.r for c in reference.scene.circles}
+    for (one, a), (other, b) in combinations(flights.items(), 2):
+        dx, dy, vx, vy = apart_at(a, b)
+        reach = radii[one] + radii[other]
+        if is_zero(pair_gap, dx, dy, reach) and is_zero(pair_approach, dx, dy, vx, vy):
+            return f"{one} and {other} touch and do not approach"
+        if float(pair_approach(dx, dy, vx, vy)) < 0 and is_zero(pair_discriminant, dx, dy, vx, vy, reach):
+            return f"{one} and {other} graze"
+    whole = reference.scene.surfaces
+    for name, (*_, vx, vy) in flights.items():
+        for wall in whole.walls:
+            if (vx.sign() or vy.sign()) and is_zero(wall_approach, vx, vy, *wall.normal):
+                return f"{name} flies parallel to {wall.id}"
+    for (name, flight), k in product(flights.items(), whole.ends):
+        end = whole.circles[k]
+        apart = apart_at(flight, resting(end))
+        if float(pair_approach(*apart)) < 0 and is_zero(pair_discriminant, *apart, radii[name] + end.r):
+            return f"{name} grazes an end of {end.id}"
+    for (name, flight), k in product(flights.items(), whole.faces):
+        if _meets_an_end_of(flight, whole.walls[k], radii[name]):
+            return f"{name} meets {whole.walls[k].id} where a face becomes an end"
+    for name, flight in flights.items():
+        for side in whole.arc_sides:
+            zero = _zero_at_side(flight, side, radii[name])
+            if zero is not None:
+                return f"{name} {zero}"
+    return None
+
+
+def _zero_at_side(flight: ExactFlight, side: ArcSide, r: Quantity) -> str | None:
+    """What is exactly zero of a circle and a side of an arc: the discriminant, or the range where they meet."""
+    _, x, y, vx, vy = flight
+    dx, dy, reach = side.x - x, side.y - y, r + side.r
+    hollow = side.r.sign() < 0
+    if hollow and reach.sign() >= 0:
+        return None
+    if not hollow and not float(pair_approach(dx, dy, -vx, -vy)) < 0:
+        return None
+    if is_zero(pair_discriminant, dx, dy, -vx, -vy, reach):
+        return f"touches {side.id} from within, along it" if hollow else f"grazes {side.id}"
+    if side.full or not float(pair_discriminant(dx, dy, -vx, -vy, reach)) > 0:
+        return None
+
+    def within() -> Quantity:
+        root, approach = pair_discriminant(dx, dy, -vx, -vy, reach).sqrt(), pair_approach(dx, dy, -vx, -vy)
+        if hollow:
+            wait = law.pair_last_time(approach, root, vx * vx + vy * vy)
+        else:
+            wait = law.pair_hit_time(pair_gap(dx, dy, reach), approach, root)
+        edge = side.h * (-reach if hollow else reach)
+        return law.arc_range(law.advance(dx, -vx, wait), law.advance(dy, -vy, wait), side.nx, side.ny, edge)
+
+    return f"meets {side.id} where it ends" if is_zero(within) else None
+
+
+def _meets_an_end_of(flight: ExactFlight, face: Wall, r: Quantity) -> bool:
+    """Whether a circle comes to the line of a face right above one of its points."""
+    _, x, y, vx, vy = flight
+    nx, ny = face.normal
+    approach = wall_approach(vx, vy, nx, ny)
+    if not float(approach) < 0:
+        return False
+    span = (nx * nx + ny * ny).sqrt()
+    slide = law.face_along(vx, vy, ZERO, ZERO, nx, ny)
+
+    def foot(x0: Quantity, y0: Quantity) -> Quantity:
+        return law.face_foot(
+            law.face_along(x, y, x0, y0, nx, ny), slide, law.wall_gap(x, y, x0, y0, nx, ny, r * span), approach
+        )
+
+    return any(is_zero(foot, x0, y0) for x0, y0 in ((face.x0, face.y0), (face.x1, face.y1)))
+
+
+def _flights_before(reference: Trajectory, event: int) -> dict[str, ExactFlight]:
+    """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
+    met = history(reference).meetings
+    flights: dict[str, ExactFlight] = {}
+    for circle in reference.scene.circles:
+        past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
+        time = reference.events[past[-1]].time if past else Quantity.of(0)
+        state = reference.at(time)[str(circle.id)]
+        flight = exact_flight(OwnFlight(time, state.x, state.y, state.vx, state.vy))
+        if flight is not None:
+            flights[str(circle.id)] = flight
+    return flights

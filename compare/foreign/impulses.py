@@ -53,19 +53,17 @@ class Normal(NamedTuple):
 
 
 class Impacts:
-    """The circles, walls and things of faces and ends of a scene in doubles, and the laws of impact upon them.
+    """The circles, walls and things of several parts of a scene in doubles, and the laws of impact upon them.
 
     Args:
         scene: the scene.
 
     Attributes:
         count: of circles.
-        things: what has faces and ends, by place in `scene.ids`; a contact with one is with what is nearest of it.
+        things: what has several parts, by place in `scene.ids`; a contact with one is with what is nearest of it.
     """
 
     def __init__(self, scene: Scene) -> None:
-        if scene.arcs:
-            raise SceneError(f"{scene.name!r}: has arcs, of which no log is judged yet; take walls")
         if scene.gravity is not None:
             raise SceneError(f"{scene.name!r}: has gravity, of which no log is judged yet")
         self._change = 1.0 + float(scene.restitution)

@@ -310,7 +310,7 @@ class LogEngine(Unchangeable):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but those that it lacks."""
-        return SCENE_KEYS - self.lacks
+        return (SCENE_KEYS | {"polygon", "arc"}) - self.lacks
 
     @property
     def last(self) -> Trajectory:

@@ -13,7 +13,7 @@ from ..files.amounts import no_formula
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Pocket, Polygon, Segment, Wall
+    from ...scenarios.things import Arc, Circle, Pocket, Polygon, Segment, Wall
 
 FLOATS_SCHEMA = "truebreak/floats-1"
 
@@ -33,7 +33,6 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
     1.850371707708594e-17
     """
-    _check_exported(scene)
     data: dict[str, Any] = {
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
@@ -45,6 +44,8 @@ def floats_json(scene: Scene) -> dict[str, Any]:
         data["segments"] = [_thing(s, SEGMENT) for s in scene.segments]
     if scene.polygons:
         data["polygons"] = [_polygon(p) for p in scene.polygons]
+    if scene.arcs:
+        data["arcs"] = [{**_thing(a, _arc_keys(a)), "full": a.full} for a in scene.arcs]
     if not scene.elastic:
         data["restitution"], data["restitution_error"] = double_and_error(scene.restitution, "restitution")
     if scene.gravity is not None:
@@ -59,22 +60,16 @@ def floats_json(scene: Scene) -> dict[str, Any]:
     return data
 
 
-def _check_exported(scene: Scene) -> None:
-    if scene.arcs:
-        raise SceneError(f"{scene.name!r}: has arcs, which are not exported in doubles yet; leave out --floats")
-
-
 def floats_csv(scene: Scene) -> str:
     """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `segment,ID,x0,y0,x1,y1,r`,
-    `polygon,ID,r,x,y,x,y,...`, `pocket,ID,x,y,r`.
+    `polygon,ID,r,x,y,x,y,...`, `arc,ID,x,y,r,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
 
-    The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
+    The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0; a full arc has x, y, r alone.
 
     Raises:
         SceneError: for a number beyond the doubles, for an id that a spreadsheet would take for a formula, and for
             gravity or a restitution, of which there is no row.
     """
-    _check_exported(scene)
     for key, used in (("gravity", scene.gravity is not None), ("restitution", not scene.elastic)):
         if used:
             raise SceneError(f"{scene.name!r}: has {key}, of which rows of things do not tell; leave out --csv")
@@ -87,6 +82,7 @@ def floats_csv(scene: Scene) -> str:
     rows += [
         ("polygon", p.id, [_pair(p, "r"), *(pair for place in _points(p) for pair in place)]) for p in scene.polygons
     ]
+    rows += [("arc", a.id, [_pair(a, key) for key in _arc_keys(a)]) for a in scene.arcs]
     rows += [("pocket", p.id, [_pair(p, key) for key in POCKET]) for p in scene.pockets]
     for kind, name, pairs in rows:
         if no_formula(name) != name:
@@ -94,6 +90,10 @@ def floats_csv(scene: Scene) -> str:
             raise SceneError(f"{told}; leave out --csv, or write another id")
         writer.writerow([kind, name, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
     return out.getvalue()
+
+
+def _arc_keys(arc: Arc) -> tuple[str, ...]:
+    return POCKET if arc.full else (*POCKET, *WALL)
 
 
 def _points(polygon: Polygon) -> list[tuple[tuple[float, float], tuple[float, float]]]:
@@ -111,13 +111,13 @@ def _polygon(polygon: Polygon) -> dict[str, Any]:
     return {"id": polygon.id, "points": told[0], "r": r, "error": {"points": told[1], "r": error}}
 
 
-def _thing(thing: Circle | Wall | Segment | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
+def _thing(thing: Circle | Wall | Segment | Arc | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
     pairs = {key: _pair(thing, key) for key in keys}
     row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
     return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
 
 
-def _pair(thing: Circle | Wall | Segment | Polygon | Pocket, key: str) -> tuple[float, float]:
+def _pair(thing: Circle | Wall | Segment | Polygon | Arc | Pocket, key: str) -> tuple[float, float]:
     value = getattr(thing, key)
     return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
 

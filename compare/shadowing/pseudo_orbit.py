@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Flight, Pair, Touch, is_flat, is_pair
+from ...exact.replay.contact import Flight, Touch, is_arc, is_flat, places_of, touch_of
 from ...exact.replay.parts import PartsNear
 from ...exact.replay.state import Go, Kick, ReplayState
 from ...floating.double import DOUBLES
@@ -100,7 +100,7 @@ def _part(
         return i, len(inner.circles) + j - count
     (*_, ux, uy), (_, x, y, vx, vy) = flights[i][-2:]
     [part] = near.pushing(i, j, x, y, ux, uy, (vx - ux, vy - uy))[:1]
-    return i, len(inner.circles) + part[1] if part.flat else part[1]
+    return places_of(inner, part)
 
 
 # ----------------------------------------
@@ -176,8 +176,9 @@ class FixedOrder:
         state = self._state(segment, node)
         struck: list[Impact] = []
         for place, (i, j) in enumerate(segment.links):
-            link = Pair(i, j) if j < state.n else AtWall(i, j - state.n)
-            meets = link.approach(state) < 0
+            link = touch_of(self.scene, i, j)
+            # what is within an arc may fly away from it first; where it does not come to it, the instant is no number
+            meets = (is_arc(link) and link.hollow) or link.approach(state) < 0
             state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)
@@ -221,9 +222,11 @@ def _impact(state: ReplayState[arb], link: Touch) -> Impact:
         return Impact(
             state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero
         )
-    assert is_pair(link), "no shadow is looked for among arcs"
     (a, b), (dx, dy) = link.ends(state), state.span(link)
     vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
+    if is_arc(link):  # as a circle that nothing moves, beyond those of the scene
+        reach = -state.reach(a, b) if link.hollow else state.reach(a, b)
+        return Impact(state.instant, i, state.n + link.arc, dx, dy, vx, vy, reach, a.w, b.w)
     return Impact(state.instant, i, link.b, dx, dy, vx, vy, state.reach(a, b), a.w, b.w)
 
 

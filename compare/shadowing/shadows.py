@@ -109,8 +109,6 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
-    if scene.arcs:
-        raise SceneError(f"{scene.name!r}: has arcs, of which no shadow is looked for yet; take walls")
     if not scene.elastic:
         raise SceneError(f"{scene.name!r}: has a restitution below 1, of which no shadow is looked for yet")
     if scene.gravity is not None:

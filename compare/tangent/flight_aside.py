@@ -1,20 +1,22 @@
-"""How far aside of a thing of faces and ends a straight flight passes; or how far it is from passing it."""
+"""How far aside of a thing of faces, ends and arcs a straight flight passes; or how far it is from passing it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import hypot
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
-from ...exact.laws.formulas import pair_approach, wall_approach
+from ...exact.laws.formulas import pair_approach, pair_discriminant, wall_approach
 from ...exact.numbers import ball
 from ...exact.replay.state import SeenWall
 
 # -- Seen along the flight, a face, moved out by the circle's radius, covers a stretch of what lies across, and so does
 # an end with both radii; the flight meets the thing where one of them covers it. It passes the thing once it is moved
 # out of all that these cover together. What lies behind, or recedes, is never met: a circle in a notch of a thing that
-# is not convex leaves it without meeting what it covers behind.
+# is not convex leaves it without meeting what it covers behind. A side of an arc covers what its contacts have aside of
+# the flight: of the outside those where it comes in, of the hollow side those where it goes out.
 
 Way: TypeAlias = tuple[arb, arb, arb, arb]
 """x, y, vx, vy of a circle's centre, which moves."""
@@ -43,21 +45,131 @@ class Passed(NamedTuple):
     ahead: float
 
 
+ON_IT = 2.0**-40
+"""A share of the coordinates: a centre no farther from an arc is on it, and on the side that its flight leads to."""
+
+
+class RoundSide(NamedTuple):
+    """A side of an arc as a circle may meet it.
+
+    Attributes:
+        x, y, radius: of the arc's circle.
+        r: the circle's radius.
+        hollow: whether it is the inside.
+        ends: where it begins and ends, counter-clockwise; none of a full circle.
+    """
+
+    x: arb
+    y: arb
+    radius: arb
+    r: arb
+    hollow: bool
+    ends: tuple[tuple[arb, arb], ...] = ()
+
+    @property
+    def reach(self) -> arb:
+        """How far the centres are apart at a contact; for the hollow side no more than 0 where there is no room."""
+        return self.radius - self.r if self.hollow else self.radius + self.r
+
+    def _faces(self, ux: float, uy: float) -> bool:
+        """Whether a direction from the middle leads to it."""
+        if not self.ends:
+            return True
+        (ax, ay), (bx, by) = ((middle(x - self.x), middle(y - self.y)) for x, y in self.ends)
+        nx, ny = by - ay, ax - bx
+        return nx * ux + ny * uy > (nx * ax + ny * ay) * hypot(ux, uy) / hypot(ax, ay)
+
+    def _ahead(self, way: Way) -> bool:
+        """Whether a flight may come to it: to the outside from outside, to the inside from within or by the opening."""
+        x, y, vx, vy = map(middle, way)
+        dx, dy, radius = middle(self.x) - x, middle(self.y) - y, middle(self.radius)
+        far, along = hypot(dx, dy), dx * vx + dy * vy
+        room = ON_IT * (abs(x) + abs(y) + far + radius)
+        inside = far < radius - room or (abs(far - radius) <= room and along > 0.0)
+        if self.hollow:
+            return middle(self.reach) > 0.0 and (inside or along > 0.0)
+        return not inside and along > 0.0
+
+    def waits(self, way: Way) -> tuple[arb, arb] | None:
+        """How long until a flight touches it, and until it would have left it; None where it does not come to it.
+
+        >>> ring = RoundSide(arb(0), arb(0), arb(5), arb(1), True)
+        >>> [float(wait) for wait in ring.waits((arb(0), arb(0), arb(2), arb(0)))]
+        [2.0, 3.0]
+        """
+        if not self._ahead(way):
+            return None
+        x, y, vx, vy = way
+        dx, dy, square = self.x - x, self.y - y, vx * vx + vy * vy
+        approach = pair_approach(dx, dy, -vx, -vy)
+        discs = [pair_discriminant(dx, dy, -vx, -vy, reach) for reach in (self.reach, self.radius + self.r)]
+        if ball.sign_of(discs[0]) in (-1, 0):
+            return None
+        first, over = map(ball.root, discs)
+        enter, leave = (first if self.hollow else -first) - approach, over - approach
+        wait = enter / square
+        if not self._faces(middle(wait * vx - dx), middle(wait * vy - dy)):
+            return None
+        inner = self.radius - self.r
+        if not self.hollow and middle(inner) > 0.0:
+            through = pair_discriminant(dx, dy, -vx, -vy, inner)
+            leave = -ball.root(through) - approach if ball.sign_of(through) == 1 else leave
+        return wait, leave / square
+
+    def spans(self, way: Way) -> list[AsideSpan]:
+        """What it covers of a line across a flight.
+
+        >>> bow = RoundSide(arb(0), arb(0), arb(5), arb(1), True, ((arb(3), arb(-4)), (arb(3), arb(4))))
+        >>> [(round(float(s.low), 9), round(float(s.high), 9)) for s in bow.spans((arb(0), arb(1), arb(2), arb(0)))]
+        [(-4.2, 2.2)]
+        """
+        if not self._ahead(way):
+            return []
+        x, y, vx, vy = way
+        speed = ball.root(vx * vx + vy * vy)
+        dx, dy, reach = self.x - x, self.y - y, self.reach
+        off, ahead = (dy * vx - dx * vy) / speed, middle((dx * vx + dy * vy) / speed)
+        fast, towards = middle(speed), 1.0 if self.hollow else -1.0
+        edges: list[tuple[arb, float, bool]] = []  # how far aside, how far ahead, whether the arc goes on from there
+        for begins, (ex, ey) in zip((True, False), self.ends, strict=False):
+            ux, uy = (ex - self.x) / self.radius, (ey - self.y) / self.radius
+            along = middle((ux * vx + uy * vy) / speed)
+            if along * towards > 0.0:
+                edges.append(((uy * vx - ux * vy) / speed, along, begins == self.hollow))
+        edges.sort(key=lambda edge: middle(edge[0]))
+        edges.append((arb(1), 0.0, False))
+        found: list[AsideSpan] = []
+        open_at = (arb(-1), 0.0) if self._faces(middle(vy) / fast, -middle(vx) / fast) else None
+        for aside, along, begins in edges:
+            if begins:
+                open_at = aside, along
+            elif open_at is not None:
+                far = middle(reach)
+                low, low_at = open_at
+                found.append(
+                    AsideSpan(off + reach * low, off + reach * aside, ahead + far * low_at, ahead + far * along)
+                )
+                open_at = None
+        return found
+
+
 def middle(value: arb) -> float:
     """The double at the middle of a ball."""
     return float(value.mid())
 
 
 def stretches(
-    way: Way, r: arb, lines: Iterable[SeenWall[arb]], ends: Iterable[tuple[int, arb, arb, arb]]
-) -> list[AsideSpan]:
-    """What the faces and ends of a thing cover, of what is ahead and approached.
+    way: Way, r: arb, lines: Iterable[SeenWall[arb]], ends: Iterable[tuple[int, arb, arb, arb]],
+    sides: Iterable[RoundSide] = (),
+) -> list[AsideSpan]:  # fmt: skip
+    """What the parts of a thing cover, of what is ahead and approached.
 
     Args:
         way: the flight.
         r: the circle's radius.
         lines: the faces.
         ends: number, x, y and radius of the ends.
+        sides: those of an arc.
 
     >>> [seen] = stretches((arb(0), arb(0), arb(2), arb(0)), arb(1), [], [(7, arb(5), arb(3), arb(1))])
     >>> float(seen.low), float(seen.high), seen.end
@@ -88,7 +200,7 @@ def stretches(
         if middle(pair_approach(dx, dy, -vx, -vy)) < 0.0:
             off, ahead = (dy * vx - dx * vy) / speed, middle((dx * vx + dy * vy) / speed)
             found.append(AsideSpan(off - r - radius, off + r + radius, ahead, ahead, end))
-    return found
+    return [*found, *(span for side in sides for span in side.spans(way))]
 
 
 def out_of(covered: Sequence[AsideSpan]) -> Passed | None:

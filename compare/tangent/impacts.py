@@ -15,9 +15,9 @@ from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ...exact.replay.ball_state import BallState
 from ...exact.replay.centred_state import CentredState
-from ...exact.replay.contact import Pair, Touch, is_arc, is_flat, is_pair, name_of
+from ...exact.replay.contact import Pair, Touch, is_arc, is_flat, is_pair, name_of, places_of
 from ...exact.replay.state import Go, Kick
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.quantity import ZERO, Quantity
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Link
@@ -67,7 +67,9 @@ def first_graze(trajectory: Trajectory, motion: ExactMotion, events: int) -> Gra
 
 def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: int, link: Link) -> Graze | None:
     """The graze that two were proved to have on their flights after an instant, if it comes to pass."""
-    i, j = link.circles
+    if not (is_pair(link) or is_arc(link)):
+        return None
+    i, j = places_of(motion.log.scene, link)
     one, other = motion.log.scene.ids[i], motion.log.scene.ids[j]
     before = sum(_number(event) <= instant for event in trajectory.events[:events])
     with ball.precision(BITS):
@@ -82,11 +84,17 @@ def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: in
 
 
 def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
-    """When two circles are nearest to each other on their flights after an instant."""
+    """When two circles, or one and the middle of an arc, are nearest to each other on flights after an instant."""
     rows: list[list[arb]] = []
+    scene = motion.log.scene
+    beyond = len(scene.circles) + len(scene.walls)
     for k in (i, j):
-        if k in motion.log.scene.ends:
-            end = motion.log.scene.circles[k]
+        if k >= beyond:
+            side = scene.arc_sides[k - beyond]
+            rows.append([ball.constant(number) for number in (ZERO, side.x, side.y, ZERO, ZERO)])
+            continue
+        if k in scene.ends:
+            end = scene.circles[k]
             rows.append([ball.constant(number) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
             continue
         knots = motion.knots[k]

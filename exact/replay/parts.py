@@ -1,4 +1,4 @@
-"""Things of several parts, segments and polygons: to which face or end a circle is nearest, at places of a run."""
+"""Things of several parts, segments, polygons and arcs: to which part a circle is nearest, at places of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from ...scenarios.scene import Scene
 from ...scenarios.surfaces import parts_of
 from ..laws.formulas import face_along
 from ..numbers.system import Arithmetic, N
-from .contact import AtWall, Pair, Touch
+from .arc_ranges import faces_arc
+from .contact import AtArc, AtWall, Pair, Touch, is_pair
 from .state import Flights
 
 # -- What is met of a thing is told by the run's own places, whatever the gap there: no engine in finite precision has
@@ -59,7 +60,7 @@ class _PartSeen(NamedTuple, Generic[N]):
 
 
 class PartsNear(Generic[N]):
-    """The faces and ends of a scene's things, in one number system.
+    """The faces and ends of a scene's things, and the sides of its arcs, in one number system.
 
     Args:
         scene: the scene.
@@ -99,7 +100,7 @@ class PartsNear(Generic[N]):
         for row in found:
             behind = _double(row.part.nx * first.part.nx + row.part.ny * first.part.ny) < 0.0
             far = first.away + max(first.thick, row.thick) + SAME_GAP * size
-            if row.approached and behind and row.part.link.flat and row.away <= far:
+            if row.approached and behind and not is_pair(row.part.link) and row.away <= far:
                 return row.part
         return first.part
 
@@ -145,6 +146,7 @@ class PartsNear(Generic[N]):
         strength = hypot(dx, dy)
         ways = [(_double(part.nx) * dx + _double(part.ny) * dy, part) for part in parts]
         links = [part.link for way, part in ways if way > 0.0]
+        links = links[:count] if count > 1 or self.things[thing].convex else links  # the nearest ones
         if strength > 0.0 and count == 1:
             off = [abs(_double(p.nx) * dy - _double(p.ny) * dx) / strength if w > 0.0 else inf for w, p in ways]
             if min(off) <= ONE_WAY:  # of several, the nearest
@@ -186,7 +188,28 @@ class PartsNear(Generic[N]):
             size = SAME_GAP * (abs(fx) + abs(fy) + hypot(dx, dy) + reach)
             if dx * ux + dy * uy < 0.0 and abs(dx * uy - dy * ux) <= (reach + size) * speed:
                 return True
-        return False
+        return speed > 0.0 and any(self._comes_to_side(AtArc(circle, side), fx, fy, ux, uy) for side in parts.sides)
+
+    def _comes_to_side(self, link: AtArc, x: float, y: float, vx: float, vy: float) -> bool:
+        """The same for a side of an arc: whether a flight leads to its circle, at a place that may be within it."""
+        a, b = link.ends(self._flights)
+        r, reach = abs(_double(b.r)), abs(_double(a.r + b.r))
+        if link.hollow and not _double(a.r + b.r) < 0.0:
+            return False
+        dx, dy, speed = x - _double(b.flight.x), y - _double(b.flight.y), hypot(vx, vy)
+        size = SAME_GAP * (abs(x) + abs(y) + hypot(dx, dy) + r + _double(a.r))
+        ahead, aside = -(dx * vx + dy * vy) / speed, abs(dx * vy - dy * vx) / speed
+        if aside > reach + size or (not link.hollow and (hypot(dx, dy) < r - size or ahead < 0.0)):
+            return False
+        half = max(0.0, (reach - aside) * (reach + aside)) ** 0.5
+        way = ahead + (half if link.hollow else -half)
+        blur = size * (1.0 + (2.0 * reach / (half or size)) ** 0.5) if half < size else size * (1.0 + reach / half)
+        if way < -blur:
+            return False
+        side = self._flights.scene.arc_sides[link.arc]
+        nx, ny, h = map(float, (side.nx, side.ny, side.h))
+        within = nx * (dx + way * vx / speed) + ny * (dy + way * vy / speed) - h * reach
+        return side.full or within >= -hypot(nx, ny) * 2.0 * blur
 
     def near(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N, room: float) -> list[NearestPart[N]]:
         """The parts of a thing no farther away than `room`: of a convex one its nearest part alone."""
@@ -223,7 +246,31 @@ class PartsNear(Generic[N]):
             towards = _double(nx * vx + ny * vy) < 0.0
             part = NearestPart[N](Pair(circle, end), nx, ny, span - reach)
             found.append(_PartSeen(abs(_double(part.gap)), towards, _double(reach), part))
+        for side in parts.sides:
+            seen = self._side(AtArc(circle, side), x, y, vx, vy)
+            if seen is not None:
+                body = self._flights.arcs[side]
+                size = max(size, abs(_double(body.flight.x)) + abs(_double(body.flight.y)) + abs(_double(body.r)))
+                found.append(seen)
         return sorted(found, key=lambda row: row.away), size
+
+    def _side(self, link: AtArc, x: N, y: N, vx: N, vy: N) -> _PartSeen[N] | None:
+        """A side of an arc, where a circle is within its range, and has room in it."""
+        a, b = link.ends(self._flights)
+        side, zero = self._flights.scene.arc_sides[link.arc], self._flights.zero
+        dx, dy, reach = x - b.flight.x, y - b.flight.y, a.r + b.r
+        square = dx * dx + dy * dy
+        far = self._root(square) if _double(square) > 0.0 else zero
+        if (link.hollow and not _double(reach) < 0.0) or not (_double(far) > 0.0 or side.full):
+            return None
+        if not _certainly_above(faces_arc(self._flights, link, -dx, -dy), zero):
+            return None
+        nx, ny = (dx / far, dy / far) if _double(far) > 0.0 else (self._flights.one, zero)
+        gap = far - reach
+        if link.hollow:  # towards the middle; r is below zero there
+            nx, ny, gap = -nx, -ny, -reach - far
+        towards = _double(nx * vx + ny * vy) < 0.0
+        return _PartSeen(abs(_double(gap)), towards, _double(a.r), NearestPart[N](link, nx, ny, gap))
 
     def name_of(self, circle: int, thing: int, x: N, y: N, vx: N, vy: N) -> int:
         """The thing by which what a circle is nearest to of a thing is named: an end that things share has one name.
@@ -239,4 +286,4 @@ class PartsNear(Generic[N]):
         """
         found, size = self._near(circle, thing, x, y, vx, vy)
         links = [row.part.link for row in found if row.away <= found[0].away + SAME_GAP * size]
-        return thing if any(link.flat for link in links) else self._named[links[0][1]]
+        return thing if not all(map(is_pair, links)) else self._named[links[0][1]]

@@ -13,14 +13,9 @@ from arc_scenes import scene_of
 from flint import arb
 from mpmath import mp, mpf, sqrt
 
-from truebreak.compare import compare
-from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.compare.chaos.certified_chaos import chaos
-from truebreak.compare.foreign.impulses import Impacts
-from truebreak.compare.report.floats import floats_csv, floats_json
-from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tolerances.reach import reach_of
 from truebreak.compare.validation import unsupported
 from truebreak.exact import ExactEngine, question
@@ -436,11 +431,7 @@ LEMON = TABLE.with_changes(
 
 REFUSALS = {
     "certificate": lambda: certificate_of(ExactEngine().run(TABLE, events=2)),
-    "shadow": lambda: shadow(LEMON, events=5),
     "horizon": lambda: chaos(TABLE, ["double"], events=20),
-    "log": lambda: Impacts(TABLE),
-    "export": lambda: floats_json(TABLE),
-    "export as a table": lambda: floats_csv(TABLE),
     "rounding": lambda: reach_of(ExactEngine().run(LEMON, events=3), None),
 }
 
@@ -450,14 +441,6 @@ def test_what_does_not_know_arcs_says_so(what):
     with pytest.raises((SceneError, CertificateError), match="has arcs") as error:
         REFUSALS[what]()
     assert "\n" not in str(error.value)
-
-
-def test_a_comparison_says_what_it_does_not_look_for():
-    found = compare(TABLE, ["double"], events=60)
-    (candidate,) = found.candidates
-    assert "arcs are not audited yet" in audit_run(candidate.trajectory, DoubleEngine()).reason
-    assert candidate.alignment.divergence is not None
-    assert "causes are not looked for yet in scenes with arcs" in candidate.diagnosis.finding
 
 
 def test_no_certificate_is_of_a_scene_with_arcs():

@@ -5,6 +5,8 @@ from __future__ import annotations
 from random import Random
 
 import pytest
+from arc_faults import ArcFault
+from arc_scenes import scene_of as arcs_of
 from polygon_faults import PolygonFault
 from segment_faults import SegmentFault
 
@@ -12,7 +14,7 @@ from truebreak.compare.shadowing.pseudo_orbit import recorded
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, catalogue
 
 BOX = [Wall(-8, -8, 8, -8), Wall(8, -8, 8, 8), Wall(8, 8, -8, 8), Wall(-8, 8, -8, -8)]
 DART = [(0, 0), (4, 0), (4, 3), (2, 1), (0, 3)]
@@ -91,3 +93,27 @@ def test_what_takes_polygons_for_others_has_none_nearby(fault: str) -> None:
     good = shadow(scene, "double", events=12).proof
     assert good is not None
     assert good.run_distance.position < 1e-12
+
+
+def test_runs_among_arcs_have_shadows() -> None:
+    """Of the tables with arcs, and of random scenes: a disc within may fly away from the side that it meets next."""
+    scenes = [catalogue.build(name) for name in ("stadium", "mushroom", "lemon")]
+    scenes += [s for seed in range(14) if (s := arcs_of(seed)) is not None and s.elastic]
+    proved = 0
+    for scene in scenes:
+        told = shadow(scene, "double", events=20)
+        if told.proof is None:
+            continue
+        proved += 1
+        mine, theirs = recorded(DoubleEngine().run(scene, events=20), 20), recorded(told.proof.run, 20)
+        assert sorted(mine.links[: len(theirs.links)]) == sorted(theirs.links)
+        assert told.proof.run_distance.position < 1e-10
+    assert proved >= len(scenes) - 1
+
+
+def test_the_shadow_of_a_law_broken_at_an_arc_is_far() -> None:
+    ring = Scene([Circle(0, "1/3", r="1/2", vx=2, vy="1/7", id="c")], arcs=[Arc(0, 0, 5, id="ring", full=True)])
+    near, far = (shadow(ring, engine, events=12).proof for engine in ("double", ArcFault(fault="too wide within")))
+    assert near is not None
+    assert near.run_distance.position < 1e-10
+    assert far is None or far.run_distance.position > 0.1  # in a ring every order of contacts is some run's
