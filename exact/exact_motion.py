@@ -32,8 +32,8 @@ from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
 from .numbers.system import N, Undecided
 from .replay.contact import Link
-from .replay.state import Constant, ReplayState, Velocity
-from .simulation.decider import Formula, Knot, Mark, RunLog
+from .replay.state import ReplayState
+from .simulation.decider import Constant, Formula, Knot, Mark, RunLog, Velocity
 from .simulation.endings import Accumulating
 from .simulation.loop import Tape
 

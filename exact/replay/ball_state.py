@@ -133,13 +133,9 @@ class BallState(ReplayState[arb]):
         self.instant, self.late, self.met = other.instant, other.late, other.met
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
-        """As `ReplayState.round_hit`, in the sharper form."""
-        if is_pair(link) and self.pegs and self.on_peg(link):
-            return self.peg_hit(link)
-        return self._meeting(link)[:2]
-
-    def peg_hit(self, link: Pair) -> tuple[arb, arb]:
-        """As `ReplayState.peg_hit`; made once for a flight and a precision."""
+        """As `ReplayState.round_hit`, in the sharper form; onto a peg, made once for a flight and a precision."""
+        if not (is_pair(link) and self.pegs and self.on_peg(link)):
+            return self._meeting(link)[:2]
         flight, bits = self.faller(link).flight, ball.bits_in_use()
         known = self._peg_hits.get(link)
         if known is None or known[0] is not flight or known[1] != bits:

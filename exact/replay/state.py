@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
@@ -680,28 +679,3 @@ def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) 
             step = Go(step.source, tuple(i for i in step.bodies if i in held))
         state.steps_done = k
         state.do(step)
-
-
-# -- Numbers of a state that are asked for again and again.
-
-
-@dataclass(frozen=True)
-class Velocity:
-    """Computes a component of a circle's velocity."""
-
-    body: int
-    axis: int
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        flight = state.bodies[self.body].flight
-        return flight.vx if self.axis == 0 else flight.vy
-
-
-@dataclass(frozen=True)
-class Constant:
-    """A number that the scene gives."""
-
-    value: Quantity
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        return state.constant(self.value)

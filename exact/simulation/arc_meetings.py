@@ -173,7 +173,7 @@ class ArcSides(Generic[M]):
 # -- Circles that stand while others fall are met like walls: what a flight would meet after one, it does not.
 
 
-class Falling(Protocol[M]):
+class PegMeetings(Protocol[M]):
     """What predicts meetings of circles that fall: see `Predictor`."""
 
     @property
@@ -187,7 +187,7 @@ class Falling(Protocol[M]):
 
 
 def predict_falls(
-    predictor: Falling[M],
+    predictor: PegMeetings[M],
     moved: Sequence[Body[M]],
     standing: Collection[Link],
     gone: Collection[int],

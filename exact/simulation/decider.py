@@ -378,6 +378,28 @@ class Formula(Protocol):
     def __call__(self, state: ReplayState[N], /) -> N: ...
 
 
+@dataclass(frozen=True)
+class Velocity:
+    """Computes a component of a circle's velocity."""
+
+    body: int
+    axis: int
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        flight = state.bodies[self.body].flight
+        return flight.vx if self.axis == 0 else flight.vy
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number that the scene gives."""
+
+    value: Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        return state.constant(self.value)
+
+
 class RunLog:
     """A scene and the log of its run: enough to compute every number of the run again.
 

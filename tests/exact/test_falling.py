@@ -263,7 +263,6 @@ def test_a_file_keeps_gravity_and_scenes_without_have_no_such_key():
 @pytest.mark.parametrize(
     ("things", "named"),
     [
-        ({"circles": [Circle(0, 3), Circle(5, 3, m="oo", id="post")]}, "circle 'post' is fixed"),
         ({"segments": [Segment(0, 0, 1, 0, id="bar")]}, "segment 'bar' is there"),
         ({"pockets": [Pocket(0, 9, 1, id="hole")]}, "pocket 'hole' is there"),
     ],
