@@ -184,6 +184,9 @@ text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; domina
 """
 """Colours; the reference is blue and solid, another engine has its own colour and dash, which reports set."""
 
+NAME_ROOM = 24.0
+"""Pixels around a disc in which its outline, the head of its arrow and its name are."""
+
 PICTURED_CIRCLES = 500
 """A scene of more circles is not drawn: the picture would say nothing."""
 
@@ -254,6 +257,8 @@ def draw(
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
     labels = [_name_in(view, p) for p in solids if p.id in names]
     for disc in discs:
+        if not _in_sight(view, disc, arrow):
+            continue
         parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
         if disc.vx or disc.vy:
             kind = disc.classes.replace("other", "othervelocity") if "other" in disc.classes else "velocity"
@@ -265,6 +270,15 @@ def draw(
             place = f'x="{view.x(disc.x):.2f}" y="{view.y(disc.y) - above:.2f}"'
             labels.append(f'<text class="name" {place}>{escape(disc.id)}</text>')
     return "\n".join([*parts, *labels, *([over] if over else []), "</svg>"]) + "\n"
+
+
+def _in_sight(view: View, disc: DrawnDisc, arrow: float) -> bool:
+    """Whether a disc or its arrow, `arrow` times its velocity, may reach into the view; a name beside it may too."""
+    reach = max(disc.r, math.hypot(disc.vx, disc.vy) * arrow) + NAME_ROOM / view.scale
+    return (
+        view.left - reach <= disc.x <= view.left + view.width + reach
+        and view.bottom - reach <= disc.y <= view.bottom + view.height + reach
+    )
 
 
 def _round(classes: str, view: View, x: float, y: float, r: float) -> str:

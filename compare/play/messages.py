@@ -22,6 +22,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.pictures import scene_picture
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle
+from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span, align, return_miss, separation
 from ..comparison import compare
 from ..deadline import OutOfTime, time_limit
@@ -249,7 +250,10 @@ def run(message: Message, say: Say) -> None:
         found = beside(found, left)
     data = recording(found)
     if data is None and not found.reference.events:
-        raise SceneError(f"nothing happens: {found.reference.stop.message}; throw a disc, or add one in its way")
+        stop = found.reference.stop
+        if stop.reason is StopReason.UNDECIDED:
+            raise SceneError(stop.message)
+        raise SceneError(f"nothing happens: {stop.message}; throw a disc, or add one in its way")
     say(
         {
             "kind": "ran",
@@ -257,11 +261,16 @@ def run(message: Message, say: Say) -> None:
             "engines": engines,
             "verdict": verdict_line(found),
             "tone": found.verdict,
-            "exact": {**_told(found.reference), "proved": found.certain and found.reference.certified},
+            "exact": {
+                **_told(found.reference),
+                "proved": found.certain and found.reference.certified,
+                "ties": _ties(found.reference),
+            },
             "others": [
                 {**_told(c.trajectory), "name": c.engine, "home": c.return_miss, "agreed": c.alignment.agreed}
                 for c in found.candidates
             ],
+            "turned": back is not None,
             "home": found.return_miss,
             "cut": list(found.cut),
             "why": _why(found) if why else None,
@@ -274,14 +283,22 @@ def turned(scene: Scene, events: int, seconds: float) -> Scene:
     """The scene with every velocity turned round half-way to the event after so many, and an end at twice that time.
 
     Raises:
-        SceneError: for a scene that has a reversal of its own, and for one in which so many events are not reached.
+        SceneError: for a scene that has a reversal of its own, for one that loses energy, and for one in which so many
+            events are not reached.
     """
     if scene.reverse_at is not None or scene.reverse_after is not None:
         raise SceneError("the scene turns back by itself; leave its reversal out")
+    if not scene.elastic:
+        raise SceneError(
+            f"restitution = {scene.restitution.text()}: each hit loses energy, which turning back does not return; "
+            "set it to 1"
+        )
     with time_limit(seconds) as watch:
         ran = ExactEngine().run(scene, events=events + 1, progress=watch.watched(None))
     if len(ran.events) < events:
-        raise SceneError(f"only {len(ran.events):,} events are reached before turning back; ask for fewer")
+        count = len(ran.events)
+        remedy = f"ask for {2 * count:,} at most" if count else ran.stop.message
+        raise SceneError(f"turning back comes after event {events:,}, and the run has {count:,}; {remedy}")
     before = float(ran.events[events - 1].time)
     after = float(ran.events[events].time) if len(ran.events) > events else before + max(1.0, before / 8)
     at = Quantity.of(before + (after - before) / 2)
@@ -345,6 +362,13 @@ def one_bit_off(scene: Scene) -> Scene:
 def _told(ran: Trajectory) -> dict[str, Any]:
     """What is said of one run beside its recording."""
     return {"events": len(ran.events), "end": float(ran.final_time), "stop": ran.stop.message}
+
+
+def _ties(ran: Trajectory) -> int:
+    """Instants at which some body has more than one push: what they do is the policy's choice."""
+    return sum(
+        len({name for pair in event.impulses for name in pair}) < 2 * len(event.impulses) for event in ran.events
+    )
 
 
 def _why(found: Comparison) -> dict[str, Any]:

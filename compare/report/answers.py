@@ -98,7 +98,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
         so_what(comparison, chosen),
         what_now(comparison, chosen, foreseen),
         command(comparison, chosen),
-        read(chosen),
+        "docs/engines.md" if stopped(comparison, chosen) else read(chosen),
     )
 
 
@@ -120,7 +120,7 @@ def verdict_line(comparison: Comparison) -> str:
     """
     first = headline(comparison)
     if first is None or first.alignment.divergence is None:
-        return verdict_sentence(comparison)
+        return verdict_sentence(comparison).partition(f": {comparison.reference.stop.message}")[0].rstrip(".") + "."
     head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
     law = "does not keep the law, and diverges" if first.lawless else "diverges"
     total = len(comparison.reference.events)
@@ -146,9 +146,15 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
     if candidate.unable:
         return f"{name} cannot run this scene."
     if parted is None:
+        if stopped(comparison, candidate):
+            if not events:
+                return f"The {reference.engine} run itself stops before its first event."
+            upto = f"after {counted(events, 'event')}, at t = {float(reference.final_time):.6g}"
+            agreed = f"; up to there {name} agrees" if candidate.verdict == "agree" else ""
+            return f"The {reference.engine} run itself stops {upto}{agreed}."
         if candidate.verdict == "agree":
-            whole = f"{name} has all {counted(events, 'event')} of the {reference.engine} run"
-            return f"Nowhere: {whole}." if events else "Nowhere: nothing happens in this span."
+            whole = "the one event" if events == 1 else f"all {events:,} events"
+            return f"Nowhere: {name} has {whole} of the {reference.engine} run." if events else NOTHING
         if candidate.verdict == "unsettled":
             return (
                 f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
@@ -178,6 +184,14 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
             return f"{event} {name} lets {body} miss {missed}; {exact} {body} hits {missed}{other}."
         case Kind.EXTRA:
             return f"{event} {name} lets {body} hit {thing(comparison.scene, got)}{first}; {exact} it does not."
+
+
+NOTHING = "Nowhere: nothing happens in this span."
+
+
+def stopped(comparison: Comparison, candidate: Candidate) -> bool:
+    """Whether the reference itself ends not knowing what comes next, so that no engine can be right to the end."""
+    return comparison.reference.stop.reason in UNKNOWING and candidate.verdict == "agree"
 
 
 def thing(scene: Scene, name: str | None) -> str:
@@ -210,11 +224,15 @@ def why(comparison: Comparison, candidate: Candidate) -> str:
     if candidate.lawless and candidate.laws is not None:
         return f"{name} does not keep the law: {candidate.laws.finding}."
     if found is None:
+        if stopped(comparison, candidate):
+            return f"{_capital(comparison.reference.stop.message)}."
         if candidate.verdict == "agree":
-            if candidate.laws is None:
-                return f"Every error of {name} stays too small to change an event."
+            if candidate.laws is None or candidate.laws.kept is None:
+                law = "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
+                return f"Every error of {name} stays too small to change an event.{law}"
             return f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
-        return f"Not looked into. {_capital(candidate.trajectory.stop.message)}."
+        message = f"{_capital(candidate.trajectory.stop.message)}."
+        return message if _at_its_end(candidate) else f"Not looked into. {message}"
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
     return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), _growth_words(candidate)]))
@@ -304,6 +322,8 @@ def so_what(comparison: Comparison, candidate: Candidate) -> str:
         return "Nothing is known of its outcomes."
     if candidate.verdict == "undecided":
         return f"What comes after event {candidate.alignment.agreed:,} is open; up to there it is right."
+    if stopped(comparison, candidate):
+        return "What comes after that is open, and so are the outcomes."
     if not candidate.changed:
         if candidate.until is not None:
             return f"No outcome is seen to change {until_phrase(candidate)}."
@@ -350,8 +370,12 @@ def what_now(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | 
     told: list[str] = []
     if candidate.lawless:
         told.append(f"Correct {candidate.engine}: no setting mends a law.")
+    elif stopped(comparison, candidate):
+        told.append(_onward(comparison))
     elif candidate.verdict == "agree":
         told.append(f"Nothing to change: {candidate.engine} is right to the end{_cheaper(comparison, candidate)}.")
+    elif candidate.verdict == "unsettled" and _at_its_end(candidate):
+        told.append(f"No run of {candidate.engine} goes further; compare what comes before that.")
     elif candidate.verdict == "unsettled":
         told.append("Run it further.")
     else:
@@ -359,6 +383,22 @@ def what_now(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | 
     if candidate.verdict != "agree":
         told += filter(None, [predicted(comparison, candidate, foreseen)])
     return " ".join(told)
+
+
+def _onward(comparison: Comparison) -> str:
+    """What lets the reference go on, where it ended not knowing: what its own message says, or more work."""
+    reference = comparison.reference
+    message, told = reference.stop.message, "Let it run longer."
+    if reference.stop.reason is StopReason.UNDECIDED:
+        own = "; " in message and not message.endswith("(--work)")
+        told = f"{_capital(message.rpartition('; ')[2])}." if own else "Let it cost more (--work)."
+    events = len(reference.events)
+    return f"{told} Its first {counted(events, 'event')} can be compared alone." if events > 1 else told
+
+
+def _at_its_end(candidate: Candidate) -> bool:
+    """Whether a run ended where no limit lets it go on."""
+    return candidate.trajectory.stop.reason in (StopReason.ACCUMULATION, StopReason.REST)
 
 
 def _instead(comparison: Comparison, candidate: Candidate) -> list[str]:
@@ -491,7 +531,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     name = candidate.engine
     if horizon.low.event is None:
         seen = f"in the first {counted(foreseen.events, 'event')}, and nothing is predicted beyond them"
-        seen = seen if foreseen.reason else f"in the {foreseen.events:,} events looked at"
+        seen = seen if foreseen.reason else seen_words(foreseen.events)
         return f"By the growth of errors alone {name} is predicted to be right {seen}."
     if not horizon.low.event:
         return f"{name} is predicted to be wrong from the first event on."
@@ -500,6 +540,15 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     if parted is not None and parted.event < horizon.low.event:
         return f"{name} was predicted to be right until event {horizon.low.event:,}, and diverged before that."
     return f"{name} is predicted to be right until event {horizon.low.event:,}{half}."
+
+
+def seen_words(events: int) -> str:
+    """In which events something is predicted, where all were looked at.
+
+    >>> seen_words(1), seen_words(1200)
+    ('in the one event looked at', 'in the 1,200 events looked at')
+    """
+    return "in the one event looked at" if events == 1 else f"in the {events:,} events looked at"
 
 
 # -- A command to copy, and a page to read.
@@ -511,6 +560,11 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
     known = candidate.engine.partition(":")[0] in ENGINES or re.fullmatch(r"[\w.]+:[\w.]+", candidate.engine)
     if candidate.lawless or not known:
         return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
+    if stopped(comparison, candidate) or (candidate.verdict == "unsettled" and _at_its_end(candidate)):
+        events = len(comparison.reference.events) - (candidate.verdict == "unsettled")
+        if events < 1:
+            return shlex.join(["truebreak", "run", scene])
+        return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--events", str(events)])
     if candidate.verdict == "agree":
         return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
     if candidate.verdict == "undecided":

@@ -14,7 +14,7 @@ from ..causes.diagnosis import CauseName
 from ..chaos.foreseen import foreseen
 from ..outcomes.outcome import room_of, same_outcome
 from ..picture import gap_values, moment_frames
-from .answers import all_run, answers, cost_words, right_to, subject, tone, verdict_line
+from .answers import all_run, answers, cost_words, right_to, seen_words, subject, tone, verdict_line
 from .charts import NARROW, WIDE, error_plot, error_words, predictions
 from .orders_page import gallery
 from .page import COMPARED, minimise_command, provenance, rendered
@@ -56,7 +56,7 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     if found is None or horizon is None:
         return ""
     if horizon.low.event is None:
-        return f"predicted to be right in the {found.events:,} events looked at"
+        return f"predicted to be right {seen_words(found.events)}"
     if horizon.high.event is None:
         half = "" if horizon.expected.event is None else f", half by {horizon.expected.event:,}"
         return f"predicted to diverge from event {horizon.low.event:,} on{half}"

@@ -41,6 +41,9 @@ VIEW_REACH = 1.5
 JUMP = 1e-6
 """Share of the scene's size by which a place must differ from straight flight to be told anew: below what one sees."""
 
+DIGITS = 7
+"""Digits of velocities, and of places in the scene's size: finer than `JUMP`."""
+
 
 @dataclass(frozen=True)
 class Played:
@@ -183,15 +186,25 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
     if last > final or not flights:  # what follows the last event: the state that it leaves
         flights.append((len(times) - 1, times[-1], max(final, times[-1])))
         rows.append(run.final.rows())
-    room = JUMP * max(1e-300, *(abs(value) for row in rows for state in row for value in state[:2]))
+    size = _size(run.scene, rows)
+    room, decimals = JUMP * size, DIGITS - math.floor(math.log10(size))
     gravity = _gravity(run.scene)
     for (k, begin, middle), row in zip(flights, rows, strict=True):
         for i, (x, y, vx, vy) in enumerate(row):
             if i in known and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
             known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
-            knots.append([k, i, *(float(f"{value:.9g}") for value in known[i][1:])])
+            _, *place, vx, vy = known[i]
+            knots.append(
+                [k, i, *(round(value, decimals) for value in place), *(float(f"{v:.{DIGITS}g}") for v in (vx, vy))]
+            )
     return knots
+
+
+def _size(scene: Scene, rows: Sequence[Sequence[Sequence[float]]]) -> float:
+    """How far apart circles come to be, across or up, with the largest of them: wherever in the plane that is."""
+    apart = [max(places) - min(places) for places in zip(*(state[:2] for row in rows for state in row), strict=True)]
+    return max(*apart, *(2 * float(c.r) for c in scene.circles), 1e-300)
 
 
 def _gravity(scene: Scene) -> tuple[float, float]:

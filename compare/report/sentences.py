@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import StopReason
-from ..alignment.align import VERDICTS
+from ..alignment.align import UNKNOWING, VERDICTS
 from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
 from ..files.amounts import counted
@@ -53,7 +53,7 @@ def verdict_sentence(comparison: Comparison) -> str:
     undecided = listed([c.engine for c in by_verdict["undecided"]])
     if by_verdict["unsettled"]:
         where = f"the {reference.engine} run near its end"
-        told = f"Not settled: these runs do not show whether {unsettled} leaves {where}"
+        told = f"Not settled: these runs do not show whether {unsettled} diverges from {where}"
         return "; ".join([told, *filter(None, map(further_phrase, by_verdict["unsettled"]))]) + "."
     if comparison.verdict == "undecided" and not by_verdict["undecided"]:
         return f"Undecided: {stopped}."
@@ -89,6 +89,8 @@ def further_phrase(candidate: Candidate) -> str | None:
     if wanted is None:
         return None
     name, end = candidate.engine, f"t = {float(run.final_time):.9g}"
+    if run.stop.reason in (StopReason.ACCUMULATION, StopReason.REST):
+        return f"{name} ends at {end}: {run.stop.message}"
     if math.isinf(wanted):
         return f"{name} is known up to {end} only: record it until nothing is left to happen, and say so at its end"
     return f"{name} is known up to {end} only: record it farther (t = {wanted:.9g} is enough in any case)"
@@ -319,7 +321,8 @@ def proof_phrase(comparison: Comparison) -> str:
     reference = comparison.reference
     if not comparison.certain:
         return f"{reference.engine} proves nothing: it is taken as the reference."
-    return "Every decision is proved." if reference.certified else "Not every tie in it is proved."
+    told = "Every decision is proved" if reference.certified else "Not every tie in it is proved"
+    return f"{told}{', up to its end' if reference.stop.reason in UNKNOWING else ''}."
 
 
 def middle(bounds: tuple[float, float]) -> float:

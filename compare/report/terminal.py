@@ -12,7 +12,7 @@ from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
 from ..chaos.foreseen import foreseen
-from .answers import answers, scene_word, subject, tone, verdict_line
+from .answers import answers, scene_word, stopped, subject, tone, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
 from .sentences import (
@@ -187,7 +187,8 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
         say(out, told)
     for candidate in comparison.candidates:
         if candidate.laws is not None and candidate.laws.kept is not True:
-            say(out, f"{candidate.engine} {candidate.laws.sentence}.", "bold red" if candidate.lawless else None)
+            colon = ":" if candidate.laws.kept is None else ""
+            say(out, f"{candidate.engine}{colon} {candidate.laws.sentence}.", "bold red" if candidate.lawless else None)
     for candidate in comparison.candidates:
         if candidate.alignment.divergence is not None:
             _print_divergence(comparison, candidate)
@@ -207,7 +208,7 @@ def first_line(comparison: Comparison) -> str:
 def _print_answers(comparison: Comparison, verbose: bool, scene: str | None) -> None:
     """Where, why, so what, what now; of an engine that agrees, what now alone, as the verdict says the rest."""
     lead = subject(comparison)
-    agrees = lead.verdict == "agree"
+    agrees = lead.verdict == "agree" and not stopped(comparison, lead)
     out, found = console(), answers(comparison, lead, None if agrees else foreseen(comparison, FORESEEN_WORK))
     for name, told in (("where", found.where), ("why", found.why), ("so what", found.so_what)):
         if not agrees or (name == "why" and lead.lawless):

@@ -297,11 +297,20 @@ function tell(last) {
   const proved = last.exact.proved ? "every decision proved" : "not every decision proved";
   const cut = last.cut.length ? ` Left out, as the seconds were over: ${last.cut.join(", ")}.` : "";
   say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} events, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
-  const homes = last.others.map((other) => `${other.name} ${other.home === null ? "does not get there" : `is ${distance(other.home)} from home`}`);
-  say($("home"), last.home === null ? "" : `Turned back half-way: the exact run is ${distance(last.home)} from home; ${homes.join("; ")}.`);
+  say($("home"), last.turned ? home(last) : "");
   $("after").hidden = false;
+  $("checked").hidden = true;
   say($("proof"), "");
   answers(last.why);
+}
+
+// How far from its start each run is at the end; and why the exact one may be far, too.
+function home(last) {
+  const far = (miss) => (miss === null ? "does not get home" : `is ${distance(miss)} from home`);
+  const runs = [["the exact run", last.home], ...last.others.map((other) => [other.name, other.home])].map(([name, miss]) => `${name} ${far(miss)}`);
+  const { ties } = last.exact;
+  const why = last.home && ties ? ` At ${ties.toLocaleString("en")} instant${ties > 1 ? "s" : ""} discs touch several things at once: what those do is a choice of model, which turning round need not undo.` : "";
+  return `Turned back half-way: ${runs.join("; ")}.${why}`;
 }
 
 const script = (src) => new Promise((done) => document.body.append(made("script", { src, onload: done })));
@@ -378,11 +387,35 @@ $("prove").addEventListener("click", async () => {
   if (!last) return;
   save(`${stem()}-certificate.json`, last.text, "application/json");
   say($("proof"), "The certificate is saved; it is checked now, by a program that shares nothing with the engine.");
+  $("checked").hidden = true;
   const checker = new Worker("check.js", { type: "module" });
-  checker.onmessage = ({ data }) => { say($("proof"), `Certificate of ${last.events.toLocaleString("en")} events, saved and checked in this page: ${data}.`); checker.terminate(); };
+  checker.onmessage = ({ data }) => {
+    say($("proof"), `Certificate of ${last.events.toLocaleString("en")} events, saved and checked in this page: ${data}.`);
+    if (data.startsWith("verified")) whatWasChecked(JSON.parse(last.text));
+    checker.terminate();
+  };
   checker.onerror = () => { say($("proof"), "The certificate is saved; the checker did not load: run truebreak verify FILE."); };
   checker.postMessage(last.text);
 });
+
+// What verify.mjs has shown of a certificate that it verified, with how many there were of each.
+function whatWasChecked({ instants, end }) {
+  const count = (part) => instants.reduce((sum, instant) => sum + part(instant), 0);
+  const many = (n, one, more = `${one}s`) => `${n.toLocaleString("en")} ${n === 1 ? one : more}`;
+  const pushes = count(({ rounds = [] }) => rounds.flat().length);
+  const met = count(({ met = [] }) => met.length);
+  const witnesses = count(({ zeros = [] }) => zeros.length) + (end.zeros?.length ?? 0);
+  const ends = { quiet: "nothing meets ever again", horizon: "nothing more meets until the time stated", return: "the run is back at its start", events: "the run goes to the last event asked for" };
+  const rows = [
+    ["Meetings", `${many(met, "contact")} in ${many(instants.length, "instant")}: each has gap zero at its time, within the decimals stated.`],
+    ["Between", "On every flight from one instant to the next no disc meets anything else."],
+    ["Pushes", `${many(pushes, "push", "pushes")}: each is the law's, of what approaches then, by the tie policy; after the last none approaches.`],
+    ["Exactly zero", witnesses ? `${many(witnesses, "number")} said to be exactly zero: each shown so by its witness, an isometry or exact arithmetic; none is assumed.` : "No number needed a witness."],
+    ["The end", sentence(ends[end.reason] ?? end.reason)],
+  ];
+  $("checked").replaceChildren(...rows.map(([name, words]) => made("div", {}, made("dt", { textContent: name }), made("dd", { textContent: words }))));
+  $("checked").hidden = false;
+}
 
 const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
 $("report").addEventListener("click", async () => {

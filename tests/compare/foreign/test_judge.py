@@ -87,7 +87,7 @@ def _what_is_enough(far: int, path: str, gas: Trajectory, tmp_path: Path, capsys
     code, out, _ = said(capsys, "judge", "gas", path, "--events", str(far))
     assert code == 4
     end, enough = float(gas.events[40].time) - 1e-3, float(gas.events[far - 1].time)
-    assert f"Not settled: these runs do not show whether {path} leaves the exact run near its end" in " ".join(
+    assert f"Not settled: these runs do not show whether {path} diverges from the exact run near its end" in " ".join(
         out.replace("\n", " ").split()
     )
     assert f"is known up to t = {end:.9g} only: record it farther" in " ".join(out.split())

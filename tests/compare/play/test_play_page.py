@@ -14,8 +14,10 @@ from browser import found
 from playing import PagePlayed
 
 from truebreak.compare import compare
+from truebreak.compare.certificate.certified import certified
 from truebreak.compare.play.play_server import PlayServer
 from truebreak.compare.report.answers import answers, verdict_line
+from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Polygon, Scene, Segment, Wall, catalogue
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
@@ -295,7 +297,12 @@ def test_one_ulp_and_turning_back(page: PagePlayed) -> None:
     page.run("turn")
     home = page.text("home")
     assert "the exact run is exactly 0 from home" in home
-    assert re.search(r"double is \d", home)
+    assert re.search(r"double is \d", home) and "choice of model" not in home
+    page.open("scene=tennis")
+    page.value("events", "40")
+    page.run("turn")
+    home = page.text("home")
+    assert re.search(r"the exact run is 3\.87 from home", home) and "At 2 instants discs touch several things" in home
 
 
 def test_the_certificate_is_checked_in_the_page(page: PagePlayed) -> None:
@@ -306,11 +313,33 @@ def test_the_certificate_is_checked_in_the_page(page: PagePlayed) -> None:
     assert "verified: 30 events" in said
 
 
+def test_what_was_checked_of_a_certificate_is_shown(page: PagePlayed) -> None:
+    page.open("scene=inscribed")
+    page.run()
+    assert page.browser.ask("document.getElementById('checked').hidden")
+    page.press("prove")
+    page.says("proof", "verified: 12 events")
+    page.wait("!document.getElementById('checked').hidden")
+    shown = dict(
+        page.browser.ask(
+            "[...document.querySelectorAll('#checked div')].map((e) => [...e.children].map((p) => p.innerText))"
+        )
+    )
+    instants = json.loads(certified(ExactEngine().run(catalogue.build("inscribed"))).text)["instants"]
+    met, pushes, zeros = (
+        sum(len(instant.get("met", [])) for instant in instants),
+        sum(len(each) for instant in instants for each in instant.get("rounds", [])),
+        sum(len(instant.get("zeros", [])) for instant in instants),
+    )
+    assert met and pushes and zeros
+    assert shown["Meetings"].startswith(f"{met} contacts in {len(instants)} instants")
+    assert shown["Pushes"].startswith(f"{pushes} pushes") and shown["Exactly zero"].startswith(f"{zeros} numbers")
+    page.run()
+    assert page.browser.ask("document.getElementById('checked').hidden"), "another run has another proof"
+
+
 def test_a_certificate_that_was_changed_is_refuted_in_the_page(page: PagePlayed) -> None:
     """The checker of the page is the one of the command line, and says what that says."""
-    from truebreak.compare.certificate.certified import certified
-    from truebreak.exact import ExactEngine
-
     text = certified(ExactEngine().run(catalogue.build("gas"), events=5)).text
     told = page.browser.ask(
         "new Promise((done) => { const w = new Worker('check.js', {type: 'module'}); w.onmessage = (m) => done(m.data);"

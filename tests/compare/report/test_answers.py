@@ -183,6 +183,36 @@ def test_a_scene_without_events_has_answers() -> None:
     assert answers(found).where == "Nowhere: nothing happens in this span."
 
 
+def test_where_the_reference_stops_not_knowing_no_engine_is_called_right_to_the_end() -> None:
+    """Two marbles that push each other without end: nothing happens, and nothing of it is known."""
+    made = compare(catalogue.build("beads"), ["double"])
+    found = answers(made)
+    assert verdict_line(made) == "Undecided: the exact run itself stopped after 0 events."
+    assert found.where == "The exact run itself stops before its first event."
+    assert "collapse: b1 and b2" in found.why and found.what_now == "Raise the restitution, or leave a gap."
+    assert found.command == "truebreak run beads" and "open" in found.so_what
+    made = compare(catalogue.build("gas"), ["double"], reference="interval", events=100)
+    found, events = answers(made), len(made.reference.events)
+    assert 0 < events < 100 and made["double"].verdict == "agree"
+    assert f"The interval run itself stops after {events} events" in found.where and "double agrees" in found.where
+    assert "right to the end" not in found.what_now and found.command.endswith(f"--engines double --events {events}")
+
+
+def test_a_run_that_nothing_lets_go_on_is_not_to_be_run_further() -> None:
+    made = compare(catalogue.build("bounce"), ["double"])
+    if made["double"].verdict != "unsettled":
+        pytest.skip("the end of infinitely many bounces is settled by now")
+    found, events = answers(made), len(made.reference.events)
+    assert "record it" not in verdict_line(made) and "further" in found.what_now
+    assert found.command == f"truebreak compare bounce --engines double --events {events - 1}"
+    assert compare(catalogue.build("bounce"), ["double"], events=events - 1).verdict == "agree"
+
+
+def test_one_event_is_one() -> None:
+    found = answers(compare(catalogue.build("ghost"), ["double"]))
+    assert found.where == "Nowhere: double has the one event of the exact run."
+
+
 def test_the_json_has_what_the_page_says_was_run_in_its_place() -> None:
     """The cheapest that is right first; of an engine that agrees nothing."""
     found = comparison("gas")

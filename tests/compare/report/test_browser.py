@@ -13,7 +13,7 @@ from pages import PAGES, Files
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
 AXE = Path(__file__).parent / "node_modules" / "axe-core" / "axe.min.js"
-WIDTHS = (1200, 768, 360)
+WIDTHS = (1200, 768, 360, 320)
 PAPER = 718
 """Pixels of an A4 sheet between margins of a centimetre."""
 

@@ -1,0 +1,97 @@
+"""Every scene of the catalogue as a report: its first screen, its length on a telephone, its size, what axe finds."""
+
+from __future__ import annotations
+
+import json
+import time
+from functools import cache
+from pathlib import Path
+
+import pytest
+from browser import Browser, found
+from test_browser import AXE, CLIPPED, SMALL_TEXT
+
+from truebreak.compare import compare, html_report
+from truebreak.scenarios import catalogue
+
+HERE = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
+
+MOST_EVENTS = 60
+"""Events compared: a verdict and its words are there by then."""
+
+NAMED = (
+    "[...document.querySelectorAll('.answers')[0].querySelectorAll('dt')].map((e) => e.firstChild.textContent.trim())"
+)
+"""What the first answers are called."""
+
+PHONE, DESK = (390, 844), (1280, 800)
+
+LARGEST = {"echo": 900_000, "cooling": 720_000}
+"""Bytes of the pages over half a megabyte, of a hundred discs and of fifty."""
+
+
+@cache
+def report(name: str, events: int | None = MOST_EVENTS) -> str:
+    """The report of a scene beside the engines of `truebreak compare`."""
+    scene = catalogue.build(name)
+    limit = events if scene.events is None or events is None else min(events, scene.events)
+    return html_report(compare(scene, events=limit), command=f"truebreak compare {name} --html page.html")
+
+
+@HERE
+@pytest.mark.parametrize("name", catalogue.names())
+def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_path: Path, name: str) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(report(name), "utf-8")
+    browser.media(prefers_reduced_motion="reduce")
+    for width, height in (DESK, PHONE):
+        browser.size(width, height)
+        browser.open(page)
+        assert browser.ask(NAMED) == ["Where", "Why", "So what", "What now"]
+        assert browser.ask("document.querySelector('.verdict').getBoundingClientRect().top") > 0
+        assert browser.ask("document.querySelector('.answers').getBoundingClientRect().bottom") <= height
+    assert browser.ask("document.documentElement.scrollHeight") <= 6000
+    browser.size(320)
+    browser.open(page)
+    browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+    assert browser.ask("document.documentElement.scrollWidth") <= 320
+    assert browser.ask(CLIPPED) == []
+    assert browser.ask(SMALL_TEXT) == []
+    assert browser.messages == []
+
+
+@HERE
+@pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/compare/report")
+@pytest.mark.parametrize("name", catalogue.names())
+def test_axe_finds_nothing_on_a_telephone(browser: Browser, tmp_path: Path, name: str) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(report(name), "utf-8")
+    browser.size(*PHONE)
+    for scheme in ("light", "dark"):
+        browser.media(prefers_color_scheme=scheme)
+        browser.open(page)
+        browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+        browser.ask(AXE.read_text(encoding="utf-8") + "; 0")
+        violations = json.loads(browser.ask("axe.run().then((found) => JSON.stringify(found.violations))"))
+        assert [(rule["id"], [node["html"][:120] for node in rule["nodes"][:3]]) for rule in violations] == []
+
+
+@pytest.mark.parametrize("name", [name for name in catalogue.names() if name not in LARGEST])
+def test_a_page_takes_half_a_megabyte_at_most(name: str) -> None:
+    assert len(report(name).encode()) < 500_000
+
+
+@pytest.mark.parametrize("name", ["gas", *LARGEST])
+def test_so_it_does_with_all_events_but_for_the_scenes_of_many_discs(name: str) -> None:
+    assert len(report(name, None).encode()) < LARGEST.get(name, 500_000)
+
+
+def test_a_page_takes_a_part_of_the_time_of_its_comparison() -> None:
+    """By a ratio of times of CPU in one run: about a fifth."""
+    scene = catalogue.build("gas")
+    compare(scene), html_report(compare(scene, events=5))  # what is imported and kept at the first time
+    began = time.process_time()
+    made = compare(scene)
+    compared = time.process_time()
+    html_report(made)
+    assert time.process_time() - compared < 0.5 * (compared - began)
