@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
-from math import inf
 from typing import NoReturn, Protocol
 
 from flint import arb
@@ -31,7 +30,6 @@ from ..replay.contact import (
     touching_at_start,
 )  # fmt: skip
 from ..replay.refinable import Projection, RefinableState
-from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
@@ -278,9 +276,10 @@ class CertifiedMeetings:
 
     def _settled_fall(self, arrival: Arrival[arb], link: Pair) -> Arrival[arb] | None:
         """As `settled`, of a circle that falls onto one that stands: more bits, and no proof of a graze."""
-        spent = 0
+        spent, predictor = 0, self.predictor
+        assert isinstance(predictor, PegPredictor)
         while True:
-            found = self._fall(link)
+            found = predictor.in_full(link)
             if found is None:
                 return None
             if isinstance(found, arb):
@@ -292,24 +291,6 @@ class CertifiedMeetings:
                 where = f"{self._precision.where()}, with {self._state.bits} bits"
                 raise Undecided(f"{why}, is not proved, {where}; {spent} units of work of {self._work} (--work)")
             self._precision.rise(f"{why}, was undecided")
-
-    def _fall(self, link: Pair) -> arb | Unclear | None:
-        """When a circle falls onto one that stands, in full balls; what is known of it."""
-        ball.use_bits(self._state.bits)
-        self._state.sync(link.circles)
-        balls = self._state.balls
-        found = peg_meeting(balls, link, inf)
-        return balls.faller(link).flight.t + found if isinstance(found, arb) else found
-
-    def _unsure_fall(self, link: Pair) -> None:
-        """As `_unsure`, of those."""
-        found = self._fall(link)
-        if isinstance(found, arb):
-            self.predictor.push(found, link)
-        elif found is not None:
-            begun = self._state.balls.faller(link).flight.instant
-            low = ball.double_bounds(begun + arb(found.since))[0]
-            self.predictor.queue.push_doubtful(low, link)
 
     def _misses(self, link: Link) -> bool:
         """Whether a circle that approaches a face meets its line outside of it: its ends are none of it."""
@@ -378,8 +359,8 @@ class CertifiedMeetings:
         A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
         """
         self._plan["full predictions"] += 1
-        if is_pair(link) and self._state.balls.on_peg(link):
-            return self._unsure_fall(link)
+        if isinstance(self.predictor, PegPredictor) and self._state.balls.on_peg(link):
+            return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:

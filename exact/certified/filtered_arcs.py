@@ -12,9 +12,9 @@ from flint import arb
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.system import Undecided
-from ..replay.contact import AtArc, Body, Link, Pair, name_of
+from ..replay.contact import AtArc, Body, Link, Pair, is_pair, name_of
 from ..replay.refinable import RefinableState
-from ..replay.round_falls import peg_meeting
+from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, predict_falls
 from ..simulation.prediction import ArrivalQueue
@@ -215,3 +215,21 @@ class PegPredictor(FilteredPredictor):
         elif found is not None:
             self.plan["unclear in doubles"] += 1
             self.unsure(link)
+
+    def in_full(self, link: Pair) -> arb | Unclear | None:
+        """When a circle falls onto one that stands, in full balls; what is known of it."""
+        state = self.refinable
+        ball.use_bits(state.bits)
+        state.sync(link.circles)
+        found = peg_meeting(state.balls, link, inf)
+        return state.balls.faller(link).flight.t + found if isinstance(found, arb) else found
+
+    def push_unsure(self, link: Link) -> None:
+        """Queues one that short balls leave open, as full ones have it."""
+        assert is_pair(link)
+        found = self.in_full(link)
+        if isinstance(found, arb):
+            self.push(found, link)
+        elif found is not None:
+            begun = self.refinable.balls.faller(link).flight.instant
+            self.queue.push_doubtful(ball.double_bounds(begun + arb(found.since))[0], link)

@@ -297,7 +297,7 @@ def bits_of(c: Sequence[arb]) -> int:
 
 def _isolated(c: Sequence[Any], top: fmpq, sign: Callable[[Any], int | None], most: int | None) -> Found:
     """The first falling zero in (0, top], by parting; `most` times at most."""
-    kind: Any = type(c[0])
+    kind: Callable[[Any], Any] = arb if isinstance(c[0], arb) else fmpq
     terms, power = [c[0]], fmpq(1)
     for value in c[1:]:
         power *= top
@@ -513,7 +513,7 @@ class RoundFall(NamedTuple, Generic[N]):
 
     def polynomial(self, stood: bool) -> tuple[N, ...]:
         """The gap as a polynomial of the time; `stood`: as it is 0 now, with that zero divided out."""
-        found = gap_quartic(*self)
+        found = gap_quartic(self.dx, self.dy, self.vx, self.vy, self.hx, self.hy, self.reach)
         return found[1:] if stood else found
 
 
