@@ -431,7 +431,6 @@ LEMON = TABLE.with_changes(
 
 REFUSALS = {
     "certificate": lambda: certificate_of(ExactEngine().run(TABLE, events=2)),
-    "horizon": lambda: chaos(TABLE, ["double"], events=20),
     "rounding": lambda: reach_of(ExactEngine().run(LEMON, events=3), None),
 }
 
