@@ -21,9 +21,9 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed"}
-"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out. "fixed" is a circle
-that stands under gravity."""
+ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed", "moving walls"}
+"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out. `moving walls` have a
+`vx` or `vy`; `fixed` is a circle that stands under gravity."""
 
 
 class Engine(Protocol):

@@ -68,6 +68,8 @@ class PegReferee(GravityReferee):
             self.e = number(scene.restitution)
             self.bodies = [Body(*(number(q) for q in (c.x, c.y, c.vx, c.vy, c.r)), number(c.m)) for c in movable]
             self.walls = [(str(w.id), [number(q) for q in (w.x0, w.y0, w.x1, w.y1)]) for w in scene.walls]
+            self.paces = [(number(w.vx), number(w.vy)) for w in scene.walls]
+            self.now = mpf(0)
             self.sides = [[self._height(b, k) > 0 for k in range(len(self.walls))] for b in self.bodies]
 
     def _coming(self) -> list[tuple[mpf, int, int]]:

@@ -22,7 +22,8 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.state import ReplayState, SeenWall
+from ...exact.replay.state import ReplayState
+from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
 from .flight_aside import RoundSide, out_of, stretches

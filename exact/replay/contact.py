@@ -552,7 +552,13 @@ def touching_at_start(scene: Scene) -> tuple[Touch, ...]:
     """
     circles = scene.circles
     fixed = [circle.fixed for circle in circles]
-    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
+    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and _stays(scene, j, fixed)))
+
+
+def _stays(scene: Scene, j: int, fixed: Sequence[bool]) -> bool:
+    """Whether nothing happens between a thing and a fixed circle that it touches: it is one, or a wall that moves."""
+    wall = j - len(fixed)
+    return fixed[j] if wall < 0 else wall < len(scene.walls) and scene.walls[wall].moves
 
 
 @lru_cache(maxsize=8)
@@ -665,18 +671,7 @@ class WallFall(NamedTuple, Generic[N]):
     half: N
 
 
-# -- A wall, or another body, as a circle sees it.
-
-
-class SeenWall(NamedTuple, Generic[N]):
-    """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
-
-    x0: N
-    y0: N
-    nx: N
-    ny: N
-    nn: N
-    length: N
+# -- Another body, as one sees it.
 
 
 class Relation(NamedTuple, Generic[N]):

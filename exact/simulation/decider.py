@@ -26,7 +26,7 @@ from ..question import Decision, Question
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
-from .endings import Rows
+from .endings import Accumulating, Rows
 from .prediction import Arrival, ArrivalQueue
 
 if TYPE_CHECKING:
@@ -378,28 +378,6 @@ class Formula(Protocol):
     def __call__(self, state: ReplayState[N], /) -> N: ...
 
 
-@dataclass(frozen=True)
-class Velocity:
-    """Computes a component of a circle's velocity."""
-
-    body: int
-    axis: int
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        flight = state.bodies[self.body].flight
-        return flight.vx if self.axis == 0 else flight.vy
-
-
-@dataclass(frozen=True)
-class Constant:
-    """A number that the scene gives."""
-
-    value: Quantity
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        return state.constant(self.value)
-
-
 class RunLog:
     """A scene and the log of its run: enough to compute every number of the run again.
 
@@ -565,11 +543,12 @@ class Reading(Protocol[N, K]):
         """What progress says beside the counts."""
         ...
 
-    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
-        """Under gravity, right after a bounce: when it was, how long its like go on alone, and where all circles are.
+    def fallen(self, circle: int) -> tuple[arb, Rows]:
+        """Right after a bounce of a circle: when it was, and where all circles are (see `true_rows`)."""
+        ...
 
-        See `Accumulating` and `true_rows`.
-        """
+    def bounces(self, end: Accumulating) -> arb:
+        """Under gravity, right after a bounce: how long its like go on alone."""
         ...
 
 
