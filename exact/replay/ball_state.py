@@ -518,7 +518,8 @@ class LoneContacts:
         if circles[a.index].fixed:
             a, b, share = b, a, share_b
         ax, ay, vx, vy, base, _, _, _, rest = a.flight
-        if rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
+        falls = self._state.falling is not None
+        if falls or rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
             return None
         bx, by, ux, uy, *_ = b.flight
         worst = a.acc + SPARE_BITS
