@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ..scenarios.numbers.quantity import Quantity
@@ -115,12 +114,13 @@ def circles_of(*links: Link) -> tuple[int, ...]:
 L = TypeVar("L", Link, Round, Entry, AtWall, AtArc)
 
 
-@dataclass(frozen=True, eq=False)
 class OfOne(RootFree, Generic[L]):
     """A root-free question about one contact, in words with a place for it; its circles are those it depends on."""
 
-    link: L
     words: ClassVar[str]
+
+    def __init__(self, link: L) -> None:
+        self.link = link
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -163,27 +163,27 @@ class Gap(OfOne[Link]):
         return self.link.gap(state)
 
 
-@dataclass(frozen=True, eq=False)
 class Foot(OfOne[AtWall]):
     """Does a circle meet the line of a face beyond its start (positive), at it (zero) or before it? `far`: its end."""
 
-    far: bool = False
     words = "whether {} meet between its ends"
+
+    def __init__(self, link: AtWall, far: bool = False) -> None:
+        super().__init__(link)
+        self.far = far
 
     def value(self, state: ReplayState[N]) -> N:
         return state.face_foot(self.link, self.far)
 
 
-@dataclass(frozen=True, eq=False)
 class Beside(Plain):
     """Is a circle that slides along the line of a face, at the time of a meeting, beyond its start? `far`: its end.
 
     Without a meeting: at the instant at hand, at which it stands.
     """
 
-    link: AtWall
-    far: bool
-    moment: Moment | None
+    def __init__(self, link: AtWall, far: bool, moment: Moment | None) -> None:
+        self.link, self.far, self.moment = link, far, moment
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -208,15 +208,14 @@ class Beside(Plain):
         return f"whether {name(self.link)} are between its ends"
 
 
-@dataclass(frozen=True, eq=False)
 class Within(Plain):
     """Does a circle meet the circle of an arc within the arc (positive), at its end (zero) or beyond it?
 
     `graze`: where it is nearest to it.
     """
 
-    link: AtArc
-    graze: bool = False
+    def __init__(self, link: AtArc, graze: bool = False) -> None:
+        self.link, self.graze = link, graze
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -280,12 +279,11 @@ class Rim(OfOne[Entry]):
         return state.rim(self.link)
 
 
-@dataclass(frozen=True, eq=False)
 class Moment:
     """When two touch next: by a hit, or by a graze, which touches without pushing."""
 
-    link: Link
-    graze: bool = False
+    def __init__(self, link: Link, graze: bool = False) -> None:
+        self.link, self.graze = link, graze
 
     def wait(self, state: ReplayState[N]) -> tuple[N, N]:
         """The clock from which it is reckoned, and the time from that."""
@@ -303,12 +301,11 @@ class Moment:
         return self.link.parts(state)
 
 
-@dataclass(frozen=True, eq=False)
 class Sooner:
     """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
 
-    first: Moment
-    second: Moment
+    def __init__(self, first: Moment, second: Moment) -> None:
+        self.first, self.second = first, second
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -333,15 +330,14 @@ class Sooner:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
-@dataclass(frozen=True, eq=False)
 class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 
     `time` None stands for the return: twice the moment at which the velocities were negated.
     """
 
-    moment: Moment
-    time: Quantity | None
+    def __init__(self, moment: Moment, time: Quantity | None) -> None:
+        self.moment, self.time = moment, time
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -368,13 +364,13 @@ class BeforeTime(Plain):
 # -- Questions about impulses at one instant: which contacts push, and whether their order matters.
 
 
-@dataclass(frozen=True, eq=False)
 class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
-    basis: tuple[Touch, ...]
-    link: Touch
     words: ClassVar[str] = "whether {} push each other at all"
+
+    def __init__(self, basis: tuple[Touch, ...], link: Touch) -> None:
+        self.basis, self.link = basis, link
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -427,11 +423,12 @@ class Pivot(Strength):
         return pivot
 
 
-@dataclass(frozen=True, eq=False)
 class Share(Strength):
     """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
 
-    entering: Touch
+    def __init__(self, basis: tuple[Touch, ...], link: Touch, entering: Touch) -> None:
+        super().__init__(basis, link)
+        self.entering = entering
 
     def value(self, state: ReplayState[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.entering))
@@ -442,12 +439,11 @@ class Share(Strength):
         return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
 
 
-@dataclass(frozen=True, eq=False)
 class Coupling(RootFree):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 
-    first: Touch
-    second: Touch
+    def __init__(self, first: Touch, second: Touch) -> None:
+        self.first, self.second = first, second
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -469,7 +465,6 @@ class Coupling(RootFree):
 # z^2 - (1 + e) c z + e are real, and r_(n+1) / r_n is once at least the smaller of them: such as half their sum.
 
 
-@dataclass(frozen=True, eq=False)
 class Endless(Coupling):
     """Can two contacts push each other without end (not negative)? (1 + e)^2 c^2 - 4 e, in the scale of G."""
 

@@ -72,7 +72,8 @@ class DoubleEngine(EventEngine[float]):
         """As `EventEngine.run_with`, on flat flights where that can be (see `follows`)."""
         if not follows(scene, policy):
             return super().run_with(scene, policy, until=until, events=events, progress=progress)
-        decider = FlatDecider(scene, PlainState(scene, DOUBLES), DOUBLES)
+        inner = scene.surfaces
+        decider = FlatDecider(inner, PlainState(inner, DOUBLES), DOUBLES)
         return run_plain(
             scene,
             self.name,
@@ -83,5 +84,5 @@ class DoubleEngine(EventEngine[float]):
             until=until,
             events=events,
             progress=progress,
-            loop=lambda limits: FlatLoop(scene, decider, limits, progress),
+            loop=lambda limits: FlatLoop(inner, decider, limits, progress),
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import reprlib
-from unicodedata import category
 
 # -- The one error that bad input raises: what is wrong, where, and what to do about it.
 
@@ -49,6 +48,10 @@ def printable(text: str, wide: str = "\\u{:04x}\\u{:04x}") -> str:
     """
     if text.isprintable():
         return text
+    if text.isprintable():
+        return text
+    from unicodedata import category
+
     return "".join(c if c == "\n" or c.isprintable() or category(c) == "Zs" else _spelled(c, wide) for c in text)
 
 

@@ -211,7 +211,7 @@ class Referee:
                 except ZeroDivisionError:
                     continue
                 strengths = dict(zip(chosen, found, strict=True))
-                if any(s < -SAME or s > 10**20 for s in strengths.values()):
+                if any(s < -SAME or s > 10**30 for s in strengths.values()):
                     continue
                 slack = [
                     speeds[i] + self.e * speeds[i] + sum(gram[i][j] * s for j, s in strengths.items()) for i in size

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -254,7 +253,11 @@ def console() -> Output:
     """Standard output: colours on a terminal, plain text elsewhere; as wide as COLUMNS says, if it says anything."""
     terminal, asked = sys.stdout.isatty(), columns()
     colours = terminal or os.environ.get("FORCE_COLOR", "") != "" or os.environ.get("TTY_COMPATIBLE") == "1"
-    width = asked or (max(shutil.get_terminal_size().columns, LEAST_WIDTH) if terminal else PLAIN_WIDTH)
+    width = asked or PLAIN_WIDTH
+    if terminal and not asked:
+        import shutil
+
+        width = max(shutil.get_terminal_size().columns, LEAST_WIDTH)
     return Output(plain=not colours, width=width, wraps=terminal or asked is not None)
 
 

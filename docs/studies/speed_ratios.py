@@ -399,6 +399,34 @@ def among_segments(size: Workload) -> Figure:
     )
 
 
+FEW_SEGMENTS = (Segment(3, 5, 4, 9), Segment(11, 4, 14, "11/2", r="1/4"), Segment(13, 14, "33/2", "29/2"))
+"""Where no disc of the gas of ten begins."""
+
+
+def few_segments(engine: str, size: Workload, events: int) -> Figure:
+    """An event among ten discs with three segments, against one of the gas without; of so many."""
+    plain = build(GAS).with_changes(until=None, events=None)
+    among = plain.with_changes(segments=FEW_SEGMENTS)
+    ours, theirs = processor_times([running(engine, among, events), running(engine, plain, events)], 3 * size.repeats)
+    return Figure(
+        f"gas-segments-{engine}",
+        f"an event, {engine} among 10 discs and 3 segments / without these; of {events:,}",
+        ours / events,
+        theirs / events,
+        Target("ratio", "at most", 1.3),
+    )
+
+
+def exact_among_few_segments(size: Workload) -> Figure:
+    """Of the exact engine."""
+    return few_segments("exact", size, size.gas)
+
+
+def double_among_few_segments(size: Workload) -> Figure:
+    """Of the double engine."""
+    return few_segments("double", size, size.long_gas)
+
+
 def _growth(engine: str, size: Workload) -> Figure:
     counts = size.large_crowd, size.crowd
     events = [EVENTS_A_DISC * n for n in counts]
@@ -435,6 +463,8 @@ BENCHMARKS: dict[str, Benchmark] = {
     "crowd-exact": crowd_exact,
     "crowd-double": crowd_double,
     "crowd-segments": among_segments,
+    "gas-segments-exact": exact_among_few_segments,
+    "gas-segments-double": double_among_few_segments,
     "crowd-growth-exact": growth_exact,
     "crowd-growth-double": growth_double,
     "crowd-set-up-exact": set_up_exact,

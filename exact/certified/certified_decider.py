@@ -403,7 +403,7 @@ class Stride:
         self._do = do
         self._refresh = meetings.predictor.refresh
         self._take = meetings.predictor.take
-        self._steps: dict[Touch, tuple[tuple[Go, Kick], list[Body[arb]]]] = {}
+        self._steps: dict[Touch, tuple[tuple[Go, Kick], list[Body[arb]], list[Body[arb]]]] = {}
 
     def __call__(
         self, last: int, most: float, before: float, look: Callable[[], None], note: Callable[[Touch], None]
@@ -443,10 +443,13 @@ class Stride:
     def _carried_out(
         self, link: Touch, number: int, note: Callable[[Touch], None], precision: Precision | None
     ) -> tuple[list[Body[arb]], tuple[Touch, ...]]:
-        """Carries out one instant, with the precision looked after if one is given: its circles, and its contact."""
+        """Carries out one instant, with the precision looked after if one is given: what it moves, and its contact.
+
+        A fixed circle flies on as it did: what is predicted of it and of others holds.
+        """
         history, state, reading = self._history, self._state, self._reading
         self._begin(number)
-        both, moved = self._steps.get(link) or self._steps_of(link)
+        both, moved, free = self._steps.get(link) or self._steps_of(link)
         in_balls = state.strike(link, both)
         if not in_balls:
             for step in both:
@@ -465,20 +468,23 @@ class Stride:
         mark = _new(Mark, (number, time, done, circles[0]))
         history.records.append(_new(Record, (mark, alone, alone, (), False)))
         knots = history.knots
-        for body in moved:
+        for body in free:
             body.serial += 1
+        for body in moved:
             if in_balls:
                 x, y, vx, vy, t = body.q
                 knots[body.index].append((t, x, y, vx, vy, done, number))
             else:
                 knots[body.index].append((*reading.knot(body), done, number))
         history.last = mark
-        return moved, alone
+        return free, alone
 
-    def _steps_of(self, link: Touch) -> tuple[tuple[Go, Kick], list[Body[arb]]]:
-        """The steps of a contact, and its circles."""
-        steps = Go(link, link.circles), Kick((link,), (link,))
-        found = self._steps[link] = steps, [self._state.bodies[i] for i in link.circles]
+    def _steps_of(self, link: Touch) -> tuple[tuple[Go, Kick], list[Body[arb]], list[Body[arb]]]:
+        """The steps of a contact, its circles, and those of them that move."""
+        circles, steps = self._state.scene.circles, (Go(link, link.circles), Kick((link,), (link,)))
+        bodies = [self._state.bodies[i] for i in link.circles]
+        free = [body for body in bodies if not circles[body.index].fixed]
+        found = self._steps[link] = steps, bodies, bodies if len(free) == len(bodies) else free
         return found
 
 

@@ -45,7 +45,7 @@ from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor,
 # All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 # themselves.
 #
-# Where `compiled.predictions` is there, it does what `pairs` and `walls` do here.
+# Where `compiled.predictions` is there, it does what `pairs`, `walls` and `faces` do here.
 
 UNIT = 2.0**-53
 
@@ -289,6 +289,8 @@ class DoubleFilter:
         if fa is None:
             return found, [line.wall for line in lines]
         flat, far = self.wall_bounds
+        if predictions is not None:
+            return predictions.faces(fa, lines, flat, far)
         x, y, vx, vy, t, late = fa
         for k, x0, y0, nx, ny, offset, norm, size in lines:
             approach = nx * vx + ny * vy
@@ -479,17 +481,18 @@ class FilteredPredictor(Predictor[arb]):
                 if a.f is None or not (a.f[2] or a.f[3]):
                     super().predict(moved, standing, gone)
                     return
+            first = self.wall_count
             for a, lines in zip(moved, outlook.lines, strict=True):
                 a.until = inf
-                found, unclear = find.walls(a, lines)
-                queue.push_walls(a, found, standing)
+                found, unclear = find.walls(a, lines[:first])
+                among, open_faces = find.faces(a, lines[first:])
+                queue.push_walls(a, found + among, standing)
                 if unclear:
                     self._unclear_walls(a, unclear, standing)
+                if open_faces:
+                    self._unclear_faces(a, open_faces, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
-        if self.faces:
-            for a in moved:
-                self.meet_faces(a, standing)
         if self.arcs is not None:
             for a in moved:
                 self.arcs.meet(a, standing, self)
@@ -505,9 +508,10 @@ class FilteredPredictor(Predictor[arb]):
         others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
         found = self._outlooks[key] = Outlook(
             others,
-            [self._float_lines.get(a.index) or self._as_seen_from(a) for a in moved],
+            [[*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)] for a in moved],
             [self._float_reaches[a.kind] for a in moved],
             sum(map(len, others)),
+            self.wall_count,
         )
         return found
 
@@ -567,10 +571,14 @@ class FilteredPredictor(Predictor[arb]):
         found, unclear = self.filter.faces(a, lines)
         self.queue.push_walls(a, found, standing)
         if unclear:
-            self.plan["unclear in doubles"] += len(unclear)
-            self.prepare()
-            for k in unclear:
-                self.face(a, k, standing)
+            self._unclear_faces(a, unclear, standing)
+
+    def _unclear_faces(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
+        """Faces that doubles left open."""
+        self.plan["unclear in doubles"] += len(unclear)
+        self.prepare()
+        for k in unclear:
+            self.face(a, k, standing)
 
     def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
         """Walls that doubles left open."""

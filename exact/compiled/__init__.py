@@ -34,6 +34,12 @@ class CompiledPredictions(Protocol):
         """`DoubleFilter.walls`, of a circle that has doubles."""
         ...
 
+    def faces(
+        self, flight: Doubles, lines: Sequence[Any], flat: float, far: float, /
+    ) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """`DoubleFilter.faces`, of a circle that has doubles."""
+        ...
+
     def predict(
         self,
         moved: Sequence[Any],
@@ -45,9 +51,11 @@ class CompiledPredictions(Protocol):
         standing: Any,
         heap: list[Any],
         order: int,
+        first_face: int,
         /,
     ) -> int | None:
-        """`FilteredPredictor.predict` of one or two circles, into the heap of an `ArrivalQueue`.
+        """`FilteredPredictor.predict` of one or two circles, into the heap of an `ArrivalQueue`; walls from
+        `first_face` on are faces.
 
         Gives the last order that it used; None, with nothing changed, where something is not told by doubles, or not
         ordinary.

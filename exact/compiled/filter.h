@@ -106,6 +106,41 @@ static int wall(const double *a, const double *line, double flat, double far, Sp
     return MEETS;
 }
 
+/* As `wall`, of a face: see `DoubleFilter.faces`. */
+static int face(const double *a, const double *line, double flat, double far, Span *span)
+{
+    double x0 = line[0], y0 = line[1], nx = line[2], ny = line[3], offset = line[4], norm = line[5], size = line[6];
+    double x = a[X], y = a[Y], vx = a[VX], vy = a[VY], t = a[AT], late = a[LATE];
+    double approach = nx * vx + ny * vy;
+    double blur = norm * flat;
+    if (approach > blur)
+        return NONE;
+    double gap = nx * (x - x0) + ny * (y - y0) - offset;
+    double blur_gap = 32 * UNIT * size + norm * far;
+    double early = blur_gap + 2.0 * (fabs(approach) + blur) * late;
+    if (gap < -early)
+        return NONE;
+    if (!(approach < -8.0 * blur && gap > blur_gap))
+        return UNCLEAR;
+    double wait = -gap / approach;
+    double blur_wait = (blur_gap + wait * blur) / -approach + 8 * UNIT * wait;
+    double time = t + wait;
+    double blur_time = 2.0 * blur_wait + 8 * UNIT * (t + wait);
+    if (!(wait > blur_time + late) || !isfinite(time))
+        return UNCLEAR;
+    double along = (x - x0) * ny - (y - y0) * nx, slide = vx * ny - vy * nx;
+    double foot = along + slide * wait, beyond = nx * nx + ny * ny;
+    double blur_foot = blur_gap + wait * blur + (fabs(slide) + blur) * 2.0 * blur_wait;
+    blur_foot = 2.0 * blur_foot + 16 * UNIT * (fabs(along) + fabs(slide) * wait + beyond);
+    if (foot < -blur_foot || foot > beyond + blur_foot)
+        return NONE;
+    if (!(foot > blur_foot && foot < beyond - blur_foot))
+        return UNCLEAR;
+    span->low = time - blur_time;
+    span->high = time + blur_time;
+    return MEETS;
+}
+
 static Against against(const double *a, const Bounds *bounds)
 {
     return (Against){a[LATE], bounds->any_off + bounds->any_early * a[LATE], 4 * UNIT * a[AT]};

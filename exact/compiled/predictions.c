@@ -9,8 +9,8 @@
 #define PLAIN 7 /* of an arrival: low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
 
 #define MOST_MOVED 2
-#define MOST_CIRCLES 128
-#define MOST_WALLS 64
+#define MOST_CIRCLES 256
+#define MOST_WALLS 256
 #define MOST_STANDING 8
 
 static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *heappop, *infinity;
@@ -116,18 +116,19 @@ static int read_line(PyObject *line, long *number, double *out)
     return (*number == -1 && PyErr_Occurred()) || read_doubles(line, 7, out) < 0 ? -1 : 0;
 }
 
-PyDoc_STRVAR(walls_doc, "walls(f, lines, flat, far): as `DoubleFilter.walls`, of a flight in doubles.");
+typedef int (*Meets)(const double *a, const double *line, double flat, double far, Span *span);
 
-static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
+/* Which of some lines a circle meets, each as `meets` tells. */
+static PyObject *meet_lines(Meets meets, PyObject *const *args, Py_ssize_t count)
 {
     double a[FLIGHT], flat, far;
     if (count != 4) {
-        PyErr_SetString(PyExc_TypeError, "walls: four arguments");
+        PyErr_SetString(PyExc_TypeError, "a flight, lines, and two bounds are expected");
         return NULL;
     }
     if (read_double(args[2], &flat) < 0 || read_double(args[3], &far) < 0 || read_doubles(args[0], FLIGHT, a) < 0)
         return NULL;
-    PyObject *lines = PySequence_Fast(args[1], "walls: lines");
+    PyObject *lines = PySequence_Fast(args[1], "lines are expected");
     if (lines == NULL)
         return NULL;
     PyObject *found = PyList_New(0), *unclear = PyList_New(0);
@@ -142,7 +143,7 @@ static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
         Py_DECREF(told_line);
         if (failed)
             goto failed;
-        int told = wall(a, line, flat, far, &span);
+        int told = meets(a, line, flat, far, &span);
         if (told == MEETS && append(found, Py_BuildValue("(ddl)", span.low, span.high, number)) < 0)
             goto failed;
         if (told == UNCLEAR && append(unclear, PyLong_FromLong(number)) < 0)
@@ -155,6 +156,20 @@ failed:
     Py_XDECREF(found);
     Py_XDECREF(unclear);
     return NULL;
+}
+
+PyDoc_STRVAR(walls_doc, "walls(f, lines, flat, far): as `DoubleFilter.walls`, of a flight in doubles.");
+
+static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    return meet_lines(wall, args, count);
+}
+
+PyDoc_STRVAR(faces_doc, "faces(f, lines, flat, far): as `DoubleFilter.faces`, of a flight in doubles.");
+
+static PyObject *faces(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    return meet_lines(face, args, count);
 }
 
 /* -- all meetings of one or two circles, queued: `FilteredPredictor.predict` where doubles tell all */
@@ -229,9 +244,9 @@ static int is_later(const Entry *one, const Entry *other)
     return ~one->j > ~other->j;
 }
 
-/* Appends the walls that end a flight, and when they do, to the entries; as `read_standing`. */
-static int meet_walls(Moved *a, PyObject *lines, double flat, double far, const Standing *standing, int standing_count,
-                      Entry *entries, int *count)
+/* Appends the walls and faces that end a flight, and when they do, to the entries; as `read_standing`. */
+static int meet_walls(Moved *a, PyObject *lines, double flat, double far, Py_ssize_t first_face,
+                      const Standing *standing, int standing_count, Entry *entries, int *count)
 {
     Entry found[MOST_WALLS];
     int many = 0;
@@ -246,7 +261,7 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, const 
         Py_XDECREF(told_line);
         if (failed)
             return -1;
-        int told = wall(a->f, line, flat, far, &entry.span);
+        int told = (number < first_face ? wall : face)(a->f, line, flat, far, &entry.span);
         if (told == UNCLEAR)
             return 0;
         if (told == NONE)
@@ -343,14 +358,15 @@ static int set_until(const Moved *a)
 }
 
 PyDoc_STRVAR(predict_doc,
-"predict(moved, others, lines, reaches, bounds, slopes, standing, heap, order): queues the next meetings of one or two\n"
-"circles, each with its others and its walls, and sets when walls end their flights. Gives the last order used; None,\n"
-"with nothing changed, where doubles leave something open or this is not the ordinary case.");
+"predict(moved, others, lines, reaches, bounds, slopes, standing, heap, order, first_face): queues the next meetings of\n"
+"one or two circles, each with its others and its walls, of which those from `first_face` on are faces, and sets when\n"
+"these end their flights. Gives the last order used; None, with nothing changed, where doubles leave something open or\n"
+"this is not the ordinary case.");
 
 static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count)
 {
-    if (count != 9) {
-        PyErr_SetString(PyExc_TypeError, "predict: nine arguments");
+    if (count != 10) {
+        PyErr_SetString(PyExc_TypeError, "predict: ten arguments");
         return NULL;
     }
     PyObject *bodies = args[0], *others = args[1], *lines = args[2], *reaches = args[3], *heap = args[7];
@@ -360,8 +376,8 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
     Moved moved[MOST_MOVED] = {{0}};
     Entry entries[MOST_MOVED * (MOST_CIRCLES + MOST_WALLS)];
     int standing_count = 0, entry_count = 0;
-    Py_ssize_t order;
-    if (read_size(args[8], &order) < 0 || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
+    Py_ssize_t order, first_face;
+    if (read_size(args[8], &order) < 0 || read_size(args[9], &first_face) < 0 || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
         return NULL;
     int told = read_standing(args[6], standing, &standing_count);
     Py_ssize_t size = PyList_Check(bodies) || PyTuple_Check(bodies) ? PySequence_Fast_GET_SIZE(bodies) : 0;
@@ -372,8 +388,8 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
         told = take(&moved[k], bodies, others, lines, reaches, k);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
-        told = meet_walls(
-            &moved[k], moved[k].lines, slopes[0], slopes[1], standing, standing_count, entries, &entry_count);
+        told = meet_walls(&moved[k], moved[k].lines, slopes[0], slopes[1], first_face, standing, standing_count, entries,
+                          &entry_count);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
         told = meet_circles(&moved[k], moved, size, moved[k].others, moved[k].reaches, &bounds, standing, standing_count,
                             entries, &entry_count);
@@ -490,6 +506,7 @@ static PyObject *first(PyObject *self, PyObject *const *args, Py_ssize_t count)
 }
 
 static PyMethodDef methods[] = {
+    {"faces", (PyCFunction)(void (*)(void))faces, METH_FASTCALL, faces_doc},
     {"first", (PyCFunction)(void (*)(void))first, METH_FASTCALL, first_doc},
     {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},
     {"walls", (PyCFunction)(void (*)(void))walls, METH_FASTCALL, walls_doc},

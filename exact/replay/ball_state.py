@@ -407,7 +407,7 @@ class Unchanging:
 # -- A contact alone, carried out in one go: the flight to it and its impulse, in balls.
 #
 # `ReplayState` does it in two steps, for any contacts and any numbers; here is what those come to where one contact
-# stands alone, of two circles that move, or of one and a wall, and nothing is exact. The formulas are the same;
+# stands alone, of two circles, or of one and a wall, and nothing that moves is exact. The formulas are the same;
 # numbers that the one step makes for the other are made once, those that no flight changes once for a run, and all
 # are rounded to what the clocks are known to. Whatever is not ordinary (a circle at rest, circles that fly exactly
 # head on, a discriminant that may vanish) is left to the steps, with nothing changed.
@@ -455,7 +455,7 @@ class LoneContacts:
         ax, ay, avx, avy, at, _, _, alast, arest = a.flight
         bx, by, bvx, bvy, bt, _, _, blast, brest = b.flight
         if arest or brest:
-            return None
+            return self._off_fixed(link, bits, step)
         if (avy.is_zero() and bvy.is_zero()) or (avx.is_zero() and bvx.is_zero()):
             return self._on_line(link, bits, step)
         square_reach, share_a, share_b, alike = self._known.partners(link)
@@ -497,6 +497,41 @@ class LoneContacts:
         a.flight, b.flight = one, new_flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
         accuracy = self._stand(instant, late, step, bits)
         a.acc = b.acc = accuracy
+        return accuracy
+
+    def _off_fixed(self, link: Pair, bits: int, step: int) -> int | None:
+        """A circle that flies and a fixed one: an obstacle, an end or a corner. What is fixed stays as it is told."""
+        circles, bodies = self._state.scene.circles, self._state.bodies
+        square_reach, share_a, share_b, _ = self._known.partners(link)
+        a, b, share = bodies[link[0]], bodies[link[1]], share_a
+        if circles[a.index].fixed:
+            a, b, share = b, a, share_b
+        ax, ay, vx, vy, base, _, _, _, rest = a.flight
+        if rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
+            return None
+        bx, by, ux, uy, *_ = b.flight
+        worst = a.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        dx, dy = bx - ax, by - ay
+        cross = dy * vx - dx * vy
+        square = vx * vx + vy * vy
+        disc = square * square_reach - cross * cross
+        if cross.is_zero() or ball.sign_of(disc) != 1:
+            return None
+        root = disc.sqrt()
+        wait, ex, ey = pair_meeting(-(dx * vx + dy * vy), cross, square, root, -vx, -vy)
+        instant = base + wait
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        strength = share * root
+        jx, jy = strength * ex, strength * ey
+        x, y = ax + vx * lag + jx * late, ay + vy * lag + jy * late
+        vx, vy = vx - jx, vy - jy
+        rest = vx.is_zero() and vy.is_zero()
+        a.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
+        b.flight = new_flight(Flight, (bx, by, ux, uy, clock, instant, late, step, True))
+        a.acc = accuracy = self._stand(instant, late, step, bits)
         return accuracy
 
     def _on_line(self, link: Pair, bits: int, step: int) -> int | None:

@@ -181,6 +181,9 @@ class Loop(Generic[N, K]):
         progress: told now and then how far it is.
         policy: in place of the scene's own.
 
+    A fixed circle flies on as it did when it is hit, so what is predicted of it holds; but in rounded numbers it is
+    predicted anew, from where its clock then stands.
+
     Attributes:
         tape: what a run needs that goes on from this one.
         endings: looks for what ends a run under gravity; None without.
@@ -203,6 +206,7 @@ class Loop(Generic[N, K]):
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
         self.tape = Tape(limits)
         self.endings = None if scene.gravity is None else Endings(scene)
+        self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
         self._instants = 0
         self._split = False
@@ -244,7 +248,8 @@ class Loop(Generic[N, K]):
                         self.tape.add(found, whole=self._strides() is not None)
                         done = self._resolve(found)
                         if done.moved and self._ended is None:
-                            self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
+                            moved = [self.decider.bodies[i] for i in sorted(done.moved - self._still)]
+                            self._predict(moved, self._standing(done))
                     self._report()
         except Undecided as outcome:
             return StopReason.UNDECIDED, str(outcome)
@@ -310,7 +315,7 @@ class Loop(Generic[N, K]):
                 number = self._instants = self._instants + 2
                 stride.again(found, number, self._note_alone)
                 self._split = False
-                begun.update(dict.fromkeys(found.circles, number))
+                begun.update(dict.fromkeys(set(found.circles) - self._still, number))
                 standing[number] = (found,)
                 after(number)
                 self._report()
@@ -318,7 +323,7 @@ class Loop(Generic[N, K]):
             instant = instant_of(found, self._instants + 2)
             self.tape.add(instant, whole=stride is not None)
             done = self._resolve(instant)
-            begun.update(dict.fromkeys(done.moved, instant.number))
+            begun.update(dict.fromkeys(done.moved - self._still, instant.number))
             spent.update(dict.fromkeys((*instant.touches, *instant.rims), instant.number))
             standing[instant.number] = self._standing(done)
             after(instant.number)
@@ -414,7 +419,7 @@ class Loop(Generic[N, K]):
         note, before, history = self.resolver.noted(done), done.before, self.history
         self._split = done.split
         self._instants = instant.number
-        for i in done.moved:
+        for i in done.moved - self._still:
             self.decider.bodies[i].serial += 1
         if before is not None:
             history.add(before)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -143,7 +142,12 @@ class Sequential(Policy):
     chooses_order = True
 
     def __init__(self, seed: int | None = None) -> None:
-        self._random = None if seed is None else random.Random(seed)
+        if seed is None:
+            self._random = None
+            return
+        from random import Random
+
+        self._random = Random(seed)
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact."""

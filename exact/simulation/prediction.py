@@ -80,15 +80,17 @@ class Outlook(NamedTuple, Generic[N]):
 
     Attributes:
         others: for each, the circles to be looked at.
-        lines: for each, its walls.
+        lines: for each, its walls, then its faces.
         reaches: for each, sums of radii by kind of radius.
         pairs: how many pairs of circles that is.
+        first_face: the first of the walls that is a face.
     """
 
     others: list[list[Body[N]]]
     lines: list[list[FloatLine]]
     reaches: list[list[float]]
     pairs: int
+    first_face: int
 
 
 class Crossings(Protocol):
@@ -200,8 +202,8 @@ class ArrivalQueue(Generic[N]):
         """
         if predictions is None:
             return False
-        others, lines, reaches, _ = outlook
-        order = predictions.predict(moved, others, lines, reaches, bounds, slopes, standing, self._heap, self._order)
+        now = self._heap, self._order, outlook.first_face
+        order = predictions.predict(moved, *outlook[:3], bounds, slopes, standing, *now)
         if order is None:
             return False
         self._order = order
@@ -391,8 +393,7 @@ class Predictor(Generic[M]):
         bounds: Callable[[M], tuple[float, float]],
         unsure: Callable[[Link], None],
     ) -> None:
-        self.scene, self.state = scene, state
-        self.queue, self.plan = queue, plan
+        self.scene, self.state, self.queue, self.plan = scene, state, queue, plan
         plan["pairs at rest skipped"] = 0
         self.bounds, self.unsure = bounds, unsure
         self._count = len(scene.circles)
@@ -407,8 +408,7 @@ class Predictor(Generic[M]):
         self._begun = False
         self._crowd: Crowd[M] | None = None
         self.few = False
-        self.zero, self.root = state.zero, state.root
-        self.falling = state.falling
+        self.zero, self.root, self.falling = state.zero, state.root, state.falling
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""

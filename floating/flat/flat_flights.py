@@ -23,8 +23,8 @@ from ...scenarios.scene import Scene
 FlatFlight: TypeAlias = tuple[float, float, float, float, float, float, int]
 """(x, y, vx, vy, t, r, place)."""
 
-FlatLine: TypeAlias = tuple[int, float, float, float, float, float, float]
-"""(place, x0, y0, nx, ny, r |n|, |n|^2) of a wall as seen from a circle (see `SeenWall`)."""
+FlatLine: TypeAlias = tuple[int, float, float, float, float, float, float, bool]
+"""(place, x0, y0, nx, ny, r |n|, |n|^2) of a wall as seen from a circle (see `SeenWall`), and whether it is a face."""
 
 Queued: TypeAlias = tuple[float, int, int, int, int, int, float | None, bool]
 """An arrival: its time, its order among equal ones, the places of the two, the serial numbers of their flights, the
@@ -36,7 +36,7 @@ class FlatFlights:
     """The circles and walls of a run.
 
     Args:
-        scene: what runs; it has no pockets.
+        scene: what runs, with its segments and polygons as faces and ends; it has no pockets.
         state: the general loop's state of it.
 
     Attributes:
@@ -75,6 +75,8 @@ class FlatFlights:
         self._state = state
         self.ahead: set[int] = set()
         self._behind: set[int] = set()
+        self._first_face = scene.faces.start
+        self._sides_from, self._sides_to = n + scene.two_sided.start, n + scene.two_sided.stop
         self._lines: list[tuple[FlatLine, ...] | None] = [None] * n
 
     def lines(self, i: int) -> tuple[FlatLine, ...]:
@@ -82,10 +84,15 @@ class FlatFlights:
         found = self._lines[i]
         if found is None:
             seen = ((k, self._state.line(i, k)) for k in range(self.wall_count))
-            r = self.flights[i][5]
-            found = tuple((self.n + k, w.x0, w.y0, w.nx, w.ny, r * w.length, w.nn) for k, w in seen)
+            r, first = self.flights[i][5], self._first_face
+            found = tuple((self.n + k, w.x0, w.y0, w.nx, w.ny, r * w.length, w.nn, k >= first) for k, w in seen)
             self._lines[i] = found
         return found
+
+    def beside(self, j: int) -> tuple[int, ...]:
+        """A place, with that of the other side of a segment, of which what is at one side meets neither."""
+        first = self._sides_from
+        return (j,) if j < first or j >= self._sides_to else (j, first + ((j - first) ^ 1))
 
     def link(self, i: int, j: int) -> Pair | AtWall:
         """The contact of two places, the first a circle."""

@@ -131,9 +131,9 @@ class FlatStride:
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
-        stale = f.stale
+        stale, slides = f.stale, self._meetings.slides
         done = 0
-        while done < most and heap:
+        while done < most and heap and not slides:
             first = heap[0]
             time, _, i, j, si, sj, wait, _ = first
             if serial[i] != si or serial[j] != sj:
@@ -218,7 +218,11 @@ class FlatGatherer(Gatherer[float, float]):
     def gather(self, last: int) -> Instant | Stop | None:
         """See `Gatherer`; None also after a stride."""
         self.decider.pass_on()
-        if not self._touching and self.decider.plain_stride(self._most(), self._before()):
+        slides = self.decider.meetings.slides
+        if not self._touching and (self.decider.plain_stride(self._most(), self._before()) or slides):
+            for link in slides:
+                self._touching.add(link)
+            slides.clear()
             return None
         self.decider.flights.sync()
         return super().gather(last)
@@ -250,8 +254,6 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
     """Whether a run of a scene can be flat: no pockets, and a tie policy that learns nothing from a contact alone."""
     return (
         not scene.pockets
-        and not scene.segments
-        and not scene.polygons
         and not scene.arcs
         and scene.gravity is None
         and policy is None

@@ -51,14 +51,14 @@ class FlatCrowd:
         cells: the cells.
         flights: the flights.
         plan: counts what is predicted and what is skipped.
+        slides: what predictions see to slide along a face.
 
     Attributes:
-        slides: nothing: flat runs have no faces.
+        slides: see `Crossings`.
     """
 
-    slides: Sequence[Link] = ()
-
-    def __init__(self, cells: CellLists, flights: FlatFlights, plan: Counter[str]) -> None:
+    def __init__(self, cells: CellLists, flights: FlatFlights, plan: Counter[str], slides: Sequence[Link]) -> None:
+        self.slides = slides
         self.cells = cells
         self._flights = flights
         self._plan = plan
@@ -85,7 +85,7 @@ class FlatCrowd:
         near_walls = cells.enter(i, one[:5])
         untils[i] = inf
         if j >= f.n:
-            self.walls(i, (j,))
+            self.walls(i, f.beside(j))
             self.pairs(i, (), ())
             return
         two = flights[j]
@@ -184,10 +184,11 @@ class FlatMeetings(PlainMeetings[float]):
         self._scene = scene
         self._flights = flights
         self._plan = plan
-        self._points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
+        self._points = frozenset(i for i, c in enumerate(scene.circles) if c.r.sign() == 0 and i not in scene.ends)
         self.crowd: FlatCrowd | None = None
         self._begun = False
         self._queue = queue
+        self._straight = len(scene.walls) - len(scene.faces)
         self._radii = [circle.r for circle in scene.circles]
         flights.unsure = self._look_closer
 
@@ -203,7 +204,7 @@ class FlatMeetings(PlainMeetings[float]):
         beside: dict[int, set[int]] = {}
         for link in standing:
             i, j = f.places(link)
-            beside.setdefault(i, set()).add(j)
+            beside.setdefault(i, set()).update(f.beside(j))
             beside.setdefault(j, set()).add(i)
         if not self._begun:
             self._begun = True
@@ -228,7 +229,7 @@ class FlatMeetings(PlainMeetings[float]):
         f = self._flights
         flights, both = f.flights, (i, j)
         if j >= f.n:
-            self._walls(i, (j,))
+            self._walls(i, f.beside(j))
             pairs(f, i, flights, (i,))
             self._count(i, (i,))
             return
@@ -246,9 +247,9 @@ class FlatMeetings(PlainMeetings[float]):
         if self.crowd is not None:
             self.crowd.walls(i, standing)
             return
-        walls(f, i, f.lines(i), standing)
         if not f.rests(i):
-            self._plan["walls predicted"] += f.wall_count
+            walls(f, i, f.lines(i), standing)
+            self._plan["walls predicted"] += self._straight
 
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
@@ -259,16 +260,17 @@ class FlatMeetings(PlainMeetings[float]):
             radii = [float(r) for r in self._radii]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        cells = cells_for([in_range(flight) for flight in f.flights], radii, self._scene.walls)
+        scene = self._scene
+        cells = cells_for([in_range(flight) for flight in f.flights], radii, scene.walls, len(scene.ends))
         if cells is not None:
-            self.crowd = self._queue.crossings = FlatCrowd(cells, f, self._plan)
+            self.crowd = self._queue.crossings = FlatCrowd(cells, f, self._plan, self.slides)
 
     def _count(self, i: int, done: Collection[int]) -> None:
         """Counts the predictions of a circle with all others but some."""
         f, plan = self._flights, self._plan
         others = f.n - len(done)
         if f.rests(i):
-            resting = sum(f.rests(k) for k in range(f.n) if k not in done)
+            resting = sum(vx == 0.0 == vy for _, _, vx, vy, *_ in f.flights) - sum(map(f.rests, done))
             plan["pairs at rest skipped"] += resting
             others -= resting
         plan["pairs predicted"] += others

@@ -140,29 +140,48 @@ static int pair(const Held *held, PyObject *other, double until)
     return passed < 0 ? -1 : passed ? 0 : look_closer(held, place);
 }
 
+#define LINE 8 /* place, x0, y0, nx, ny, r |n|, |n|^2, and whether it is a face */
+
 /* One pass of the loop of `walls`. */
 static int wall(const Held *held, PyObject *line, PyObject *serial, PyObject *zero)
 {
     const double *a = held->own;
-    double told[5], until;
-    enum { FROM_X, FROM_Y, NX, NY, OFFSET };
-    if (!PyTuple_Check(line) || PyTuple_GET_SIZE(line) != 7) {
-        PyErr_SetString(PyExc_TypeError, "a line is a tuple of seven");
+    double told[6], until;
+    enum { FROM_X, FROM_Y, NX, NY, OFFSET, SQUARE };
+    if (!PyTuple_Check(line) || PyTuple_GET_SIZE(line) != LINE) {
+        PyErr_SetString(PyExc_TypeError, "a line is a tuple of eight");
         return -1;
     }
-    for (int k = 0; k < 5; k++)
+    int is_face = PyTuple_GET_ITEM(line, LINE - 1) == Py_True;
+    for (int k = 0; k < 5 + is_face; k++)
         if (read_double(PyTuple_GET_ITEM(line, k + 1), &told[k]) < 0)
             return -1;
     PyObject *place = PyTuple_GET_ITEM(line, 0);
-    double approach = a[VX] * told[NX] + a[VY] * told[NY];
-    if (approach >= 0.0)
+    double nx = told[NX], ny = told[NY], x = a[X] - told[FROM_X], y = a[Y] - told[FROM_Y];
+    double approach = a[VX] * nx + a[VY] * ny;
+    if (approach > 0.0 || (approach == 0.0 && !is_face))
         return 0;
+    double gap = x * nx + y * ny - told[OFFSET], along = 0.0;
+    if (is_face) {
+        if (approach == 0.0 && (gap < 0.0 || gap > 0.0))
+            return 0;
+        along = x * ny - y * nx;
+        if (gap < 0.0 && (gap + told[OFFSET] <= 0.0 || along <= 0.0 || told[SQUARE] - along <= 0.0))
+            return 0;
+    }
     int passed = passed_over(held, place);
     if (passed != 0)
         return passed < 0 ? -1 : 0;
-    double gap = (a[X] - told[FROM_X]) * told[NX] + (a[Y] - told[FROM_Y]) * told[NY] - told[OFFSET];
     if (!(approach < 0.0 && gap > 0.0))
         return look_closer(held, place);
+    if (is_face) {
+        double foot = (a[VX] * ny - a[VY] * nx) * gap - along * approach;
+        double beyond = -((nx * nx + ny * ny) * approach) - foot;
+        if (foot < 0.0 || beyond < 0.0)
+            return 0;
+        if (!(foot > 0.0 && beyond > 0.0))
+            return look_closer(held, place);
+    }
     double wait = -gap / approach;
     double time = a[AT] + wait;
     if (item_double(held->until, held->at, &until) < 0)

@@ -12,6 +12,8 @@ from math import sqrt
 from ...exact.laws.formulas import (
     advance,
     damped,
+    face_along,
+    face_foot,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -26,14 +28,36 @@ from .flat_flights import FlatFlight, FlatFlights, FlatLine
 
 
 def walls(f: FlatFlights, i: int, lines: Iterable[FlatLine], standing: Container[int]) -> None:
-    """Queues the next hits of a circle with some walls, up to the first."""
+    """Queues the next hits of a circle with some walls and faces, up to the first.
+
+    A face is met from its own side, strictly between its ends; what stands or flies behind it, or along its line but
+    not at it, does not meet it.
+    """
     x, y, vx, vy, t, _, _ = f.flights[i]
     untils, heap, serial = f.until, f.heap, f.serial[i]
-    for k, x0, y0, nx, ny, offset, _ in lines:
+    for k, x0, y0, nx, ny, offset, nn, is_face in lines:
         approach = wall_approach(vx, vy, nx, ny)
-        if approach >= 0.0 or k in standing:
+        if approach > 0.0 or (approach == 0.0 and not is_face):
             continue
         gap = wall_gap(x, y, x0, y0, nx, ny, offset)
+        if is_face:
+            if approach == 0.0 and (gap < 0.0 or gap > 0.0):
+                continue
+            along = face_along(x, y, x0, y0, nx, ny)
+            if gap < 0.0 and (gap + offset <= 0.0 or along <= 0.0 or nn - along <= 0.0):
+                continue
+        else:
+            along = 0.0
+        if k in standing:
+            continue
+        if is_face and approach < 0.0 and gap > 0.0:
+            foot = face_foot(along, face_along(vx, vy, 0.0, 0.0, nx, ny), gap, approach)
+            beyond = -((nx * nx + ny * ny) * approach) - foot
+            if foot < 0.0 or beyond < 0.0:
+                continue
+            if not (foot > 0.0 and beyond > 0.0):
+                f.unsure(i, k)
+                continue
         if approach < 0.0 and gap > 0.0:
             wait = wall_hit_time(gap, approach)
             time = t + wait
@@ -126,7 +150,7 @@ def strike(f: FlatFlights, i: int, j: int, time: float, wait: float) -> None:
 def rebound(f: FlatFlights, i: int, wall: int, time: float, wait: float) -> None:
     """Carries out the contact of a circle and a wall that stands alone at its instant (see `strike`)."""
     x, y, vx, vy, _, r, _ = f.flights[i]
-    _, _, _, nx, ny, _, nn = f.lines(i)[wall - f.n]
+    _, _, _, nx, ny, _, nn, _ = f.lines(i)[wall - f.n]
     if vx or vy:
         x = advance(x, vx, wait)
         y = advance(y, vy, wait)

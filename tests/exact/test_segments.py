@@ -74,11 +74,19 @@ def _wrong_foot(monkeypatch):
     monkeypatch.setattr(states, "face_foot", flipped)
 
 
+def _in_python(monkeypatch):
+    """The filter of predictions as it is written in Python, where faults are planted."""
+    monkeypatch.setattr(filtered, "predictions", None)
+    monkeypatch.setattr(prediction, "predictions", None)
+
+
 def _no_range(monkeypatch):
+    _in_python(monkeypatch)
     monkeypatch.setattr(DoubleFilter, "faces", DoubleFilter.walls)
 
 
 def _no_range_in_balls(monkeypatch):
+    _in_python(monkeypatch)
     monkeypatch.setattr(states.Flights, "face_foot", lambda self, *_: self.one)
     monkeypatch.setattr(prediction, "face_foot", lambda along, slide, gap, approach: gap * 0 + 1)
     monkeypatch.setattr(DoubleFilter, "faces", lambda self, a, lines: ([], [line.wall for line in lines]))
@@ -205,7 +213,7 @@ def test_a_bound_that_is_too_small_is_found(monkeypatch):
     source = inspect.getsource(DoubleFilter.faces)
     faulty = source.replace("blur_foot = 2.0 * blur_foot +", "blur_foot = 2.0**-12 * blur_foot + 2.0**-12 *")
     assert faulty != source
-    scope = dict(vars(filtered))
+    scope = {**vars(filtered), "predictions": None}
     exec(textwrap.dedent(faulty), scope)
     monkeypatch.setattr(DoubleFilter, "faces", scope["faces"])
     assert sum(map(_wrong_filter, range(3))) > 0

@@ -11,12 +11,15 @@ from types import FrameType
 from typing import Any
 
 import pytest
+from joint_scenes import scene_of as joints
+from polygon_scenes import scene_of as polygons
+from segment_scenes import scene_of as segments
 
 from truebreak.floating import DoubleEngine
 from truebreak.floating.flat import flat_loop, flat_meetings, flying
 from truebreak.floating.flat.flat_loop import follows
 from truebreak.floating.plain import EventEngine
-from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
+from truebreak.scenarios import Circle, Polygon, Scene, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import TimeIsUp
 from truebreak.scenarios.trajectory import StopReason
 
@@ -65,6 +68,30 @@ POINTS = [Circle(1, 1, 0, 2, 1, point=True), Circle(5, 5, 0, -1, 1, point=True),
 PASSING = [Circle(0, 0, vx=1), Circle(5, 2)]
 HUGE = [Circle("10**150", 0, "10**149", "-10**150"), Circle("-10**150", "10**148", "10**149", "10**150", 1)]
 
+BARS = [Segment(3, 5, 4, 9), Segment(11, 4, 14, "11/2", r="1/4"), Segment(13, 14, "33/2", "29/2")]
+SPARSE = [Segment(*at) for at in [
+    (32, 2, 33, 3), (15, 38, 15, 39), (25, 44, 25, 45), (2, 34, 2, 35), (32, 36, 32, 37), (19, 2, 20, 2),
+]]  # fmt: skip
+BLOCK = [Polygon([(8, 14), (10, 14), ("19/2", 15), (10, 17)], id="block")]
+
+
+def among(text: str, **more: Any) -> Callable[[], tuple[Scene, dict[str, Any]]]:
+    """A gas, with segments in it."""
+    return lambda: (catalogue.build(text).with_changes(segments=BARS, until=None, events=None), more)
+
+
+def fence(columns: int, **more: Any) -> Scene:
+    """Many discs on a grid, among segments of which some are along their flights: what slides, and many ties."""
+    circles = [
+        Circle(3 * i + 2, 3 * j + 2, vx=(7 * i + j) % 3 - 1, vy=(i + 3 * j) % 3 - 1)
+        for i in range(columns)
+        for j in range(columns)
+    ]
+    bars = [Segment(f"{6 * i} + 7/2", 6 * j + 1, f"{6 * i} + 7/2", 6 * j + 3) for i in range(2) for j in range(2)]
+    floor = Segment(1, "1/2", 9, "1/2", r="1/2", id="floor")
+    return Scene(circles, box(3 * columns + 4, 3 * columns + 3), segments=[*bars, floor], **more)
+
+
 SCENES: dict[str, Callable[[], tuple[Scene, dict[str, Any]]]] = {
     "gas": named("gas:n=10", events=600),
     "mixed": named("gas:n=20,seed=3,mixed=yes", events=200),
@@ -107,6 +134,25 @@ SCENES: dict[str, Callable[[], tuple[Scene, dict[str, Any]]]] = {
     "one": made(lambda: Scene([Circle(3, 3, vx=1, vy="1/3")], box(10, 10)), events=50),
     "nothing": made(lambda: Scene([Circle(0, 0, vx=-1), Circle(5, 0, vx=1)])),
     "huge": made(lambda: Scene(HUGE), events=9),
+    "segments": among("gas:n=10", events=600),
+    "segments in a crowd": made(lambda: catalogue.build("gas:n=70,seed=3").with_changes(segments=SPARSE), events=300),
+    "polygons": made(
+        lambda: Scene([Circle(3, 3, vx=1, vy="1/3"), Circle(9, 9, vx=-1, vy="2/7")], box(20, 20), polygons=BLOCK),
+        events=200,
+    ),
+    "segments with loss": made(
+        lambda: Scene([Circle(3, 12, vx=3, vy=-2)], box(18, 18), segments=BARS, restitution="9/10"), events=60
+    ),
+    "segments there and back": made(
+        lambda: Scene(
+            [Circle(6, 12, vx=3, vy=-2), Circle(9, 2, vy=1, vx="1/9")], box(18, 18), segments=BARS, reverse_after=30
+        )
+    ),
+    "a point among segments": made(
+        lambda: Scene([Circle(6, 12, r=0, vx=3, vy="-19/10", point=True)], box(18, 18), segments=BARS), events=200
+    ),
+    "fence": made(lambda: fence(4), events=200),
+    "fence of a crowd": made(lambda: fence(9), events=200),
 }
 
 
@@ -132,13 +178,32 @@ def test_a_flat_run_is_the_general_one(name: str) -> None:
     assert told(DoubleEngine().run(scene, **limits)) == told(general(scene, **limits))
 
 
+@pytest.mark.parametrize("kind", [segments, polygons, joints])
+def test_flat_runs_among_edges_are_the_general_ones(kind: Callable[[int], Scene | None]) -> None:
+    """Of scenes made to meet ends, joints and corners, to slide, and to hit much at once."""
+    events = 0
+    for seed in range(400, 470):
+        scene = kind(seed)
+        if scene is not None:
+            assert follows(scene, None)
+            run = DoubleEngine().run(scene, until=40, events=40)
+            assert told(run) == told(general(scene, until=40, events=40)), seed
+            events += len(run.events)
+    assert events > 300
+
+
 def test_what_is_not_flat() -> None:
     scene = catalogue.build("rack:rows=3")
     assert scene.pockets
     assert not follows(scene, None)
 
 
-@pytest.mark.parametrize("name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "sliding", "graze", "huge"])
+AMONG = ["segments", "segments in a crowd", "polygons", "fence", "a point among segments"]
+
+
+@pytest.mark.parametrize(
+    "name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "sliding", "graze", "huge", *AMONG]
+)
 def test_the_formulas_in_python_give_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, limits = SCENES[name]()
     run = DoubleEngine().run(scene, **limits)
@@ -151,13 +216,23 @@ def test_the_formulas_in_python_give_the_same(name: str, monkeypatch: pytest.Mon
 
 def test_most_instants_of_a_gas_are_ordinary(monkeypatch: pytest.MonkeyPatch) -> None:
     """So the general loop resolves but few: none, after that at time 0, where nothing falls together."""
+    assert _resolved(monkeypatch, catalogue.build("gas:n=10")) == 1
+
+
+def test_most_instants_among_segments_are_ordinary(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, _ = SCENES["segments"]()
+    assert _resolved(monkeypatch, scene) == 1
+
+
+def _resolved(monkeypatch: pytest.MonkeyPatch, scene: Scene) -> int:
+    """How many instants of 600 the general loop resolves."""
     resolved: list[object] = []
     from truebreak.exact.simulation.instant import Resolver
 
     resolve = Resolver.resolve
     monkeypatch.setattr(Resolver, "resolve", lambda self, *given: resolved.append(self) or resolve(self, *given))
-    assert len(DoubleEngine().run(catalogue.build("gas:n=10"), events=600).events) == 600
-    assert len(resolved) == 1
+    assert len(DoubleEngine().run(scene, events=600).events) == 600
+    return len(resolved)
 
 
 def test_a_run_pickles_read_or_not() -> None:

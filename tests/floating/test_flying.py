@@ -62,7 +62,8 @@ def run_of(draw: Random) -> Run:
     lines = []
     for k in range(walls):
         nx, ny = draw.choice([(1.0, 0.0), (0.0, -1.0), (3.0, 4.0), (draw.uniform(-1, 1), draw.uniform(-1, 1))])
-        lines.append((n + k, number(draw, place), number(draw, place), nx, ny, 0.5 * place, nx * nx + ny * ny))
+        at, offset = (number(draw, place), number(draw, place)), draw.choice([0.5, 0.0]) * place
+        lines.append((n + k, *at, nx, ny, offset, nx * nx + ny * ny, draw.random() < 0.5))
     until = [draw.choice([inf, draw.uniform(0.0, 4.0) * place / speed]) for _ in range(n)] + [inf] * walls
     return Run(flights, lines, until, [draw.randrange(2**40) for _ in range(n + walls)])
 
@@ -100,7 +101,8 @@ def test_what_is_not_asked_rightly_is_refused(name: str) -> None:
     code = getattr(compiled, name)
     for given in [
         (run, 99, [], ()), (run, -1, [], ()), (run, "", [], ()), (run, 0, 5, ()), (run, 0, [()], ()),
-        (run, 0, [("",) * 7], ()), (run, 0), (None, 0, [], ()), (Run([5], [], [inf], [0]), 0, [], ()),
+        (run, 0, [("",) * 8], ()), (run, 0, [("",) * 7], ()), (run, 0), (None, 0, [], ()),
+        (Run([5], [], [inf], [0]), 0, [], ()),
     ]:  # fmt: skip
         with pytest.raises((TypeError, IndexError, AttributeError)):
             code(*given)

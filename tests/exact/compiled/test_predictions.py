@@ -14,7 +14,7 @@ from truebreak.exact.compiled import predictions
 from truebreak.exact.replay.contact import Body, Flight
 from truebreak.exact.simulation import prediction as queue
 from truebreak.exact.simulation.prediction import FloatLine
-from truebreak.scenarios import Circle, Scene, Wall
+from truebreak.scenarios import Circle, Polygon, Scene, Segment, Wall
 from truebreak.scenarios.catalogue import build
 
 pytestmark = pytest.mark.skipif(predictions is None, reason="nothing is compiled here")
@@ -76,8 +76,11 @@ def test_pairs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch
     assert min(hits, open_) > 1_000
 
 
+@pytest.mark.parametrize("kind", ["walls", "faces"])
 @pytest.mark.parametrize("place, speed", SCALES)
-def test_walls_are_told_in_the_same_bits(place: float, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_walls_are_told_in_the_same_bits(
+    place: float, speed: float, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rng, hits, open_ = Random(f"walls {place} {speed}"), 0, 0
     for _ in range(ROWS):
         find, (a, *_) = filtered(rng, place, speed, 3)
@@ -87,12 +90,13 @@ def test_walls_are_told_in_the_same_bits(place: float, speed: float, monkeypatch
             norm, fixed = abs(nx) + abs(ny), place * rng.uniform(0.0, 0.1)
             size = float("inf") if rng.random() < 0.05 else norm * (abs(x0) + abs(y0)) + fixed
             lines.append(FloatLine(k, x0, y0, nx, ny, fixed, norm, size))
-        compiled = find.walls(a, lines)
+        compiled = getattr(find, kind)(a, lines)
         with monkeypatch.context() as patch:
             in_python(patch)
-            assert bits(compiled) == bits(find.walls(a, lines))
+            assert bits(compiled) == bits(getattr(find, kind)(a, lines))
         hits, open_ = hits + len(compiled[0]), open_ + len(compiled[1])
-    assert min(hits, open_) > 500
+    assert open_ > 500
+    assert hits > (500 if kind == "walls" else 20 if place in (1.0, 1e3) else -1)  # a face is as long as its normal
 
 
 OBLIQUE = Scene(
@@ -102,6 +106,11 @@ OBLIQUE = Scene(
     ],
     [Wall(0, 0, 6, 1), Wall(6, 1, 5, 7), Wall(5, 7, -1, 6), Wall(-1, 6, 0, 0), Wall(-1, 6, 6, 8)],
 )
+
+BOX = [Wall(0, 0, 0, 1), Wall(12, 0, 12, 1), Wall(0, 0, 1, 0), Wall(0, 12, 1, 12)]
+BARS = [Segment(3, 5, 4, 9), Segment(11, 4, 14, "11/2", r="1/4"), Segment(13, 14, "33/2", "29/2")]
+BLOCK = [Polygon([(3, 3), (5, 3), ("9/2", 4), (5, 6)])]
+FLOOR = Segment(0, "1/2", 6, "1/2")
 
 SCENES = {
     "gas": (build("gas:n=10,seed=3"), 400),
@@ -113,6 +122,9 @@ SCENES = {
     "near-tie": (build("near-tie:k=40"), 10),
     "oblique": (OBLIQUE, 300),
     "back": (build("reversal"), 300),
+    "segments": (build("gas:n=10").with_changes(segments=BARS), 300),
+    "polygon": (Scene([Circle(1, 5, vx=1, vy="1/3"), Circle(5, 8, vy=-1, vx="2/7")], BOX, polygons=BLOCK), 200),
+    "segment as it starts": (Scene([Circle(2, "3/2", vx=1, vy=1), Circle(7, 7, vx=-1)], BOX, segments=[FLOOR]), 100),
 }
 
 
@@ -155,7 +167,7 @@ def test_a_run_queues_the_same_arrivals(name: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(FilteredPredictor, "predict", checked)
     run = ExactEngine().run(scene, events=events)
     assert run.events
-    if name in ("gas", "sizes", "oblique"):
+    if name in ("gas", "sizes", "oblique", "segments", "polygon"):
         assert told > 0.9 * len(run.events)
 
 
@@ -172,7 +184,7 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
         others = [[b for b in bodies if b not in moved[: k + 1]] for k in range(len(moved))]
         walls, reaches = [lines or [line]] * len(moved), [[1.0]] * len(moved)
         return predictions.predict(
-            moved, others, walls, reaches, find.pair_bounds, find.wall_bounds, standing, heap, len(heap)
+            moved, others, walls, reaches, find.pair_bounds, find.wall_bounds, standing, heap, len(heap), 1
         )
 
     assert told(bodies[:2]) == len(heap) > 0
@@ -201,6 +213,8 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
         lambda c: c.pairs((1.0,) * 6, 3, [1.0], (1.0,) * 5),
         lambda c: c.walls((1.0,) * 6, [(1, 2)], 1.0, 1.0),
         lambda c: c.walls((1.0,) * 6, [], "far", 1.0),
+        lambda c: c.faces((1.0,) * 6, [(1, 2)], 1.0, 1.0),
+        lambda c: c.predict([], [], [], [], (1.0,) * 5, (1.0, 1.0), (), [], 0, "none"),
         lambda c: c.predict([], [], [], [], (), (), (), []),
         lambda c: c.first([], {}),
         lambda c: c.first((), {}, 1.0),

@@ -97,22 +97,36 @@ def test_the_contact_of_two_in_balls(younger, masses, monkeypatch):
     same(steps_of(in_balls(world), PAIR, (0, 1)), steps_of(plain(world), PAIR, (0, 1)))
 
 
-@pytest.mark.parametrize("fixed", [(True, False), (False, True)])
-def test_the_contact_with_a_fixed_circle_in_balls(fixed, monkeypatch):
-    """Of inverse mass 0, at rest."""
-    world = two(1 - fixed.index(True), fixed=fixed)
-    still = fixed.index(True)
+def beside_fixed(still: int, younger: int, monkeypatch) -> tuple[World, BallState]:
+    """A circle that flies and one of inverse mass 0, at rest, whose flight may be the younger; and balls of them."""
+    world = two(younger, fixed=(still == 0, still == 1))
     world.masses = tuple(world.zero if k == still else w for k, w in enumerate(world.masses))
     flight = world.flights[still]
     zero = world.zero
     moved = tuple(f._replace(vx=f.vx - flight.vx, vy=f.vy - flight.vy) for f in world.flights)
     world.flights = tuple(f._replace(vx=zero, vy=zero, rest=True) if k == still else f for k, f in enumerate(moved))
-    bodies = (1 - still,)
     balls_are(world, monkeypatch)
-    ours, other = steps_of(in_balls(world), PAIR, bodies), steps_of(plain(world), PAIR, bodies)
+    return world, in_balls(world)
+
+
+@pytest.mark.parametrize("still", [0, 1])
+def test_the_contact_with_a_fixed_circle_in_balls(still, monkeypatch):
+    """Of inverse mass 0, at rest."""
+    world, balls = beside_fixed(still, 1 - still, monkeypatch)
+    bodies = (1 - still,)
+    ours, other = steps_of(balls, PAIR, bodies), steps_of(plain(world), PAIR, bodies)
     assert ours.instant == other.instant
     mine, expected = (there(state.bodies[1 - still].flight, other.instant) for state in (ours, other))
     assert mine == expected
+
+
+@either
+@pytest.mark.parametrize("still", [0, 1])
+def test_the_contact_with_a_fixed_circle_in_one_go(still, younger, monkeypatch):
+    """`LoneContacts._off_fixed`, whatever of the two flights is the younger."""
+    world, balls = beside_fixed(still, younger, monkeypatch)
+    assert LoneContacts(balls).strike(PAIR, 300, STEPS) is not None
+    same(balls, steps_of(plain(world), PAIR, (0, 1)))
 
 
 @either

@@ -97,6 +97,30 @@ def test_the_filter_tells_the_time_of_the_hit_of_a_wall(kind, monkeypatch):
     assert low == high == hit_of(world, FACE, (0,)).instant
 
 
+def slid(world: World, inside: bool):
+    """The line of a world's wall, moved along itself so that the circle meets it between its points, or beyond."""
+    x0, y0, nx, ny, nn, _ = world.seen
+    wait = hit_of(world, FACE, (0,)).instant - world.at
+    along = (world.ax + world.avx * wait - x0) * ny - (world.ay + world.avy * wait - y0) * nx
+    by = int(along.near // nn.near) + (0 if inside else 2)
+    world.seen = world.seen._replace(x0=x0 + by * ny, y0=y0 - by * nx)
+    return world.seen
+
+
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize("kind", WALLS)
+def test_the_filter_tells_the_time_of_the_hit_of_a_face_between_its_ends(kind, inside, monkeypatch):
+    world = wall_world(kind)
+    x0, y0, nx, ny, _, length = slid(world, inside)
+    filter_, (body,) = filtered(world, monkeypatch)
+    line = double_filter.FloatLine(0, x0, y0, nx, ny, world.r * length, abs(nx) + abs(ny), world.one)
+    found, unclear = filter_.faces(body, [line])
+    instant = hit_of(world, FACE, (0,)).instant
+    assert unclear == []
+    assert len(found) == inside
+    assert all(low == high == instant and wall == 0 for low, high, wall in found)
+
+
 def test_the_filter_weighs_a_rim_by_the_gap(monkeypatch):
     """A sign alone comes out: at whole numbers, of which doubles lose nothing, on the rim and on either side."""
     world = two(0)
@@ -327,7 +351,7 @@ def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind, sh
     world = wall_world(kind)
     f = flat(world)
     x0, y0, nx, ny, nn, length = world.seen
-    f.n, line = 1, (1, x0, y0, nx, ny, world.r * length, nn)
+    f.n, line = 1, (1, x0, y0, nx, ny, world.r * length, nn, False)
     f.lines = lambda i: (line,)
     flying.walls(f, 0, [line], ())
     ((time, _, i, wall, _, _, wait, graze),) = f.heap
@@ -338,6 +362,24 @@ def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(kind, sh
     assert time == state.instant
     flying.rebound(f, 0, 1, time, wait)
     assert f.flights[0][:5] == state.bodies[0].flight[:5]
+
+
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize("kind", WALLS)
+def test_the_flat_loop_meets_a_face_where_the_general_one_does(kind, inside):
+    """As it does a wall, if both `face_foot` are positive; from behind it does not."""
+    world = wall_world(kind)
+    x0, y0, nx, ny, nn, length = slid(world, inside)
+    state = at_wall(ReplayState(scene_with_wall(), world), world)
+    assert all(state.face_foot(FACE, far).near > 0 for far in (False, True)) is inside
+    f = flat(world)
+    f.n, line = 1, (1, x0, y0, nx, ny, world.r * length, nn, True)
+    flying.walls(f, 0, [line], ())
+    assert [entry[0] for entry in f.heap] == [hit_of(world, FACE, (0,)).instant] * inside
+    behind = flat(world)
+    behind.n, far = 1, 100 * world.one
+    flying.walls(behind, 0, [(1, x0 + far * nx, y0 + far * ny, *line[3:])], ())
+    assert behind.heap == []
 
 
 def test_the_game_engine_s_time_into_a_pocket_is_that_of_a_hit(monkeypatch):
