@@ -259,7 +259,8 @@ def _share_words(candidate: Candidate) -> str:
     total = f"the margin by {found.displacement:+.3g}"
     if pushes == [str(found)] and not against:
         return f"{cause}: the margin shifts by {found.displacement:+.3g}."
-    named = summed(pushes) if pushes == [c.value for c in found.causes] else f"{cause}: {summed(pushes)}"
+    leads = pushes == [c.value for c in found.causes] or pushes[0] == str(found)
+    named = summed(pushes) if leads else f"{cause}: {summed(pushes)}"
     return f"{_capital(named)}{back}, shift {total}."
 
 
@@ -557,6 +558,7 @@ def seen_words(events: int) -> str:
 def command(comparison: Comparison, candidate: Candidate) -> str:
     """A command that goes on from here."""
     scene, limits = scene_word(comparison.scene), limits_of(comparison.reference)
+    predictable = "none" if comparison.scene.arcs else candidate.engine  # horizons are not predicted among arcs yet
     known = candidate.engine.partition(":")[0] in ENGINES or re.fullmatch(r"[\w.]+:[\w.]+", candidate.engine)
     if candidate.lawless or not known:
         return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
@@ -566,13 +568,13 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
             return shlex.join(["truebreak", "run", scene])
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--events", str(events)])
     if candidate.verdict == "agree":
-        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+        return shlex.join(["truebreak", "chaos", scene, "--engines", predictable])
     if candidate.verdict == "undecided":
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
     if candidate.stepped:
         return shlex.join(["truebreak", "advise", scene, "--engine", candidate.engine, *limits])
     if _chaotic(candidate):
-        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+        return shlex.join(["truebreak", "chaos", scene, "--engines", predictable])
     return shlex.join(["truebreak", "minimise", scene, "--engine", candidate.engine, *limits])
 
 
