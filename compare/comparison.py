@@ -387,7 +387,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
     if reference.scene.arcs:
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet at arcs")
-    plain = reference.scene.elastic and reference.scene.gravity is None and len(reference.scene.circles) <= MOST_CIRCLES
+    stands = reference.scene.gravity is None and not reference.scene.moving_walls
+    plain = reference.scene.elastic and stands and len(reference.scene.circles) <= MOST_CIRCLES
     if not plain or study.truth.rounds_input:
         return found
     reach = reach_of(reference, local_error(engine, reference, engine.bits))
@@ -437,6 +438,7 @@ def explained(
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     new = "" if study.scene.elastic else "whose restitution is below 1"
     new = new if study.scene.gravity is None else "with gravity"
+    new = "with walls that move" if study.scene.moving_walls else new
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import TypeAlias
 
+from ..scenarios.numbers.quantity import ZERO
 from ..scenarios.scene import Scene
 from .numbers.ball import Field, FieldNumber, field_sign
 from .replay.contact import AtArc, AtWall, Entry, Link, Pair, can_push, is_arc, is_flat, is_pair
@@ -30,13 +31,17 @@ class SceneData:
         self.walls: list[tuple[Vector, Vector]] = [
             ((constant(w.x0), constant(w.y0)), (constant(w.normal[0]), constant(w.normal[1]))) for w in scene.walls
         ]
+        self.paces: list[FieldNumber] = [
+            constant(w.normal[0] * w.vx + w.normal[1] * w.vy) if w.moves else constant(ZERO) for w in scene.walls
+        ]
         g = scene.gravity
         self.gravity: Vector | None = None if g is None else (constant(g[0]), constant(g[1]))
         self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
         self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
         self.ends = [(constant(w.x1), constant(w.y1)) if k in scene.faces else None for k, w in enumerate(scene.walls)]
         self.wall_of = {
-            wall_key(*wall, end): k for k, (wall, end) in enumerate(zip(self.walls, self.ends, strict=True))
+            wall_key(*wall, end, pace): k
+            for k, (wall, end, pace) in enumerate(zip(self.walls, self.ends, self.paces, strict=True))
         }
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
         self.arcs: list[tuple[Vector, FieldNumber, Vector | None]] = [
@@ -70,7 +75,8 @@ class SceneData:
         if self.alone or is_pair(link) or is_arc(link):
             return link
         if is_flat(link):
-            return AtWall(link.circle, self.wall_of[wall_key(*self.walls[link.wall], self.ends[link.wall])])
+            k = link.wall
+            return AtWall(link.circle, self.wall_of[wall_key(*self.walls[k], self.ends[k], self.paces[k])])
         place, r = self.pockets[link.pocket]
         return Entry(link.circle, self.pocket_of[*place, r])
 
@@ -92,18 +98,18 @@ def scene_data(scene: Scene) -> SceneData:
     return SceneData(scene)
 
 
-def line_key(point: Vector, normal: Vector) -> tuple[FieldNumber | int, ...]:
-    """A line's normal form: n.p = c with the first component of n that is not zero made 1."""
+def line_key(point: Vector, normal: Vector, pace: FieldNumber) -> tuple[FieldNumber | int, ...]:
+    """A line's normal form: n.p = c + n.u t with the first component of n that is not zero made 1; `pace` is n.u."""
     nx, ny = normal
     offset = nx * point[0] + ny * point[1]
     if field_sign(nx) != 0:
-        return 1, ny / nx, offset / nx
-    return 0, 1, offset / ny
+        return 1, ny / nx, offset / nx, pace / nx
+    return 0, 1, offset / ny, pace / ny
 
 
-def wall_key(point: Vector, normal: Vector, end: Vector | None) -> tuple[object, ...]:
-    """What tells walls apart: of one without ends its line, of a face its two ends and its side."""
-    return line_key(point, normal) if end is None else (frozenset((point, end)), normal)
+def wall_key(point: Vector, normal: Vector, end: Vector | None, pace: FieldNumber) -> tuple[object, ...]:
+    """What tells walls apart: of one without ends its line and how that moves, of a face its two ends and its side."""
+    return line_key(point, normal, pace) if end is None else (frozenset((point, end)), normal)
 
 
 class Isometry:
@@ -154,7 +160,8 @@ class Isometry:
         """The wall on the image of wall k's line, which stands for all that are on it."""
         if k not in self._walls:
             (point, normal), end = self._data.walls[k], self._data.ends[k]
-            key = wall_key(self.move(point), self.turn(normal), None if end is None else self.move(end))
+            pace = self._data.paces[k]  # n.u, which turns with both
+            key = wall_key(self.move(point), self.turn(normal), None if end is None else self.move(end), pace)
             self._walls[k] = self._data.wall_of.get(key)
         return self._walls[k]
 

@@ -359,11 +359,13 @@ class LogSymmetry:
         """See `Form`."""
         if is_pair(link):
             return self._fixes(IDENTITY, link.a, link.b)
-        return is_flat(link) and self._along(link.circle, link.wall)
+        return is_flat(link) and self._along(link.circle, link.wall)  # n.v is zero, and so is n.u
 
     def _along(self, i: int, wall: int) -> bool:
         """Whether the mirror parallel to a wall through a circle's centre keeps the circle and its past."""
         assert self._data is not None
+        if self._data.paces[wall] != 0:
+            return False
         _, (nx, ny) = self._data.walls[wall]
         xx, xy, yy = wall_mirror(nx, ny, nx * nx + ny * ny)
         return self._fixes((xx, xy, xy, yy), i, i)

@@ -163,12 +163,15 @@ class PlainReading(Generic[M]):
         """None: the state is not exact."""
         return None
 
-    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+    def fallen(self, circle: int) -> tuple[arb, Rows]:
         """In the numbers that there are."""
         told = self._ball
-        time = self._state.bodies[link.circle].flight.instant
-        rows = [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in true_rows(self._state, time)]
-        return told(time), told(Accumulating(link).wait(self._state)), rows
+        time = self._state.bodies[circle].flight.instant
+        return told(time), [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in true_rows(self._state, time)]
+
+    def bounces(self, end: Accumulating) -> arb:
+        """In the numbers that there are."""
+        return self._ball(end.wait(self._state))
 
     def _ball(self, number: M) -> arb:
         """What holds a number, to doubles."""

@@ -136,8 +136,9 @@ class PymunkEngine(Declared):
         }
 
     def steps_for(self, scene: Scene) -> int:
-        """Steps after which a run of a scene stops: `max_steps`, and under gravity not beyond `FALLING_FOR`."""
-        return self.max_steps if scene.gravity is None else min(self.max_steps, max(1, int(FALLING_FOR / self.dt)))
+        """Steps after which a run stops: `max_steps`; under gravity, or with walls that move, up to `FALLING_FOR`."""
+        stands = scene.gravity is None and not scene.moving_walls
+        return self.max_steps if stands else min(self.max_steps, max(1, int(FALLING_FOR / self.dt)))
 
     def space(self, scene: Scene) -> PymunkSpace:
         """The scene as a pymunk space; see `build_space`.

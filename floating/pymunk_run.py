@@ -353,7 +353,8 @@ class Run:
             elif reason is StopReason.BUDGET:
                 limit = self.budget or f"{self.most} steps of {self.engine.dt!r}; raise max_steps, or dt"
                 if not self.budget and self.most < self.engine.max_steps:
-                    limit = f"time {self.now:g}, up to which walls reach under gravity; end the run before"
+                    why = "under gravity" if self.scene.gravity is not None else "where some move"
+                    limit = f"time {self.now:g}, up to which walls reach {why}; end the run before"
                 return Stop(reason, f"{reason.value}: {limit}"), self.now
 
     def horizon_stop(self) -> Stop:
@@ -421,13 +422,17 @@ class Run:
             return StopReason.BUDGET
         except KeyboardInterrupt:
             return StopReason.INTERRUPTED
+        if self.scene.moving_walls and any(body.velocity.length > self.world.speed for body in self.world.moving):
+            self.budget = f"a circle is faster than {self.world.speed:g}, up to which walls reach far enough"
+            return StopReason.BUDGET
         return StopReason.INTERRUPTED if self.interrupts.came else None
 
     def may_be_quiet(self) -> bool:
         """Whether to look: after 1, 2, 4... stretches without an event, unless a reversal is due by time."""
         idle = (self.steps - self.last_event_step) // STRETCH
         due = self.reversal is None and self.turn_at <= self.end and self.turn_at < math.inf
-        return self.scene.gravity is None and not due and idle > 0 and idle & (idle - 1) == 0
+        stands = self.scene.gravity is None and not self.scene.moving_walls
+        return stands and not due and idle > 0 and idle & (idle - 1) == 0
 
     def quiet(self) -> bool:
         """Whether no two circles and no circle and wall come nearer to each other: then none ever will."""

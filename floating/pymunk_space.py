@@ -7,7 +7,7 @@ another one are segments.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -48,7 +48,10 @@ GRAVITY = (0.0, 0.0)
 """Where a scene has none."""
 
 FALLING_FOR = 64.0
-"""The longest run under gravity: a circle may fall for as long, and walls have to reach as far."""
+"""The longest run under gravity, or with walls that move: a circle may go as long, and walls have to reach as far."""
+
+QUICKENED = 64
+"""Where walls move, by how many times the speed of the fastest of them a circle may become faster."""
 
 DAMPING = 1.0
 """Share of the velocity kept in a unit of time: all of it."""
@@ -88,7 +91,8 @@ class PymunkSpace:
         bars: (x0, y0, x1, y1) of each segment.
         outlines: the same of all sides of each polygon.
         joints: of each end that segments share, the number of the segment that names it: the first of the thickest.
-        speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
+        speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`; where walls move, that up to
+            which they reach far enough.
     """
 
     space: pymunk.Space
@@ -159,7 +163,10 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     space.collision_bias = bias
     space.collision_persistence = COLLISION_PERSISTENCE
     try:
-        speed = _top_speed(scene.circles) + math.hypot(*gravity) * duration
+        paces = [(float(wall.vx), float(wall.vy)) for wall in scene.walls]
+        drift = max((math.hypot(*pace) for pace in paces), default=0.0)
+        speed = _top_speed(scene.circles) + math.hypot(*gravity) * duration + QUICKENED * drift
+        movers = {index: _mover(space, pace) for index, pace in enumerate(paces) if scene.walls[index].moves}
         lines = tuple(_line(wall) for wall in scene.walls)
         sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
         cells = _cells(scene.name, sides)
@@ -174,7 +181,7 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
         for cell in sorted(set(cells)):
             inmates = [c for c, number in zip(scene.circles, cells, strict=True) if number == cell]
             side = sides[cells.index(cell)]
-            slabs = _slabs(space.static_body, inmates, side, lines, speed * duration, speed * dt)
+            slabs = _slabs(space.static_body, movers, inmates, side, lines, speed * duration, speed * dt)
             for index, segment in slabs:
                 segment.filter = _only(cell)
                 space.add(segment)
@@ -282,8 +289,17 @@ def _cells(name: str, sides: Sequence[tuple[int, ...]]) -> list[int]:
     return cells
 
 
+def _mover(space: pymunk.Space, pace: Point) -> pymunk.Body:
+    """What moves with a velocity, whatever hits it."""
+    body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    body.velocity = pace
+    space.add(body)
+    return body
+
+
 def _slabs(
     static: pymunk.Body,
+    movers: Mapping[int, pymunk.Body],
     inmates: Sequence[Circle],
     sides: Sequence[int],
     lines: Sequence[tuple[float, float, float]],
@@ -295,7 +311,7 @@ def _slabs(
     Each segment is as thick as it is long, in a power of two: a circle's distance from its core line and the
     direction from there then carry like shares of rounding, and the core line of a wall at a short binary
     coordinate is exact. The cell is the convex region that walls leave of where speed can take the circles,
-    so that a box needs short segments however long the run.
+    so that a box needs short segments however long the run; walls that move leave all of it, and go with `movers`.
     """
     biggest = max(float(circle.r) for circle in inmates)
     xs, ys = [float(c.x) for c in inmates], [float(c.y) for c in inmates]
@@ -306,7 +322,9 @@ def _slabs(
         (max(xs) + spread, max(ys) + spread),
         (min(xs) - spread, max(ys) + spread),
     ]
-    for side, (nx, ny, height) in zip(sides, lines, strict=True):
+    for index, (side, (nx, ny, height)) in enumerate(zip(sides, lines, strict=True)):
+        if index in movers:
+            continue
         region = clipped(region, side * nx, side * ny, side * height) or region
     for index, (side, (nx, ny, height)) in enumerate(zip(sides, lines, strict=True)):
         along = [ny * x - nx * y for x, y in region]
@@ -318,7 +336,7 @@ def _slabs(
         yield (
             index,
             pymunk.Segment(
-                static,
+                movers.get(index, static),
                 (nx * core + ny * start, ny * core - nx * start),
                 (nx * core + ny * stop, ny * core - nx * stop),
                 radius,

@@ -20,8 +20,9 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity"}
-"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out."""
+ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "moving walls"}
+"""These, and the keys that an engine follows only where it says so: `Declared` leaves them out. `moving walls` have a
+`vx` or `vy`."""
 
 
 class Engine(Protocol):

@@ -31,8 +31,9 @@ TOP = (
     *("circle", "wall", "segment", "polygon", "arc", "pocket"),
 )
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
-WALL = ("id", "x0", "y0", "x1", "y1")
-SEGMENT = (*WALL, "r")
+LINE = ("id", "x0", "y0", "x1", "y1")
+WALL = (*LINE, "vx", "vy")
+SEGMENT = (*LINE, "r")
 POLYGON = ("id", "points", "r")
 ARC = ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")
 POCKET = ("id", "x", "y", "r")
@@ -126,7 +127,7 @@ def _circle(label: str, row: dict[str, Any]) -> Circle:
 
 def _wall(label: str, row: dict[str, Any]) -> Wall:
     _check_keys(label, row, WALL)
-    return Wall(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1")))
+    return Wall(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("vx", "vy")))
 
 
 def _segment(label: str, row: dict[str, Any]) -> Segment:
@@ -252,6 +253,8 @@ def _is_physics(key: str) -> bool:
 
 def _check_keys(label: str, table: dict[str, Any], known: Iterable[str]) -> None:
     for key in table:
+        if key in ("vx", "vy") and label.startswith(("segment", "polygon", "arc", "pocket")):
+            raise SceneError(f"{label}: {key}: of what is fixed, walls alone move; write a wall, or leave it out")
         if label and key in ("restitution", "gravity"):
             raise SceneError(f"{label}: {key}: one holds for the whole scene; write it above the first table")
         if key not in known:

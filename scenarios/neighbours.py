@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from .errors import SceneError
 from .numbers.quantity import Quantity
-from .things import Circle, Wall
+from .things import Circle, Squeeze, Wall
 
 # -- Which circles and walls may touch: found in doubles with a bound on their rounding, never decided by them.
 
@@ -242,3 +242,40 @@ def shown_amount(amount: Quantity) -> str:
         return f"about {float(amount):.6g}"
     except OverflowError:
         return "more than 1e308"
+
+
+def closing_of(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[Squeeze, ...]:
+    """The circles between two parallel walls that close, each with the two that first leave no room for it.
+
+    Between walls that are not parallel nothing is crushed: their meeting point moves with one velocity, and in its
+    frame both stand.
+
+    >>> walls = [Wall(0, 0, 0, 1), Wall(9, 0, 9, 1, vx=-2)]
+    >>> closing_of([Circle(3, 0)], walls)[0].time, closing_of([Circle(3, 0), Circle(12, 0)], walls)[-1].circle
+    (Quantity('7/2'), 0)
+    """
+    found: dict[int, Squeeze] = {}
+    for k, wall in enumerate(walls):
+        for j in range(k):
+            other = walls[j]
+            if not (wall.moves or other.moves):
+                continue
+            (nx, ny), (mx, my) = wall.normal, other.normal
+            if (nx * my - ny * mx).sign() != 0:
+                continue
+            length = (nx * nx + ny * ny).sqrt()
+            rate = (nx * (wall.vx - other.vx) + ny * (wall.vy - other.vy)) / length
+            across = (nx * (wall.x0 - other.x0) + ny * (wall.y0 - other.y0)) / length
+            side = across.sign()
+            if side == 0 or rate.sign() != -side:
+                continue
+            for i, circle in enumerate(circles):
+                above = wall.height(circle.x, circle.y).sign()
+                below = (nx * (circle.x - other.x0) + ny * (circle.y - other.y0)).sign()
+                if circle.fixed or above != -side or below != side:
+                    continue
+                time = (across if side > 0 else -across) - circle.r - circle.r
+                time = time / abs(rate)
+                if i not in found or time < found[i].time:
+                    found[i] = Squeeze(i, (j, k), time)
+    return tuple(found[i] for i in sorted(found))

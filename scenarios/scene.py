@@ -20,7 +20,7 @@ from .settings import (
     positive_count,
     positive_time,
 )
-from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
+from .things import Arc, Circle, Pocket, Polygon, Segment, Squeeze, Wall
 
 if TYPE_CHECKING:
     from .arcs import ArcSide
@@ -50,15 +50,15 @@ class Scene:
         segments: straight segments, after the walls in that order.
         polygons: solid polygons, after the segments in that order.
         arcs: parts of circles, after the polygons in that order.
-        restitution: e of every contact, 0 < e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
+        restitution: e of every contact, 0 <= e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         gravity: (gx, gy), a uniform acceleration of every circle; None without.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: faces, sides and ends of segments, polygons and arcs.
 
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
-            restitution out of its range, and one below 1 together with a reversal; for gravity beside anything but
-            walls and circles that move.
+            restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
+            beside anything but walls and circles that move; for a circle that two walls crush at time 0.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -126,6 +126,8 @@ class Scene:
         )
         self._check_things()
         touching = check_apart(self.circles, self.walls)
+        if self.moving_walls:
+            self._check_moving()
         if self.segments or self.polygons or self.arcs:
             from .surfaces import check_surfaces
 
@@ -199,6 +201,34 @@ class Scene:
                 "leave the one or the other out"
             )
 
+    def _check_moving(self) -> None:
+        """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
+        wall = next(wall for wall in self.walls if wall.moves)
+        if self.reverse_after is not None or self.reverse_at is not None:
+            key = "reverse_at" if self.reverse_after is None else "reverse_after"
+            raise SceneError(f"wall {wall.id!r}: moves: cannot be turned back, as walls go on; leave {key} out")
+        for crushed in self.closing:
+            if crushed.time.sign() == 0:
+                one, other = (self.ids[len(self.circles) + k] for k in crushed.walls)
+                raise SceneError(
+                    f"circle {self.ids[crushed.circle]!r}: walls {one!r} and {other!r} touch it and close at time 0; "
+                    "move them apart"
+                )
+
+    @kept
+    def moving_walls(self) -> bool:
+        """Whether a wall moves."""
+        return any(wall.moves for wall in self.walls)
+
+    @kept
+    def closing(self) -> tuple[Squeeze, ...]:
+        """The circles between two walls that close, and when these leave no room: the earliest of each, in order."""
+        if not self.moving_walls:
+            return ()
+        from .neighbours import closing_of
+
+        return closing_of(self.circles, self.walls[: self.faces.start])
+
     def _check_things(self) -> None:
         if not self.circles:
             raise SceneError("the scene has no circle; add at least one circle")
@@ -248,7 +278,7 @@ class Scene:
 
         found = copy(self)
         kept_values = vars(found)
-        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides"):
+        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing"):
             kept_values.pop(name, None)
         kept_values["ends"] = range(len(self.circles), len(self.circles) + len(self._ends))
         kept_values["two_sided"] = range(len(self.walls), len(self.walls) + 2 * len(self.segments))
@@ -301,6 +331,8 @@ class Scene:
         for name in ("_hash", "surfaces"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
+        if twin.moving_walls:
+            twin._check_moving()
         return twin
 
     def data(self) -> dict[str, Any]:
@@ -328,6 +360,8 @@ class Scene:
                 row["point"] = True
         if self.walls:
             data["wall"] = [_texts(w, ("x0", "y0", "x1", "y1")) for w in self.walls]
+            for wall, row in zip(self.walls, data["wall"], strict=True):
+                row.update({key: value.text() for key in ("vx", "vy") if (value := getattr(wall, key)).sign()})
         if self.segments:
             data["segment"] = [_texts(s, ("x0", "y0", "x1", "y1", "r")) for s in self.segments]
             for row in data["segment"]:

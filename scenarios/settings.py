@@ -90,7 +90,7 @@ def checked_restitution(value: QuantityLike) -> Quantity:
     """A coefficient of restitution.
 
     Raises:
-        SceneError: unless it is an exact number above 0, up to 1.
+        SceneError: unless it is an exact number from 0 to 1.
 
     >>> checked_restitution("9/10")
     Quantity('9/10')
@@ -99,12 +99,8 @@ def checked_restitution(value: QuantityLike) -> Quantity:
         found = Quantity.of(value)
     except SceneError as error:
         raise SceneError(f"restitution = {error}") from None
-    if found.sign() == 0:
-        raise SceneError(
-            "restitution = 0: contacts that stay closed are not there yet; write a number above 0, up to 1"
-        )
     if found.sign() < 0 or (ELASTIC - found).sign() < 0:
-        raise SceneError(f"restitution = {found.brief()}: is not in 0 to 1; write a number above 0, up to 1")
+        raise SceneError(f"restitution = {found.brief()}: is not in 0 to 1; write a number from 0 to 1")
     return found
 
 

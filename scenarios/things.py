@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, nextafter
-from typing import Any, Literal, TypeAlias, cast
+from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 from .errors import SceneError, cut
 from .lazy import kept
@@ -151,11 +151,13 @@ def _is_infinite(m: Any) -> bool:
 class Wall:
     """An infinitely long straight wall through (x0, y0) and (x1, y1), hard on both sides.
 
+    It moves with the velocity (vx, vy), for ever; the points are those of time 0.
+
     Raises:
         SceneError: if the two points are one.
 
-    >>> Wall(0, 0, 1, 0, id="floor").id
-    'floor'
+    >>> Wall(0, 0, 1, 0, id="floor").id, Wall(0, 9, 1, 9, vy=-1).moves
+    ('floor', True)
     """
 
     x0: Quantity
@@ -163,17 +165,26 @@ class Wall:
     x1: Quantity
     y1: Quantity
     id: str | None
+    vx: Quantity
+    vy: Quantity
 
     is_face = False
     """Whether it is one side of a segment, which ends: see `scenarios.surfaces`."""
 
     def __init__(
-        self, x0: QuantityLike, y0: QuantityLike, x1: QuantityLike, y1: QuantityLike, id: str | None = None
+        self,
+        x0: QuantityLike,
+        y0: QuantityLike,
+        x1: QuantityLike,
+        y1: QuantityLike,
+        id: str | None = None,
+        vx: QuantityLike = 0,
+        vy: QuantityLike = 0,
     ) -> None:
         _checked_id("wall", id)
         put = object.__setattr__
         put(self, "id", id)
-        for key, value in (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1)):
+        for key, value in (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1), ("vx", vx), ("vy", vy)):
             put(self, key, _exact("wall", id, key, value))
         if self.x0 == self.x1 and self.y0 == self.y1:
             raise SceneError(
@@ -186,10 +197,23 @@ class Wall:
         """A vector at right angles to the wall, as long as its two points are apart."""
         return self.y0 - self.y1, self.x1 - self.x0
 
+    @property
+    def moves(self) -> bool:
+        """Whether it has a velocity; one along itself counts, as it is given though it changes nothing."""
+        return self.vx.sign() != 0 or self.vy.sign() != 0
+
     def height(self, x: Quantity, y: Quantity) -> Quantity:
         """Signed distance of a point from the wall, times the length of `normal`."""
         nx, ny = self.normal
         return nx * (x - self.x0) + ny * (y - self.y0)
+
+
+class Squeeze(NamedTuple):
+    """A circle between two parallel walls that close: by place in the scene, and when they leave no room for it."""
+
+    circle: int
+    walls: tuple[int, int]
+    time: Quantity
 
 
 @dataclass(frozen=True)

@@ -178,6 +178,7 @@ class StopReason(Enum):
     QUIET = "no further collision: nothing left to happen"
     REST = "at rest: a circle stands on a wall to which gravity pulls it"
     ACCUMULATION = "infinitely many collisions in finite time"
+    CRUSHED = "crushed: two walls that close leave no room for a circle"
     UNDECIDED = "undecided: what happens next could not be proved"
     BUDGET = "the budget is spent"
     INTERRUPTED = "interrupted"
@@ -236,7 +237,8 @@ class Trajectory:
         assumptions: decisions that rest on less than proof, in order.
         plan: what each rung of the decision ladder decided and what was skipped, as counts.
         notes: what the run says of itself, one sentence each (such as an exact return to the start).
-        ending: where it stopped at an ACCUMULATION, the time by which all of the infinitely many have happened.
+        ending: where it stopped at an ACCUMULATION, the time by which all of the infinitely many have happened; where
+            it was CRUSHED, when no room is left.
     """
 
     scene: Scene

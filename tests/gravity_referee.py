@@ -1,4 +1,4 @@
-"""Discs and walls under uniform gravity, simulated anew in true coordinates with mpmath: shares no code with truebreak.
+"""Discs under uniform gravity, walls that may move, simulated anew in true coordinates: shares no code with truebreak.
 
 Every disc is moved to every event along its parabola. A meeting is a zero, later than now, at which a gap falls: it is
 looked for among all zeros, by the sign of the gap's derivative there; no formula says which of them it is.
@@ -80,10 +80,14 @@ class GravityReferee:
             self.e = number(scene.restitution)
             self.bodies = [Body(*(number(q) for q in (c.x, c.y, c.vx, c.vy, c.r)), number(c.m)) for c in scene.circles]
             self.walls = [(str(w.id), [number(q) for q in (w.x0, w.y0, w.x1, w.y1)]) for w in scene.walls]
+            self.paces = [(number(w.vx), number(w.vy)) for w in scene.walls]
+            self.now = mpf(0)
             self.sides = [[self._height(b, k) > 0 for k in range(len(self.walls))] for b in self.bodies]
 
     def _normal(self, k: int) -> tuple[mpf, mpf, mpf, mpf]:
         x0, y0, x1, y1 = self.walls[k][1]
+        ux, uy = self.paces[k]
+        x0, y0, x1, y1 = x0 + ux * self.now, y0 + uy * self.now, x1 + ux * self.now, y1 + uy * self.now
         ux, uy = x1 - x0, y1 - y0
         length = sqrt(ux * ux + uy * uy)
         return x0, y0, -uy / length, ux / length
@@ -95,23 +99,23 @@ class GravityReferee:
     def run(self, until: mpf, events: int) -> Course:
         """Up to a time or a number of contacts; the discs as they are at that time, or after the last contact."""
         with workdps(DIGITS):
-            now, course = mpf(0), Course(bodies=self.bodies)
+            course = Course(bodies=self.bodies)
             while len(course.hits) < events:
                 found = sorted(self._coming(), key=lambda row: row[0])
                 if len(found) > 1 and found[1][0] - found[0][0] < NOW:
                     raise TieMet("a tie")
-                if not found or now + found[0][0] > until:
-                    self._fly(until - now)
+                if not found or self.now + found[0][0] > until:
+                    self._fly(until - self.now)
                     return course
                 wait, i, j = found[0]
                 self._fly(wait)
-                now += wait
                 other = self._push(i, j)
-                course.hits.append(Hit(now, (self.ids[i], other)))
+                course.hits.append(Hit(self.now, (self.ids[i], other)))
             return course
 
     def _fly(self, t: mpf) -> None:
         gx, gy = self.g
+        self.now += t
         for b in self.bodies:
             b.x, b.y = b.x + b.vx * t + gx * t * t / 2, b.y + b.vy * t + gy * t * t / 2
             b.vx, b.vy = b.vx + gx * t, b.vy + gy * t
@@ -126,9 +130,10 @@ class GravityReferee:
                 found += [(t, i, j) for t in zeros]
             for k in range(len(self.walls)):
                 _, _, nx, ny = self._normal(k)
+                ux, uy = self.paces[k]
                 s = 1 if self.sides[i][k] else -1
                 zeros = falling_zeros(
-                    s * (nx * gx + ny * gy) / 2, s * (nx * a.vx + ny * a.vy), s * self._height(a, k) - a.r
+                    s * (nx * gx + ny * gy) / 2, s * (nx * (a.vx - ux) + ny * (a.vy - uy)), s * self._height(a, k) - a.r
                 )
                 found += [(t, i, n + k) for t in zeros]
         return found
@@ -137,7 +142,8 @@ class GravityReferee:
         a, n = self.bodies[i], len(self.bodies)
         if j >= n:
             _, _, nx, ny = self._normal(j - n)
-            change = (1 + self.e) * (nx * a.vx + ny * a.vy)
+            ux, uy = self.paces[j - n]
+            change = (1 + self.e) * (nx * (a.vx - ux) + ny * (a.vy - uy))
             a.vx, a.vy = a.vx - change * nx, a.vy - change * ny
             return self.walls[j - n][0]
         b = self.bodies[j]

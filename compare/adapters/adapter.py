@@ -155,8 +155,8 @@ class SteppedAdapter(Adapted):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but arcs, `capture` (no pockets) and `tie_policy`: the contacts of a step are solved at once."""
-        return ALL_KEYS - {"arc", "capture", "tie_policy", "restitution"}
+        """All but arcs, walls that move, `capture` (no pockets), `tie_policy`: a step solves its contacts at once."""
+        return ALL_KEYS - {"arc", "capture", "tie_policy", "restitution", "moving walls"}
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""

@@ -414,8 +414,11 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     for part in parts:
         flips, earlier, free, does = _alone(lab, part, grown), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
-                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            if flips and _by_its_contacts_alone(lab):
+                if lab.given is None:
+                    flips, free = None, f"; in {lab.numbers} the circles overlap, so that no run can say so"
+                elif not _given_does(lab):
+                    flips, free = False, "; run freely, it does not"
             if flips is None and not free:
                 flips = does = _given_does(lab) or None
             earlier = None if flips else _left_before(lab)
@@ -431,8 +434,6 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         if earlier is not None:
             told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
             flips = True
-        elif free:
-            flips = False
         if part is account.own:
             found.append(
                 Experiment(
@@ -487,9 +488,14 @@ def _alone(lab: Laboratory, part: Contribution, grown: bool) -> bool | None:
     return lab.as_engine(part.alone)
 
 
-def _several_before(lab: Laboratory) -> bool:
-    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
-    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
+def _by_its_contacts_alone(lab: Laboratory) -> bool:
+    """Whether a run that has the exact run's contacts may have others when it is free.
+
+    Off an instant, several contacts that hang together are not what they are on it; and what hits a face of a thing may
+    hit its end, or another face, when it comes there a little aside.
+    """
+    before = lab.reference.events[: lab.divergence.expected_event]
+    return lab.study.scene.surfaces is not lab.study.scene or any(event.coupled for event in before)
 
 
 def _audited(lab: Laboratory) -> bool:

@@ -9,7 +9,8 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...exact.replay.contact import Flight
-from ...exact.replay.state import ReplayState, SeenWall
+from ...exact.replay.state import ReplayState
+from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene

@@ -176,6 +176,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     """
     if scene.arcs or not scene.elastic:
         return f"it has no {'arcs' if scene.arcs else 'restitution'}, which certificates do not know yet"
+    if scene.moving_walls:
+        return "it has no walls that move, which certificates do not know yet"
     if scene.gravity is not None:
         return "it has no gravity, which certificates do not know yet"
     roots: list[Quantity] = []

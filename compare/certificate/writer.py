@@ -74,6 +74,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if not trajectory.scene.elastic:
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
+    if trajectory.scene.moving_walls:
+        raise CertificateError("the scene has walls that move, which certificates do not know yet")
     if trajectory.scene.gravity is not None:
         raise CertificateError("the scene has gravity, which certificates do not know yet")
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)

@@ -104,8 +104,6 @@ def chaos(
     names: list[str | Engine] = [engines] if isinstance(engines, str) else list(engines)
     chosen = [(e if isinstance(e, str) else e.name, check_engine(engine_named(e) if isinstance(e, str) else e))
               for e in names]  # fmt: skip
-    if scene.arcs and chosen:
-        raise SceneError(f"{scene.name!r}: has arcs, where no horizon is predicted yet; write --engines none")
     reference = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))
     struck = mapped(reference, len(reference.events))
     rough = [[in_doubles(impact) for impact in event] for event in struck]

@@ -48,8 +48,6 @@ def foreseen(comparison: Comparison, work: int = MOST_WORK) -> Foreseen | None:
     (100, True)
     """
     reference = comparison.reference
-    if comparison.scene.arcs:
-        return Foreseen(0, 0.0, (None,) * len(comparison.candidates), "not predicted yet in scenes with arcs")
     if motion_of(reference) is None or not reference.events:
         return None
     most = min(len(reference.events), work // len(comparison.scene.circles))

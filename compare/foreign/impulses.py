@@ -64,6 +64,10 @@ class Impacts:
     """
 
     def __init__(self, scene: Scene) -> None:
+        if scene.moving_walls:
+            raise SceneError(f"{scene.name!r}: has walls that move, of which no log is judged yet; let them stand")
+        if scene.restitution.sign() == 0:
+            raise SceneError(f"{scene.name!r}: has restitution 0, of which no log is judged yet; take one above 0")
         if scene.gravity is not None:
             raise SceneError(f"{scene.name!r}: has gravity, of which no log is judged yet")
         self._change = 1.0 + float(scene.restitution)

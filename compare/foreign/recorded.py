@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.engine import SCENE_KEYS, Engine, Unchangeable, endable, horizon
-from ...scenarios.errors import TimeIsUp
+from ...scenarios.errors import SceneError, TimeIsUp
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -61,7 +61,13 @@ class Playing(Unchangeable, ABC):
 
         Raises:
             EngineError: for what cannot be judged; and whatever `play` raises of its own accord.
+            SceneError: for arcs, where it does not follow them.
         """
+        if scene.arcs and "arc" not in self.scene_keys:
+            raise SceneError(
+                f"{scene.name!r}: has arcs, which engine {self.name!r} does not follow; use another engine, or a chain "
+                "of segments, which is another scene"
+            )
         turns = scene.reverse_at is not None or scene.reverse_after is not None
         returns = turns and until is None and events is None
         time, count = (None, None) if returns else horizon(scene, until, events)

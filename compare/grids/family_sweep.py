@@ -137,7 +137,7 @@ class Forecast:
 
         self.forecaster: Forecaster | None = None
         self.exponent, self.lyapunov = 0.0, dict[str, Any]()
-        if run.scene.arcs or not run.events or all(circle.fixed for circle in run.scene.circles):
+        if not run.events or all(circle.fixed for circle in run.scene.circles):
             return
         try:
             struck = impacts(run, len(run.events))

@@ -335,8 +335,8 @@ def compared(study: Study, candidate: Candidate, index: int, scene: str) -> Row:
 def energy_drift(trajectory: Trajectory) -> float | None:
     """The energy gained by the end of a run, as a share of that at its start.
 
-    None where there is none at all, or the scene's restitution takes some. Under gravity that of the fall counts, and
-    the share is of the larger kinetic energy of the start and the end.
+    None where there is none at all, or the scene's restitution takes some, or walls that move bring some in. Under
+    gravity that of the fall counts, and the share is of the larger kinetic energy of the start and the end.
 
     >>> from truebreak.floating import DoubleEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -345,7 +345,11 @@ def energy_drift(trajectory: Trajectory) -> float | None:
     """
     circles = [circle for circle in trajectory.scene.circles if not circle.fixed]
     before = sum((float(c.vx) ** 2 + float(c.vy) ** 2) / float(c.inverse_mass) for c in circles)
-    if not trajectory.scene.elastic or (not before and trajectory.scene.gravity is None):
+    if (
+        not trajectory.scene.elastic
+        or trajectory.scene.moving_walls
+        or (not before and trajectory.scene.gravity is None)
+    ):
         return None
     final = trajectory.final
     after = sum(

@@ -76,8 +76,6 @@ class Instance:
         model = declared[0]
         if model not in self.curves:
             try:
-                if reference.scene.arcs:
-                    raise NoTangentMap("nothing is predicted yet in scenes with arcs")
                 self.curves[model] = Forecaster(reference, impacts(reference, len(reference.events))).curve(model)
             except NoTangentMap:
                 self.curves[model] = None

@@ -43,7 +43,7 @@ WITHOUT_NUMPY = ("double", "quad")
 """Those of them that run where there is no NumPy: in a browser."""
 
 MOST_CIRCLES, MOST_OTHERS = 400, 400
-"""Circles, and walls, segments, polygons and pockets, of a scene that is played: more can hardly be seen."""
+"""Circles, and walls, segments, polygons, arcs and pockets, of a scene that is played: more can hardly be seen."""
 
 MOST_CORNERS = 100
 """Corners of one polygon that is played."""
@@ -146,6 +146,7 @@ def scene_of(message: Message) -> Scene:
         ("wall", MOST_OTHERS),
         ("segment", MOST_OTHERS),
         ("polygon", MOST_OTHERS),
+        ("arc", MOST_OTHERS),
         ("pocket", MOST_OTHERS),
     ):
         rows: Any = data.get(kind, [])

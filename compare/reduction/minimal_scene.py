@@ -74,7 +74,7 @@ def minimise(
 ) -> Smallest:
     """The smallest scene found on which an engine still diverges from the exact one, or still breaks a law.
 
-    Circles are left out first, then walls, segments, polygons, pockets, corners of
+    Circles are left out first, then walls, segments, polygons, arcs, pockets, corners of
     both, events at the end, a reversal, a limit in time, and the digits of
     numbers; then all over again, until nothing more can be left out by itself. Each try is a certified comparison: what
     is not proved to diverge is not taken.

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Pocket, Polygon, Segment, Wall
+from ...scenarios.things import Arc, Circle, Pocket, Polygon, Segment, Wall
 
 if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
 
 Item = TypeVar("Item")
-Thing: TypeAlias = Circle | Wall | Segment | Polygon | Pocket
+Thing: TypeAlias = Circle | Wall | Segment | Polygon | Arc | Pocket
 
 
 def ddmin(items: Sequence[Item], still: Callable[[Sequence[Item]], bool], parts: int = 2) -> list[Item]:
@@ -73,7 +73,7 @@ def cut(items: Sequence[Item], parts: int) -> list[list[Item]]:
 # ----------------------------------------
 # What a scene is made of, so that it can be left out: things, settings, and the digits of numbers.
 
-THINGS = ("circles", "walls", "segments", "polygons", "pockets")
+THINGS = ("circles", "walls", "segments", "polygons", "arcs", "pockets")
 
 SETTINGS = ("reverse_after", "reverse_at", "capture", "until")
 
@@ -83,7 +83,8 @@ KEYS = {
     "segments": ("x0", "y0", "x1", "y1", "r"),
     "pockets": ("x", "y", "r"),
 }
-"""The numbers of a thing; `id` and `point` are not numbers. A polygon has r, and x1, y1, x2, ... of its points."""
+"""The numbers of a thing; `id` and `point` are not numbers. A polygon has r, and x1, y1, x2, ... of its points; an arc
+x, y, r, and x0, y0, x1, y1 where it is not all of its circle."""
 
 DENOMINATORS = tuple(10**k for k in (0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 40))
 """Largest denominators of the fractions that a number is rounded to, the shortest first: a double has 16 digits, and
@@ -110,7 +111,7 @@ class SceneParts:
 
 
 def things(scene: Scene, kind: str) -> SceneParts:
-    """The circles, the walls, the segments, the polygons or the pockets by their ids.
+    """The circles, the walls, the segments, the polygons, the arcs or the pockets by their ids.
 
     >>> parts = things(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), "circles")
     >>> parts.items, parts.keeping(["b"]).ids
@@ -212,6 +213,13 @@ def numbers(scene: Scene) -> Iterator[tuple[str, int, str, Quantity]]:
         yield "polygons", k, "r", polygon.r
         for n, place in enumerate(polygon.points, start=1):
             yield from (("polygons", k, f"{axis}{n}", value) for axis, value in zip("xy", place, strict=True))
+    for k, arc in enumerate(scene.arcs):
+        yield from (("arcs", k, key, getattr(arc, key)) for key in arc_keys(arc))
+
+
+def arc_keys(arc: Arc) -> tuple[str, ...]:
+    """The numbers of an arc."""
+    return KEYS["pockets"] if arc.full else (*KEYS["pockets"], *KEYS["walls"])
 
 
 def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
@@ -225,7 +233,10 @@ def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
         if key != "r":
             points[int(key[1:]) - 1]["xy".index(key[0])] = value
         return Polygon([(x, y) for x, y in points], thing.id, value if key == "r" else thing.r)
-    given = {name: getattr(thing, name) for name in KEYS[kind]} | {key: value, "id": thing.id}
+    names = arc_keys(thing) if isinstance(thing, Arc) else KEYS[kind]
+    given = {name: getattr(thing, name) for name in names} | {key: value, "id": thing.id}
+    if isinstance(thing, Arc):
+        given["full"] = thing.full
     if isinstance(thing, Circle):
         given["point"] = thing.point
     return type(thing)(**given)
@@ -280,7 +291,7 @@ class Reduction:
     """One scene that still shows a divergence, or a law not kept, and what was left out for it.
 
     Attributes:
-        kind: what was left out: circles, walls, segments, polygons, pockets, corners, settings, events or digits.
+        kind: what was left out: circles, walls, segments, polygons, arcs, pockets, corners, settings, events or digits.
         removed: ids of things; of corners those of the two segments that became one, or a polygon's and a number;
             names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
         comparison: of what is left: the engine held against the certified run.
@@ -319,12 +330,14 @@ class SceneSize:
     characters: int
     segments: int = 0
     polygons: int = 0
+    arcs: int = 0
 
     @staticmethod
     def of(scene: Scene) -> SceneSize:
         """The size of a scene."""
         counts = len(scene.circles), len(scene.walls), len(scene.pockets)
-        return SceneSize(*counts, scene.events, length(scene), len(scene.segments), len(scene.polygons))
+        solids = len(scene.segments), len(scene.polygons), len(scene.arcs)
+        return SceneSize(*counts, scene.events, length(scene), *solids)
 
 
 @dataclass(frozen=True)

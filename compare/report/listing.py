@@ -122,7 +122,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
     data = scene.data()
     for kind, keys in (
         ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
-        ("wall", ("id", "x0", "y0", "x1", "y1")),
+        ("wall", ("id", "x0", "y0", "x1", "y1", *(("vx", "vy") if scene.moving_walls else ()))),
         ("segment", ("id", "x0", "y0", "x1", "y1", "r")),
         ("polygon", ("id", "points", "r")),
         ("arc", ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")),

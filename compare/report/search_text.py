@@ -456,6 +456,7 @@ def size_phrase(size: SceneSize) -> str:
         (size.walls, "wall"),
         (size.segments, "segment"),
         (size.polygons, "polygon"),
+        (size.arcs, "arc"),
         (size.pockets, "pocket"),
         (size.events, "event"),
     ]

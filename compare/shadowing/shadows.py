@@ -111,6 +111,8 @@ def shadow(
     """
     if not scene.elastic:
         raise SceneError(f"{scene.name!r}: has a restitution below 1, of which no shadow is looked for yet")
+    if scene.moving_walls:
+        raise SceneError(f"{scene.name!r}: has walls that move, of which no shadow is looked for yet")
     if scene.gravity is not None:
         raise SceneError(f"{scene.name!r}: has gravity, of which no shadow is looked for yet")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)

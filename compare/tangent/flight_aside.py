@@ -10,7 +10,7 @@ from flint import arb
 
 from ...exact.laws.formulas import pair_approach, pair_discriminant, wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.state import SeenWall
+from ...exact.replay.wall_flights import SeenWall
 
 # -- Seen along the flight, a face, moved out by the circle's radius, covers a stretch of what lies across, and so does
 # an end with both radii; the flight meets the thing where one of them covers it. It passes the thing once it is moved

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from enum import Enum
 from math import hypot, inf, log2
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
@@ -22,10 +22,11 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.state import ReplayState, SeenWall
+from ...exact.replay.state import ReplayState
+from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
-from .flight_aside import out_of, stretches
+from .flight_aside import RoundSide, out_of, stretches
 from .growth import Displacements
 from .impacts import LEAST_BITS, Impact, moving
 
@@ -43,6 +44,9 @@ else:
 
 WALL = -1
 """In place of the index of a circle."""
+
+BEFORE = 2.0**-20
+"""A share of the coordinates: so far before its contact with an arc a circle is on the side from which it comes."""
 
 
 class Others(NamedTuple):
@@ -81,7 +85,7 @@ class Course:
     """The states of all circles along a run's impacts, in doubles, in the places of `Scene.surfaces`.
 
     Attributes:
-        places, speeds: shape (circles, 2), at `time`.
+        places, speeds: shape (circles, 2), at `time`; the middles of the sides of arcs come last.
         time: where they stand.
 
     Args:
@@ -93,9 +97,12 @@ class Course:
     def __init__(self, scene: Scene, known: Surroundings | None = None) -> None:
         parts = parts_of(scene)
         scene = scene.surfaces
-        circles = scene.circles
-        self.places: NDArray[np.float64] = np.array([[float(c.x), float(c.y)] for c in circles])
-        self.speeds: NDArray[np.float64] = np.array([[float(c.vx), float(c.vy)] for c in circles])
+        circles, sides = scene.circles, scene.arc_sides
+        self._count, self._sides = len(circles), sides
+        here = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in circles]
+        here += [(float(side.x), float(side.y), 0.0, 0.0) for side in sides]
+        state: NDArray[np.float64] = np.array(here)
+        self.places, self.speeds = state[:, :2].copy(), state[:, 2:].copy()
         self.time = 0.0
         self._event = -1
         self._known: Surroundings = {} if known is None else known
@@ -105,8 +112,10 @@ class Course:
         self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
         self._of: dict[tuple[bool, int], list[ThingParts]] = {}
         for thing in parts.values():
-            for key in (*((True, wall) for wall in thing.faces), *((False, end) for end in thing.ends)):
+            places = (*thing.ends, *(self._count + side for side in thing.sides))
+            for key in (*((True, wall) for wall in thing.faces), *((False, place) for place in places)):
                 self._of.setdefault(key, []).append(thing)
+        self._arcs = [thing for thing in parts.values() if thing.sides]
         for k, wall in enumerate(scene.walls):
             normal = np.array([float(part) for part in wall.normal])
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
@@ -166,26 +175,58 @@ class Course:
         unknown = sum(impact.b is None and impact.wall is None for impact in met)
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
+        arcs = self._sides_of(i, {side for thing in things for side in thing.sides}) if self._sides else []
+        kinds = [circles, walls, *arcs]
         found = Others(
-            np.concatenate([circles.places, walls.places]),
-            np.concatenate([circles.waits, walls.waits]),
-            np.concatenate([circles.rates, walls.rates]),
-            np.concatenate([circles.normals, walls.normals]),
+            np.concatenate([kind.places for kind in kinds]),
+            np.concatenate([kind.waits for kind in kinds]),
+            np.concatenate([kind.rates for kind in kinds]),
+            np.concatenate([kind.normals for kind in kinds]),
         )
         self._known[self._event, i] = found
         return found
 
     def _circles(self, i: int, partners: Sequence[int]) -> Others:
         """The circles in its way, but for its partners."""
-        (dx, dy), (vx, vy) = (self.places - self.places[i]).T, (self.speeds - self.speeds[i]).T
+        here, speeds, n = self.places[: self._count], self.speeds[: self._count], self._count
+        (dx, dy), (vx, vy) = (here - here[i]).T, (speeds - speeds[i]).T
         reach = self._radii + self._radii[i]
         approach, room = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
         meets = (approach < 0) & (room > 0)
-        meets[[i, *partners]] = False
+        meets[[i, *(k for k in partners if k < n)]] = False
         dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
         waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
         normals = np.array((dx + waits * vx[meets], dy + waits * vy[meets])).T / reach[:, None]
         return Others(np.flatnonzero(meets), waits, root / reach, normals)
+
+    def _side(self, i: int, k: int, thing: ThingParts) -> RoundSide:
+        """A side of an arc, as circle i may meet it."""
+        places = [self._count + k, *thing.ends]
+        (x, y), *ends = ((arb(x), arb(y)) for x, y in self.places[places].tolist())
+        r = abs(float(self._sides[k].r))
+        return RoundSide(x, y, arb(r), arb(float(self._radii[i])), k % 2 == 1, tuple(ends))
+
+    def _sides_of(self, i: int, at: Collection[int]) -> list[Others]:
+        """The sides of arcs in its way, but for those that it is at."""
+        found: list[Others] = []
+        (x, y), (ux, uy) = self.places[i], self.speeds[i]
+        if not (ux or uy):
+            return found
+        way = arb(float(x)), arb(float(y)), arb(float(ux)), arb(float(uy))
+        for thing in self._arcs:
+            for k in thing.sides:
+                side = self._side(i, k, thing)
+                waits = None if k in at else side.waits(way)
+                if waits is None:
+                    continue
+                wait, sign = float(waits[0].mid()), -1.0 if side.hollow else 1.0
+                normal = sign * (self.places[self._count + k] - self.places[i] - wait * self.speeds[i])
+                normal /= np.hypot(*normal)
+                rate = float(normal @ self.speeds[i])
+                if rate > 0.0:
+                    place, late = np.array([self._count + k]), np.array([max(wait, 0.0)])
+                    found.append(Others(place, late, np.array([rate]), normal[None]))
+        return found
 
     def _things_of(self, impact: Impact) -> list[ThingParts]:
         """What has the face or the end that an impact is at; nothing for others."""
@@ -220,11 +261,13 @@ class Course:
         ]
         places, radii = self.places[ends].tolist(), self._radii[ends].tolist()
         round_ones = [(e, arb(ex), arb(ey), arb(er)) for e, (ex, ey), er in zip(ends, places, radii, strict=True)]
-        way = arb(float(x)), arb(float(y)), arb(float(vx)), arb(float(vy))
-        passed = out_of(stretches(way, arb(float(r)), lines, round_ones))
+        sides = [self._side(i, k, thing) for thing in things for k in thing.sides]
+        back = BEFORE * (abs(x) + abs(y) + r) / hypot(vx, vy) if sides else 0.0  # a point on an arc has come to it
+        way = arb(float(x - back * vx)), arb(float(y - back * vy)), arb(float(vx)), arb(float(vy))
+        passed = out_of(stretches(way, arb(float(r)), lines, round_ones, sides))
         if passed is None:
             return None
-        return Passing(max(-float(passed.aside.mid()), 0.0), passed.ahead / hypot(vx, vy))
+        return Passing(max(-float(passed.aside.mid()), 0.0), passed.ahead / hypot(vx, vy) - back)
 
     def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
         """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""
@@ -596,7 +639,8 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
                 for step in log.steps[done:upto]:
                     state.do(step)
                 done = upto
-                met = {i: state.bodies[i].flight for impact in impacts for i in (impact.a, impact.b) if i is not None}
+                both = (i for impact in impacts for i in (impact.a, impact.b) if i is not None and i < len(circles))
+                met = {i: state.bodies[i].flight for i in both}
                 widths = [_log2(flight.x.rad() + flight.y.rad()) for i, flight in met.items() if not circles[i].fixed]
                 told.append(dict.fromkeys(met, bits + max(widths)))
         if all(width < bits / 2 for errors in told for width in errors.values()):

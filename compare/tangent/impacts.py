@@ -164,11 +164,13 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if contacts lose energy, under gravity, if circles go out of play, or touch at time 0 and go on
-            touching.
+        NoTangentMap: if contacts lose energy, under gravity, if walls move, if circles go out of play, or touch at time
+            0 and go on touching.
     """
     if not scene.elastic:
         raise NoTangentMap("the scene has a restitution below 1, of which there is no tangent map yet")
+    if scene.moving_walls:
+        raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if scene.gravity is not None:
         raise NoTangentMap("the scene has gravity, of which there is no tangent map yet")
     if scene.capture:

@@ -241,6 +241,8 @@ class ErrorWalk:
             raise SceneError(
                 f"{run.scene.name!r}: has a restitution below 1, where what rounding may do is not bounded yet"
             )
+        if run.scene.moving_walls:
+            raise SceneError(f"{run.scene.name!r}: has walls that move, where what rounding may do is not bounded yet")
         if run.scene.gravity is not None:
             raise SceneError(f"{run.scene.name!r}: has gravity, where what rounding may do is not bounded yet")
         self.run, self.local = run, local

@@ -22,7 +22,7 @@ from ..numbers import ball
 from ..numbers.ball import Known, LeavesField, NestedNumbers, field_ball, field_sign, field_text
 from ..numbers.system import Undecided
 from ..question import Decision, Moment, Question
-from ..replay.contact import AtWall, Body, Entry, Link
+from ..replay.contact import Body, Entry, Link
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
 from ..simulation.endings import Accumulating, Rows, true_rows
@@ -453,13 +453,19 @@ class CertifiedReading:
             return ball.double_bounds(self._state.flip_time + self._state.flip_time)
         return ball.double_bounds(ball.constant(time))
 
-    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
+    def fallen(self, circle: int) -> tuple[arb, Rows]:
         """In balls of full precision."""
         ball.use_bits(self._state.bits)
         self._state.sync(tuple(range(self._state.n)))
         balls = self._state.balls
-        time = balls.bodies[link.circle].flight.instant
-        return time, Accumulating(link).wait(balls), true_rows(balls, time)
+        time = balls.bodies[circle].flight.instant
+        return time, true_rows(balls, time)
+
+    def bounces(self, end: Accumulating) -> arb:
+        """In balls of full precision."""
+        ball.use_bits(self._state.bits)
+        self._state.sync(end.circles)
+        return end.wait(self._state.balls)
 
     def note(self) -> str:
         """The precision at work."""

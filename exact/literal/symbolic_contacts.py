@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import combinations
 from random import Random
@@ -127,12 +127,28 @@ class Disc:
 
 @dataclass(frozen=True)
 class Line:
-    """A wall through two points, in SymPy numbers."""
+    """A wall through two points, in SymPy numbers, as it is at one moment; `ux`, `uy`: its velocity."""
 
     x0: Any
     y0: Any
     x1: Any
     y1: Any
+    ux: Any = field(default=Integer(0), kw_only=True)
+    uy: Any = field(default=Integer(0), kw_only=True)
+
+    def moved(self, time: Any) -> Line:
+        """The same so much later."""
+        if self.ux == 0 and self.uy == 0:
+            return self
+        dx, dy = self.ux * time, self.uy * time
+        points = (normal(q) for q in (self.x0 + dx, self.y0 + dy, self.x1 + dx, self.y1 + dy))
+        return Line(*points, ux=self.ux, uy=self.uy)
+
+    def seen(self, a: Disc) -> Disc:
+        """A circle with its velocity relative to this wall."""
+        if self.ux == 0 and self.uy == 0:
+            return a
+        return replace(a, vx=normal(a.vx - self.ux), vy=normal(a.vy - self.uy))
 
 
 @dataclass(frozen=True)
@@ -192,6 +208,8 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     if isinstance(b, Bow):
         sides = (a, replace(a, r=-a.r)) if sign(normal(b.r - a.r)) > 0 else (a,)
         return [time for side in sides for time in touch_times(side, b.disc) if b.beside(a, time)]
+    if isinstance(b, Line):
+        a = b.seen(a)
     found = [
         solution.value(_at(a, b)) for solution in _solutions("wall touched" if isinstance(b, Line) else "pair touched")
     ]
@@ -207,11 +225,11 @@ def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
     [1, -1, sqrt(2), -sqrt(2)]
     """
     ux, uy = b.x1 - b.x0, b.y1 - b.y0
-    length = root(normal(ux**2 + uy**2))
+    if sign(normal(ux * g[1] - uy * g[0])) == 0:
+        return touch_times(a, b)
+    a, length = b.seen(a), root(normal(ux**2 + uy**2))
     nx, ny = normal(-uy / length), normal(ux / length)
     square, linear = normal((nx * g[0] + ny * g[1]) / 2), normal(nx * a.vx + ny * a.vy)
-    if sign(square) == 0:
-        return touch_times(a, b)
     found: list[Expr] = []
     for side in (1, -1):
         rest = normal(nx * (a.x - b.x0) + ny * (a.y - b.y0) - side * a.r)
@@ -225,6 +243,8 @@ def approach_sign(a: Disc, b: Disc | Line) -> int:
     """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
     if isinstance(b, Bow):
         return approach_sign(a, b.disc) * (-1 if b.within else 1)
+    if isinstance(b, Line):
+        a = b.seen(a)
     (solution,) = _solutions("wall speed" if isinstance(b, Line) else "pair speed")
     return solution.sign(_at(a, b)) or 0
 
@@ -238,7 +258,10 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
     if isinstance(b, Bow):
         return velocities_after(a, b.disc)
     solutions = _solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
-    values = [solution.value(_at(a, b)) for solution in solutions]
+    seen = b.seen(a) if isinstance(b, Line) else a
+    values = [solution.value(_at(seen, b)) for solution in solutions]
+    if isinstance(b, Line):
+        values = [None if v is None else normal(v + u) for v, u in zip(values, (b.ux, b.uy), strict=True)]
     found = tuple(value for value in values if value is not None)
     if len(found) != len(values):
         raise ValueError("the velocities after this collision have no value")
@@ -487,7 +510,10 @@ def _complementary(touching: Touching, pairs: Sequence[Indices], e: Any) -> tupl
         ]
         for one in pushes
     ]
-    rates = [normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), Integer(0))) for push in pushes]
+    rates = [
+        normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), _drift(touching, pair, push)))
+        for pair, push in zip(pairs, pushes, strict=True)
+    ]
     impulses = _solve(response, rates, e)
     changed: dict[int, tuple[Any, Any]] = {}
     for i, mass in masses.items():
@@ -498,6 +524,15 @@ def _complementary(touching: Touching, pairs: Sequence[Indices], e: Any) -> tupl
         changed[i] = (normal(vx), normal(vy))
     active = [pair for pair, impulse in zip(pairs, impulses, strict=True) if sign(impulse)]
     return touching.after(changed), active
+
+
+def _drift(touching: Touching, pair: Indices, push: Mapping[int, tuple[Any, Any]]) -> Any:
+    """What a wall's own velocity adds to the rate at which it and a circle part."""
+    number = pair[1] - len(touching.discs)
+    if number < 0:
+        return Integer(0)
+    line = touching.lines[number]
+    return -_dot(push[pair[0]], (line.ux, line.uy))
 
 
 def _solve(response: list[list[Any]], rates: list[Any], e: Any) -> list[Any]:

@@ -16,7 +16,7 @@ from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import ends_of, sides_of
-from ...scenarios.things import Arc, Circle
+from ...scenarios.things import Arc, Circle, Wall
 from ...scenarios.trajectory import (
     Contact,
     Event,
@@ -202,7 +202,7 @@ class _Run:
         self.real = len(scene.circles)
         bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in segments)
         self.lines = (
-            *(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in scene.walls),
+            *map(_line, scene.walls),
             *bars,
             *map(_bow, scene.arcs),
         )
@@ -349,7 +349,7 @@ class _Run:
         for pair in touching.pairs:
             a, b = touching.things(pair)
             if isinstance(b, Line) and approach_sign(a, b) == 0:
-                ux, uy = b.x1 - b.x0, b.y1 - b.y0
+                a, ux, uy = b.seen(a), b.x1 - b.x0, b.y1 - b.y0
                 side = sign(normal(ux * (a.y - b.y0) - uy * (a.x - b.x0)))
                 along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
                 if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
@@ -363,10 +363,19 @@ class _Run:
         self.discs = tuple(_flown(d, duration, self.g) for d in before)
         for pair, hit in self.hits.items():
             if hit is not None and sign(hit - time) == 0:
-                self.came[pair] = before
+                self.came[pair] = tuple(self._beside(disc, pair, duration) for disc in before)
+        self.lines = tuple(line.moved(duration) for line in self.lines)
         self.now = time
         if self.progress is not None:
             self.progress(Progress(len(self.events), float(quantity(time))))
+
+    def _beside(self, disc: Disc, pair: Indices, duration: Any) -> Disc:
+        """Where a circle was beside what it meets, if that moves, as seen from where that is so much later."""
+        number = pair[1] - len(self.discs)
+        if number < 0 or self.lines[number].ux == 0 == self.lines[number].uy:
+            return disc
+        line = self.lines[number]
+        return replace(disc, x=normal(disc.x + line.ux * duration), y=normal(disc.y + line.uy * duration))
 
     def _touching(self) -> Touching:
         """Who touches now: what was predicted to, and every other pair by its distance."""
@@ -441,6 +450,11 @@ class _Run:
 def _disc(circle: Circle) -> Disc:
     x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
     return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
+
+
+def _line(wall: Wall) -> Line:
+    ux, uy = normal(wall.vx.sympy()), normal(wall.vy.sympy())
+    return Line(*(q.sympy() for q in (wall.x0, wall.y0, wall.x1, wall.y1)), ux=ux, uy=uy)
 
 
 def _bow(arc: Arc) -> Bow:

@@ -127,6 +127,7 @@ class BallState(ReplayState[arb]):
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
         self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
         self.instant, self.late, self.met = other.instant, other.late, other.met
+        self.falling, self.drifts = other.falling, other.drifts
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
         """As `ReplayState.round_hit`, in the sharper form."""

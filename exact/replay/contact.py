@@ -552,7 +552,13 @@ def touching_at_start(scene: Scene) -> tuple[Touch, ...]:
     """
     circles = scene.circles
     fixed = [circle.fixed for circle in circles]
-    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
+    return tuple(touch_of(scene, i, j) for i, j in scene.touching if not (fixed[i] and _stays(scene, j, fixed)))
+
+
+def _stays(scene: Scene, j: int, fixed: Sequence[bool]) -> bool:
+    """Whether nothing happens between a thing and a fixed circle that it touches: it is one, or a wall that moves."""
+    wall = j - len(fixed)
+    return fixed[j] if wall < 0 else wall < len(scene.walls) and scene.walls[wall].moves
 
 
 @lru_cache(maxsize=8)

@@ -83,6 +83,9 @@ class RefinableState:
             nx, ny = wall.normal
             for number in (wall.x0, wall.y0, nx, ny):
                 self.numbers.constant(number)
+            if wall.moves:
+                for number in (wall.vx, wall.vy):
+                    self.numbers.constant(number)
             with suppress(LeavesField):
                 self.numbers.constant((nx * nx + ny * ny).sqrt())
 

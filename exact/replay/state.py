@@ -13,12 +13,6 @@ from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
-    face_along,
-    face_foot,
-    fall_discriminant,
-    fall_speed,
-    fall_time,
-    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -26,15 +20,12 @@ from ..laws.formulas import (
     pair_impulse,
     pair_last_time,
     pair_nearest_time,
-    sag,
     speed_change,
-    wall_approach,
     wall_bounce,
-    wall_gap,
-    wall_hit_time,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch, WallFall
+from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch
+from .wall_flights import WallFlights
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
@@ -151,17 +142,6 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
 # -- The circles and walls of a scene in one number system, as they fly: how far two are apart, and when they meet.
 
 
-class SeenWall(NamedTuple, Generic[N]):
-    """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
-
-    x0: N
-    y0: N
-    nx: N
-    ny: N
-    nn: N
-    length: N
-
-
 class Relation(NamedTuple, Generic[N]):
     """Two bodies at the later of their clocks: that clock, d = b - a, v = b - a, R."""
 
@@ -173,7 +153,7 @@ class Relation(NamedTuple, Generic[N]):
     reach: N
 
 
-class Flights(Generic[N]):
+class Flights(WallFlights[N]):
     """Bodies and walls of a scene in one number system.
 
     Args:
@@ -186,7 +166,8 @@ class Flights(Generic[N]):
         pockets: the pockets, as bodies at rest.
         arcs: the sides of arcs, as bodies at rest: a hollow one has its radius below zero.
         sides: on which side of each wall each circle lies.
-        falling: half of the scene's gravity; None without.
+        falling: half of the scene's gravity, zero where walls move without; None where neither is.
+        drifts: the velocities of the walls that move.
         share: (1 + e) / 2 with the scene's restitution e, the part of an elastic impulse that there is; None for e = 1.
     """
 
@@ -204,11 +185,15 @@ class Flights(Generic[N]):
         self.falling: Gravity[N] | None = None
         if scene.gravity is not None:
             self.falling = Gravity(constant(scene.gravity[0] / 2), constant(scene.gravity[1] / 2), self.bends)
+        elif scene.moving_walls:
+            self.falling = Gravity(self.zero, self.zero, self.bends)
+        moving = [(k, wall) for k, wall in enumerate(scene.walls) if wall.moves]
+        self.drifts: dict[int, tuple[N, N]] = {k: (constant(wall.vx), constant(wall.vy)) for k, wall in moving}
         self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._still(k, pocket, True) for k, pocket in enumerate(scene.pockets)]
         self.arcs = [self._still(k, side, False) for k, side in enumerate(scene.arc_sides)]
-        self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
+        self._lines = {}
         self.sides = Sides(scene)
 
     def _circle(self, i: int) -> Body[N]:
@@ -229,17 +214,6 @@ class Flights(Generic[N]):
         return Body(k, flight, constant(thing.r), zero, is_pocket=is_pocket)
 
     # -- what the steps need
-
-    def line(self, circle: int, wall: int) -> SeenWall[N]:
-        """The wall as seen from a circle."""
-        if wall not in self._lines:
-            exact = self.scene.walls[wall]
-            nx, ny = exact.normal
-            x0, y0, mx, my = (self.constant(value) for value in (exact.x0, exact.y0, nx, ny))
-            nn = mx * mx + my * my
-            length = self.root(nn)
-            self._lines[wall] = (SeenWall(x0, y0, mx, my, nn, length), SeenWall(x0, y0, -mx, -my, nn, length))
-        return self._lines[wall][self.sides.negative(circle, wall)]
 
     def relation(self, link: Round) -> Relation[N]:
         """The two of a contact at the later of their clocks, which the log's order tells without a comparison."""
@@ -329,103 +303,6 @@ class Flights(Generic[N]):
         pair = self.relation(link)
         _, wait = self.graze(link) if graze else self.arc_hit(link)
         return advance(pair.dx, pair.vx, wait), advance(pair.dy, pair.vy, wait)
-
-    # -- a circle and a wall
-
-    def wall_gap(self, link: AtWall) -> N:
-        """The distance of a circle from a wall, less its radius, times |n|; when, see `round_gap`."""
-        x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
-        if self.falling is not None:
-            fall = self.fall(self.falling, link)
-            return fall.gap if late is None else sag(fall.gap, fall.approach, fall.half, late)
-        if late is None:
-            return self._wall_gap(link, x, y)
-        return self._wall_gap(link, advance(x, vx, late), advance(y, vy, late))
-
-    def _wall_gap(self, link: AtWall, x: N, y: N) -> N:
-        line = self.line(*link[:2])
-        return wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, self.bodies[link.circle].r * line.length)
-
-    def wall_approach(self, link: AtWall) -> N:
-        """n.v: negative while the circle comes nearer; under gravity at the instant at which its flight begins."""
-        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
-        if self.falling is not None:
-            fall = self.fall(self.falling, link)
-            return fall.approach if flight.late is None else fall_speed(fall.approach, fall.half, flight.late)
-        return wall_approach(flight.vx, flight.vy, line.nx, line.ny)
-
-    def wall_hit(self, link: AtWall) -> tuple[N, N]:
-        """As `round_hit`."""
-        flight = self.bodies[link.circle].flight
-        if self.falling is not None and (pull := self.sides.pull(*link[:2])):
-            fall = self.fall(self.falling, link)
-            root = self.root(fall_discriminant(fall.gap, fall.approach, fall.half))
-            if pull > 0 or self.surely_falls(fall.approach):
-                return flight.t, fall_time(fall.gap, fall.approach, root)
-            return flight.t, fall_time_back(fall.approach, fall.half, root)
-        return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))
-
-    def wall_parts(self, link: AtWall) -> tuple[N, N, N]:
-        """As `round_parts`; without gravity across the wall there is no root in it."""
-        clock = self.bodies[link.circle].flight.t
-        if self.falling is not None and self.sides.pull(*link[:2]):
-            fall = self.fall(self.falling, link)
-            pull = fall.half + fall.half
-            return (
-                clock - fall.approach / pull,
-                -(self.one / pull),
-                fall_discriminant(fall.gap, fall.approach, fall.half),
-            )
-        clock, wait = self.wall_hit(link)
-        return clock + wait, self.zero, self.zero
-
-    def wall_graze(self, link: AtWall) -> tuple[N, N]:
-        """As `graze`, of a circle and a wall that gravity pulls it away from."""
-        assert self.falling is not None
-        fall = self.fall(self.falling, link)
-        return self.bodies[link.circle].flight.t, -fall.approach / (fall.half + fall.half)
-
-    def wall_discriminant(self, link: AtWall) -> N:
-        """The square of the speed at which a circle comes to a wall under gravity; negative if it never does."""
-        assert self.falling is not None
-        fall = self.fall(self.falling, link)
-        return fall_discriminant(fall.gap, fall.approach, fall.half)
-
-    def fall(self, falling: Gravity[N], link: AtWall) -> WallFall[N]:
-        """A circle and a wall under gravity, at the circle's clock."""
-        x, y, vx, vy, t, *_ = self.bodies[link.circle].flight
-        line = self.line(*link[:2])
-        half = wall_approach(falling.hx, falling.hy, line.nx, line.ny)
-        gap, approach = self._wall_gap(link, x, y), wall_approach(vx, vy, line.nx, line.ny)
-        if falling.bent:
-            return WallFall(gap, approach, half)
-        return WallFall(sag(gap, self.zero, half, t), fall_speed(approach, half, t), half)
-
-    def surely_falls(self, speed: N) -> bool:
-        """Whether a speed is surely below zero: of two forms of one number it chooses the one that is sharp there.
-
-        Exact numbers need no choice.
-        """
-        return False
-
-    def face_foot(self, link: AtWall, far: bool) -> N:
-        """Where along a face an approaching circle meets its line, from its start or, `far`, to its end.
-
-        Positive between the ends, in the scale of `formulas.face_foot`.
-        """
-        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
-        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
-        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
-        approach = self.wall_approach(link)
-        foot = face_foot(along, slide, self._wall_gap(link, flight.x, flight.y), approach)
-        return -(line.nn * approach) - foot if far else foot
-
-    def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N]:
-        """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock."""
-        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
-        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
-        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
-        return (line.nn - along, -slide, flight.t) if far else (along, slide, flight.t)
 
 
 # -- Carries out an event log in any number system: advance bodies to a contact, apply impulses, flip velocities.

@@ -26,7 +26,7 @@ from ..question import Decision, Question
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
-from .endings import Rows
+from .endings import Accumulating, Rows
 from .prediction import Arrival, ArrivalQueue
 
 if TYPE_CHECKING:
@@ -543,11 +543,12 @@ class Reading(Protocol[N, K]):
         """What progress says beside the counts."""
         ...
 
-    def fallen(self, link: AtWall) -> tuple[arb, arb, Rows]:
-        """Under gravity, right after a bounce: when it was, how long its like go on alone, and where all circles are.
+    def fallen(self, circle: int) -> tuple[arb, Rows]:
+        """Right after a bounce of a circle: when it was, and where all circles are (see `true_rows`)."""
+        ...
 
-        See `Accumulating` and `true_rows`.
-        """
+    def bounces(self, end: Accumulating) -> arb:
+        """Under gravity, right after a bounce: how long its like go on alone."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Where a run under gravity ends though time goes on: a circle at rest, infinitely many hits in finite time."""
+"""Where a run ends though time goes on: a circle at rest, infinitely many hits in finite time, one that is crushed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from typing import TypeAlias
 
 from flint import arb
 
+from ...scenarios.numbers.precision import hull
+from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
+from ...scenarios.things import Squeeze
 from ..laws.formulas import fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
 from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, name_of
-from ..replay.state import ReplayState
+from ..replay.state import Constant, ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -27,16 +30,27 @@ from ..replay.state import ReplayState
 # That it meets nothing else until then is proved with a bound on all speeds. Collisions with e <= 1 add no kinetic
 # energy K, and gravity does at most |g| sqrt(m) sqrt(2 K) a unit of time, m the mass of all circles: so sqrt(2 K) grows
 # by at most |g| sqrt(m) a unit of time, and no circle of mass w is ever faster than sqrt(2 K / w). Of the circle itself
-# that holds until it meets something else, and so for all of the time if nothing is near enough for that.
+# that holds until it meets something else, and so for all of the time if nothing is near enough for that. A wall that
+# moves adds to K, each time, so that beside one nothing is said of other circles; on it, speeds are relative to it.
+#
+# A circle between two parallel walls that close has no room from a time on that the scene tells: hits on both come ever
+# faster until then, infinitely many. They are told until SQUEEZED of the time since the first of them is left. That it
+# meets nothing else until then is proved of all circles between the two walls: nothing but a meeting with something
+# else changes a velocity along the walls, so until the first such meeting each is where its flight along the walls, and
+# the room between these, says; and no two of these places, nor one and another wall, are near enough to meet.
 
 SHRUNK = 20
 """A bounce counts as one of the last once its speed is 2**-SHRUNK of the first one's: before that they are all told."""
+
+SQUEEZED = 31
+"""Bounces between two walls that close are all told while more than one part in SQUEEZED + 1 of their time is left."""
 
 WINDOW = 256
 """Events that are compared with as many before them, to see whether hits accumulate elsewhere."""
 
 CROWDED = 2.0**-10
-"""Share of the time of those before that WINDOW events take, where hits are suspected to accumulate."""
+"""Share of the time of those before that WINDOW events take, where hits are suspected to accumulate; between walls that
+close, share of the whole time that the later half of all events takes."""
 
 PROOF_BITS = 256
 """Precision of a proof that a circle meets nothing else."""
@@ -62,31 +76,32 @@ class Accumulating:
         return body.flight.instant + self.wait(state)
 
     def wait(self, state: ReplayState[N]) -> N:
-        """How long after the bounce: 2 v / (|n.g| (1 - e))."""
+        """How long after the bounce: 2 v / (|n.g| (1 - e)), with v relative to the wall."""
         assert state.falling is not None
         speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
         return -speed / (half * state.constant(1 - state.scene.restitution))
 
 
 class Endings:
-    """Looks for both, event by event.
+    """Looks for them, event by event.
 
     Args:
-        scene: what runs, under gravity.
+        scene: what runs, under gravity or with walls that move.
 
     Attributes:
-        found: the bounces that were proved to end.
+        found: the bounces that were proved to end, or when a circle is crushed.
     """
 
     def __init__(self, scene: Scene) -> None:
-        assert scene.gravity is not None
         self.scene = scene
-        self.found: Accumulating | None = None
+        self.found: Accumulating | Constant | None = None
+        self._closing = {closing.circle: closing for closing in scene.closing}
+        self._since: dict[int, float] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, tuple[int, int]] = {}
         self._times: list[float] = []
         e = float(scene.restitution)
-        self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if e < 1.0 else None
+        self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
     def at_rest(self, standing: Mapping[Link, int]) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
@@ -118,13 +133,91 @@ class Endings:
                     rows.pop(i, None)
         return found
 
-    def ends(self, link: AtWall, wait: arb, rows: Rows) -> bool:
+    def crushed(self, links: Iterable[Touch]) -> Squeeze | None:
+        """Which circle has no room at an instant at which all of these contacts are at gap zero."""
+        walls: dict[int, set[int]] = {}
+        for link in links:
+            if is_flat(link) and link.circle in self._closing:
+                walls.setdefault(link.circle, set()).add(link.wall)
+        return next((c for i, c in self._closing.items() if walls.get(i, set()).issuperset(c.walls)), None)
+
+    def squeezed(self, impulses: Iterable[Touch], time: float) -> list[Squeeze]:
+        """Notes the impulses of an event; the circles between walls that close of which little time is left."""
+        links, since = [*impulses], self._since
+        shares = Counter(i for link in links for i in link.circles)
+        found: list[Squeeze] = []
+        for link in links:
+            closing = self._closing.get(link[0])
+            if closing is not None and is_flat(link) and link.wall in closing.walls and shares[link.circle] == 1:
+                first = since.setdefault(link.circle, time)
+                if (float(closing.time) - time) * SQUEEZED <= time - first:
+                    found.append(closing)
+            else:
+                for i in link.circles:
+                    since.pop(i, None)
+        return found
+
+    def crushes(self, closing: Squeeze, now: arb, rows: Rows) -> bool:
+        """Whether a circle surely meets nothing but the two walls until they leave no room for it."""
+        with ball.precision(PROOF_BITS):
+            return self._is_alone(closing, now, rows)
+
+    def _is_alone(self, closing: Squeeze, now: arb, rows: Rows) -> bool:
+        scene, (one, other) = self.scene, closing.walls
+        circles, sides = scene.circles, self._sides
+        if scene.arc_sides or (scene.pockets and scene.capture):
+            return False
+        own = sides.negative(closing.circle, one), sides.negative(closing.circle, other)
+        inside = [
+            i
+            for i, circle in enumerate(circles)
+            if circle.fixed or (sides.negative(i, one), sides.negative(i, other)) == own
+        ]
+        if any(self._closing[i].time < closing.time for i in inside if not circles[i].fixed):
+            return False
+        end = ball.constant(closing.time)
+        span, wait = hull(now, end), hull(arb(0), end - now)
+        lines = [tuple(map(ball.constant, (*w.normal, w.x0, w.y0, w.vx, w.vy))) for w in scene.walls]
+        nx, ny = lines[one][:2]
+        length = (nx * nx + ny * ny).sqrt()
+        nx, ny = nx / length, ny / length
+        room = [
+            nx * (x0 + ux * when) + ny * (y0 + uy * when)
+            for _, _, x0, y0, ux, uy in (lines[one], lines[other])
+            for when in (now, end)
+        ]
+        across = hull(hull(room[0], room[1]), hull(room[2], room[3]))
+        gx, gy = (ball.constant(part) for part in scene.gravity or (ZERO, ZERO))
+        pull = (nx * gy - ny * gx) / 2
+        places: list[arb] = []
+        for i in inside:
+            x, y, vx, vy = rows[i]
+            bent = arb(0) if circles[i].fixed else pull
+            places.append(nx * y - ny * x + (nx * vy - ny * vx + bent * wait) * wait)
+        radii = [ball.constant(circles[i].r) for i in inside]
+        for k, i in enumerate(inside):
+            for m in range(k):
+                both = circles[i].fixed and circles[inside[m]].fixed
+                if not both and not abs(places[k] - places[m]) > radii[k] + radii[m]:
+                    return False
+            if circles[i].fixed:
+                continue
+            px, py = nx * across - ny * places[k], ny * across + nx * places[k]
+            for w, (mx, my, x0, y0, ux, uy) in enumerate(lines):
+                height = mx * (px - x0 - ux * span) + my * (py - y0 - uy * span)
+                if w not in closing.walls and not abs(height) > radii[k] * (mx * mx + my * my).sqrt():
+                    return False
+        return True
+
+    def ends(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
         """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then."""
         with ball.precision(PROOF_BITS):
-            return self._meets_nothing(link, wait, rows)
+            return self._meets_nothing(link, now, wait, rows)
 
-    def _meets_nothing(self, link: AtWall, wait: arb, rows: Rows) -> bool:
-        circles = self.scene.circles
+    def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
+        circles, moving = self.scene.circles, self.scene.moving_walls
+        if moving and sum(not circle.fixed for circle in circles) > 1:
+            return False
         gx, gy = (ball.constant(part) for part in self.scene.gravity or ())
         masses, radii = [1 / ball.constant(c.inverse_mass) for c in circles], [ball.constant(c.r) for c in circles]
         pull = (gx * gx + gy * gy).sqrt()
@@ -133,7 +226,9 @@ class Endings:
         ways = [swing / m.sqrt() * wait for m in masses]
         i = link.circle
         x, y, vx, vy = rows[i]
-        way = ((vx * vx + vy * vy).sqrt() + pull * wait) * wait
+        ux, uy, drift = self._pace(link.wall)
+        vx, vy = vx - ux, vy - uy
+        way = ((vx * vx + vy * vy).sqrt() + pull * wait + drift) * wait
         for j, (px, py, _, _) in enumerate(rows):
             room = radii[i] + radii[j] + way + ways[j]
             if j != i and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:
@@ -141,9 +236,18 @@ class Endings:
         for k, wall in enumerate(self.scene.walls):
             if k != link.wall:
                 nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
-                if not abs(nx * (x - x0) + ny * (y - y0)) > (radii[i] + way) * (nx * nx + ny * ny).sqrt():
+                ux, uy, drift = self._pace(k)
+                x0, y0 = x0 + ux * now, y0 + uy * now
+                reach = radii[i] + way + drift * wait
+                if not abs(nx * (x - x0) + ny * (y - y0)) > reach * (nx * nx + ny * ny).sqrt():
                     return False
         return True
+
+    def _pace(self, k: int) -> tuple[arb, arb, arb]:
+        """The velocity of a wall, and its speed."""
+        wall = self.scene.walls[k]
+        ux, uy = ball.constant(wall.vx), ball.constant(wall.vy)
+        return ux, uy, (ux * ux + uy * uy).sqrt()
 
     def look(self, time: float) -> None:
         """Notes the time of an event.
@@ -151,11 +255,17 @@ class Endings:
         Raises:
             Undecided: where hits come ever faster, though no proof is known that they accumulate.
         """
-        if self._enough is None:
+        if self.scene.elastic and not self._closing:
             return
         self._times.append(time)
-        times = self._times
-        if len(times) >= 2 * WINDOW and len(times) % WINDOW == 0:
+        times, count = self._times, len(self._times)
+        halved = self._closing and count >= 2 * WINDOW and count & (count - 1) == 0
+        if halved and times[-1] - times[count // 2] < CROWDED * times[-1]:
+            raise Undecided(
+                f"accumulation suspected: between walls that close the later half of {count} events took less than a "
+                f"thousandth of the time up to {time:.9g}; end the run before"
+            )
+        if not self.scene.elastic and len(times) >= 2 * WINDOW and len(times) % WINDOW == 0:
             before, last = times[-WINDOW] - times[-2 * WINDOW], times[-1] - times[-WINDOW]
             if last < CROWDED * before:
                 raise Undecided(

@@ -123,6 +123,7 @@ class Resolver(Generic[N, K]):
         self.policy = policy
         self.n = len(scene.circles)
         self._sides = Sides(scene)
+        self._closes = scene.restitution.sign() == 0
         self.touching = Lasting()
         self.gone: set[int] = set()
 
@@ -180,7 +181,9 @@ class Resolver(Generic[N, K]):
         self.decider.do(Kick((link,), (link,)))
         self.policy.note(link)
         done.moved.update(circles)
-        done.standing[link] = 1
+        done.standing[link] = 0 if self._closes else 1
+        if self._closes and self._lasts(link):
+            self.touching.add(link)
         done.events.append((circles[0], (link,), (link,), ties, False))
 
     def _contacts(
@@ -203,7 +206,8 @@ class Resolver(Generic[N, K]):
                 self.decider.do(Go(first, component.bodies))
                 done.advanced.update(component.bodies)
             turn = self._refuse_collapse if self.decider.proves and not self.scene.elastic else None
-            rounds = settle(component.links, known, self.policy, self.decider.ask, self.decider.do, MAX_ROUNDS, turn)
+            ask, do = self.decider.ask, self.decider.do
+            rounds = settle(component.links, known, self.policy, ask, do, MAX_ROUNDS, turn, self._closes)
             impulses += rounds.impulses
             taking_part |= rounds.taking_part
             coupled = coupled or self._coupled(rounds)

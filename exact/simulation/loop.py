@@ -14,10 +14,24 @@ from typing import Generic, NamedTuple, TypeAlias
 from ...scenarios.engine import endable
 from ...scenarios.errors import TimeIsUp
 from ...scenarios.scene import Scene
+from ...scenarios.things import Squeeze
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
 from ..question import Closing
-from ..replay.contact import AtArc, AtWall, Body, Link, Pair, Touch, can_push, name_of, rims_at_start, touching_at_start
+from ..replay.contact import (
+    AtArc,
+    AtWall,
+    Body,
+    Link,
+    Pair,
+    Touch,
+    can_push,
+    contact_of,
+    name_of,
+    rims_at_start,
+    touching_at_start,
+)
+from ..replay.state import Constant
 from .decider import Decider, History, K, Limits, Ordinary
 from .endings import Accumulating, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
@@ -186,7 +200,7 @@ class Loop(Generic[N, K]):
 
     Attributes:
         tape: what a run needs that goes on from this one.
-        endings: looks for what ends a run under gravity; None without.
+        endings: looks for what ends a run under gravity, or with walls that move; None without.
     """
 
     def __init__(
@@ -205,7 +219,7 @@ class Loop(Generic[N, K]):
         self.resolver = Resolver(scene, decider, policy or policy_for(scene.tie_policy))
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
         self.tape = Tape(limits)
-        self.endings = None if scene.gravity is None else Endings(scene)
+        self.endings = Endings(scene) if scene.gravity is not None or scene.moving_walls else None
         self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
         self._instants = 0
@@ -273,7 +287,9 @@ class Loop(Generic[N, K]):
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        if self.endings is not None and not self.scene.elastic:
+        if self.endings is not None and (self.scene.closing or not self.scene.elastic):
+            return None
+        if self.scene.restitution.sign() == 0:
             return None
         return None if self.scene.pockets or self.resolver.touching else self.decider.stride
 
@@ -383,7 +399,9 @@ class Loop(Generic[N, K]):
         return {*done.standing, *lasting} if lasting else done.standing
 
     def _resolve(self, instant: Instant) -> Resolved[K]:
-        """Resolves an instant and notes it."""
+        """Resolves an instant and notes it; one at which a circle is crushed is none."""
+        if self.scene.closing and self._crushes(instant):
+            return Resolved(instant.number)
         decider, records = self.decider, len(self.history.records)
         decider.begin(instant.number)
         left = None if self.limits.events is None else self.limits.events - records
@@ -393,6 +411,22 @@ class Loop(Generic[N, K]):
         self._note(instant, done)
         self._look_for_endings(done, done.standing)
         return done
+
+    def _crushes(self, instant: Instant) -> bool:
+        """Whether a circle has no room at an instant: it touches two walls, which close."""
+        assert self.endings is not None
+        found = self.endings.crushed((*instant.hits, *instant.touches, *self.resolver.touching.all()))
+        if found is not None:
+            self._crush(found)
+        return found is not None
+
+    def _crush(self, closing: Squeeze) -> None:
+        """Ends the run: a circle is crushed."""
+        assert self.endings is not None
+        self.endings.found = Constant(closing.time)
+        (who, one), (_, other) = (contact_of(self.scene, AtWall(closing.circle, wall)) for wall in closing.walls)
+        told = f"{StopReason.CRUSHED.value}: {who} between {one} and {other} at {float(closing.time):.12g}"
+        self._ended = Stop(StopReason.CRUSHED, told)
 
     def _look_for_endings(self, done: Resolved[K], standing: Mapping[Link, int]) -> None:
         """Notes where an instant under gravity leaves a circle at rest, or bouncing to an end."""
@@ -405,12 +439,22 @@ class Loop(Generic[N, K]):
             return
         for _, _, impulses, _, _ in done.events:
             for link in endings.bounced(impulses):
-                time, wait, rows = self.decider.reading.fallen(link)
-                if endings.ends(link, wait, rows):
+                time, rows = self.decider.reading.fallen(link.circle)
+                wait = self.decider.reading.bounces(Accumulating(link))
+                if endings.ends(link, time, wait, rows):
                     endings.found = Accumulating(link)
                     told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
                     self._ended = Stop(StopReason.ACCUMULATION, told)
                     return
+        if self.scene.closing and done.events and self.history.last is not None:
+            now = self.decider.reading.rough(self.history.last.time)
+            for _, _, impulses, _, _ in done.events:
+                for closing in endings.squeezed(impulses, now):
+                    if self.limits.until is not None and self.limits.until < closing.time:
+                        continue
+                    if endings.crushes(closing, *self.decider.reading.fallen(closing.circle)):
+                        self._crush(closing)
+                        return
         if self.decider.proves and done.events and self.history.last is not None:
             endings.look(self.decider.reading.rough(self.history.last.time))
 

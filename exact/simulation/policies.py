@@ -249,6 +249,7 @@ def settle(
     do: Callable[[Kick], None],
     max_rounds: int,
     turn: Callable[[Touch, Touch], None] | None = None,
+    closes: bool = False,
 ) -> Rounds:
     """Rounds of impulses among touching contacts until none approaches.
 
@@ -260,6 +261,7 @@ def settle(
         do: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
         turn: called where one of two contacts approaches after a round, with that one first.
+        closes: whether what has pushed neither approaches nor parts: its restitution is 0.
     """
     signs: dict[Touch, int | None] = {link: known.get(link) for link in links}
     impulses: list[Touch] = []
@@ -281,5 +283,6 @@ def settle(
         do(Kick(chosen, among))
         impulses += chosen
         hit = {i for link in chosen for i in link.circles}
-        parted = set(among)
-        signs = {link: 1 if link in parted else told[link] if hit.isdisjoint(link.circles) else None for link in links}
+        parted, after = (chosen, 0) if closes else (among, 1)
+        apart = {link for link in links if hit.isdisjoint(link.circles)}
+        signs = {link: after if link in parted else told[link] if link in apart else None for link in links}

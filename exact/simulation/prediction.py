@@ -28,8 +28,9 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, WallFall, can_push, is_arc, is_flat, is_pair
+from ..replay.contact import AtWall, Body, Entry, Gravity, Link, Pair, Round, Touch, can_push, is_arc, is_flat, is_pair
 from ..replay.state import ReplayState
+from ..replay.wall_flights import SeenWall, fall_of
 from . import cells as crowding
 from .arc_meetings import ArcSides
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
@@ -488,7 +489,7 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest or self.falling is not None:
+            if not a.flight.rest or (self.falling is not None and not self.scene.circles[a.index].fixed):
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
@@ -561,8 +562,8 @@ class Predictor(Generic[M]):
 
     def wall(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a wall."""
-        if self.falling is not None and (pull := self.state.sides.pull(a.index, wall)):
-            self._fall(a, wall, pull, standing)
+        if self.falling is not None and ((pull := self.state.sides.pull(a.index, wall)) or wall in self.state.drifts):
+            self._fall(self.falling, a, wall, pull, standing)
             return
         x0, y0, nx, ny, offset = self.line(a, wall)
         ax, ay, avx, avy, at = a.q
@@ -583,31 +584,30 @@ class Predictor(Generic[M]):
             self.unsure(link)
             self.prepare()
 
-    def _fall(self, a: Body[M], wall: int, pull: int, standing: Collection[Link]) -> None:
-        """As `wall`, where gravity pulls towards the wall (negative) or away from it (positive).
+    def _fall(self, falling: Gravity[M], a: Body[M], wall: int, pull: int, standing: Collection[Link]) -> None:
+        """As `wall`, where gravity pulls towards the wall (negative) or away from it (positive); 0: a wall that moves.
 
         What stands at gap zero as the flight begins, and does not approach, comes back where it is pulled to; elsewhere
         it never does. What is pulled towards a wall always comes; what is pulled away may miss it, or graze it.
         """
         x0, y0, nx, ny, offset = self.line(a, wall)
-        ax, ay, avx, avy, at = a.q
-        falling, zero, late, link = self.falling, self.zero, a.flight.late, AtWall(a.index, wall)
-        assert falling is not None
-        half = wall_approach(falling.hx, falling.hy, nx, ny)
-        fall = WallFall(wall_gap(ax, ay, x0, y0, nx, ny, offset), wall_approach(avx, avy, nx, ny), half)
-        if not falling.bent:
-            fall = WallFall(sag(fall.gap, zero, half, at), fall_speed(fall.approach, half, at), half)
-        gap, approach, _ = fall
+        zero, late, link, drift = self.zero, a.flight.late, AtWall(a.index, wall), self.state.drifts.get(wall)
+        at, fall = a.q[4], fall_of(falling, a.q, SeenWall(x0, y0, nx, ny, nx, ny), offset, drift, zero)
+        gap, approach, half = fall
         still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
         if link in standing:
-            if pull > 0:
+            if pull >= 0:
                 return
             if now > zero:
                 wait = fall_time_back(now, half, now)
                 self.push(at + wait if late is None else at + (late + wait), link)
                 return
-        elif pull > 0 and now >= zero:
+        elif pull >= 0 and now >= zero:
             return
+        elif pull == 0:
+            if approach < zero and still > zero:
+                self.push(at + wall_hit_time(gap, approach), link)
+                return
         else:
             disc = fall_discriminant(gap, approach, half)
             if pull > 0 and disc < zero:

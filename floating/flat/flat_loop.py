@@ -251,11 +251,13 @@ class FlatLoop(Loop[float, float]):
 
 
 def follows(scene: Scene, policy: Policy | None) -> bool:
-    """Whether a run of a scene can be flat: no pockets, and a tie policy that learns nothing from a contact alone."""
+    """Whether a run of a scene can be flat: circles, walls that stand, a policy that learns nothing of one contact."""
     return (
         not scene.pockets
         and not scene.arcs
         and scene.gravity is None
+        and not scene.moving_walls
+        and scene.restitution.sign() != 0
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)
     )

@@ -16,7 +16,19 @@ from truebreak.compare.deadline import Clock
 from truebreak.compare.study import Study, run_or_unable
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.system import Undecided
-from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, State, Trajectory, Wall
+from truebreak.scenarios import (
+    Circle,
+    Declared,
+    Pocket,
+    Polygon,
+    Quantity,
+    Scene,
+    SceneError,
+    Segment,
+    State,
+    Trajectory,
+    Wall,
+)
 
 DIGITS = 120
 """Decimal digits by which numbers with roots are rounded; a number this near to a rounding's edge would be missed."""
@@ -81,6 +93,15 @@ def rounded_scene(scene: Scene, bits: int, part: Fraction = Fraction(1)) -> Scen
     walls = [Wall(*(number(getattr(w, key)) for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
     pockets = [Pocket(*(number(getattr(p, key)) for key in ("x", "y", "r")), id=p.id) for p in scene.pockets]
     changes: dict[str, Any] = {} if scene.reverse_at is None else {"reverse_at": number(scene.reverse_at)}
+    if scene.segments:
+        ends = ("x0", "y0", "x1", "y1")
+        changes["segments"] = [
+            Segment(*(number(getattr(s, key)) for key in ends), id=s.id, r=number(s.r)) for s in scene.segments
+        ]
+    if scene.polygons:
+        changes["polygons"] = [
+            Polygon([(number(x), number(y)) for x, y in p.points], id=p.id, r=number(p.r)) for p in scene.polygons
+        ]
     return scene.with_changes(circles=circles, walls=walls, pockets=pockets, **changes)
 
 
@@ -90,6 +111,7 @@ class OnRounded(Declared):
 
     to: int
     name: str = "exact on the rounded scene"
+    scene_keys: Any = ExactEngine().scene_keys
 
     def run(self, scene: Scene, **limits: Any) -> Trajectory:
         """The certified run of the rounded scene."""

@@ -13,6 +13,7 @@ import pytest
 from causes_known import FAMILIES, STRUCK, history
 from faults import Invent, Made
 from other_runs import Runs, rounded_scene
+from polygon_scenes import scene_of as polygon_scene
 from refuting import (
     ARITHMETIC,
     CAMPAIGNS,
@@ -38,9 +39,11 @@ from refuting import (
     said_of,
     tried,
 )
+from segment_scenes import scene_of as segment_scene
 
 from truebreak.compare import compare
 from truebreak.compare.candidate import Candidate
+from truebreak.compare.causes.given_scene import rounded
 from truebreak.compare.engines import engine as engine_named
 from truebreak.scenarios import Scene, SceneError, catalogue
 
@@ -70,6 +73,41 @@ def test_no_cause_that_was_refuted_before_is_named(spec: str, engine: str) -> No
     assert outcome.event is not None
     assert outcome.causes
     assert not outcome.refutations, refuted([outcome])
+
+
+@pytest.mark.parametrize(
+    ("seed", "engine"),
+    [
+        (70214, "single"),  # carried out by the exact run's contacts the rounded scene misses; run freely it does not
+        (70309, "rounded:bits=24"),
+    ],
+)
+def test_what_changes_the_decision_among_segments_does_so_in_a_free_run(seed: int, engine: str) -> None:
+    """What hits a face may hit its end, or another face, when it comes there a little aside."""
+    scene = segment_scene(seed)
+    assert scene is not None
+    outcome = tried(Job(f"segments {seed}", scene, engine, 60))
+    assert outcome.causes
+    assert INPUT not in outcome.suffices
+    assert not outcome.refutations, refuted([outcome])
+
+
+def test_a_thing_that_a_circle_just_leaves_is_no_meeting_that_comes_first() -> None:
+    """pymunk meets the segment again a step later; that the exact flight touches it as it begins says nothing."""
+    scene = segment_scene(71201)
+    assert scene is not None
+    outcome = tried(Job("segments 71201", scene, "pymunk:dt=1/256", 24))
+    assert outcome.causes == ("errors of its steps",)
+    assert INPUT not in outcome.suffices
+    assert not outcome.refutations, refuted([outcome])
+
+
+def test_the_refuter_rounds_every_number_of_a_scene_as_the_engine_is_given_it() -> None:
+    scenes = [segment_scene(70214), segment_scene(70309), polygon_scene(70287)]
+    for scene in filter(None, scenes):
+        assert rounded_scene(scene, 24).digest == rounded(scene, 24).digest
+    runs = [Runs(s, engine_named("double"), compare(s, ["double"], events=60).candidates[0]) for s in scenes[2:] if s]
+    assert [run.input for run in runs] == ["same"]
 
 
 def test_the_margin_at_a_wall_is_a_speed() -> None:

@@ -13,6 +13,13 @@ from arc_scenes import scene_of
 from flint import arb
 from mpmath import mp, mpf, sqrt
 
+from truebreak.compare import compare
+from truebreak.compare.adapters.billiards import BilliardsEngine
+from truebreak.compare.adapters.box2d import Box2DEngine
+from truebreak.compare.adapters.mujoco import MujocoEngine
+from truebreak.compare.adapters.perfect_physics import PerfectPhysicsEngine
+from truebreak.compare.adapters.pooltool import PooltoolEngine
+from truebreak.compare.adapters.rapier import RapierEngine
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.compare.chaos.certified_chaos import chaos
@@ -431,7 +438,6 @@ LEMON = TABLE.with_changes(
 
 REFUSALS = {
     "certificate": lambda: certificate_of(ExactEngine().run(TABLE, events=2)),
-    "horizon": lambda: chaos(TABLE, ["double"], events=20),
     "rounding": lambda: reach_of(ExactEngine().run(LEMON, events=3), None),
 }
 
@@ -448,6 +454,23 @@ def test_no_certificate_is_of_a_scene_with_arcs():
     block = certificate_of(ExactEngine().run(plain))["scene"]
     assert difference(block, plain) is None
     assert "it has no arcs" in difference(block, plain.with_changes(arcs=[Arc(0, 0, 99, full=True)]))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [BilliardsEngine, Box2DEngine, MujocoEngine, PerfectPhysicsEngine, PooltoolEngine, RapierEngine, PymunkEngine],
+)
+def test_engines_of_others_refuse_arcs_by_name_with_the_remedy(kind):
+    """Before anything of theirs is loaded, and whoever asks them: a run without the arcs would be of another scene."""
+    theirs = kind()
+    assert unsupported(theirs, LEMON) == "arc"
+    with pytest.raises(
+        SceneError, match=f"has arcs, .*engine '{theirs.name}'.*; use another engine, or a chain of segments"
+    ):
+        theirs.run(LEMON, until=1)
+    (found,) = compare(LEMON, [theirs], until=1).candidates
+    assert found.unable
+    assert "it does not follow 'arc'" in found.trajectory.stop.message
 
 
 def test_engines_follow_no_arcs_unless_they_say_so():

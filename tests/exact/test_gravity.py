@@ -9,7 +9,7 @@ from gravity_referee import GravityReferee, TieMet
 from mpmath import mpf, workdps
 
 from truebreak.exact import ExactEngine, exact_motion
-from truebreak.exact.replay import state
+from truebreak.exact.replay import wall_flights
 from truebreak.exact.replay.state import Flights
 from truebreak.exact.simulation import prediction
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
@@ -144,7 +144,7 @@ def _form(place, name, other):
 def _earlier_zero(monkeypatch):
     """Of two zeros the one at which the gap grows."""
     monkeypatch.setattr(prediction, "fall_time_back", lambda approach, half, root: (root - approach) / (half + half))
-    monkeypatch.setattr(state, "fall_time_back", lambda approach, half, root: (root - approach) / (half + half))
+    monkeypatch.setattr(wall_flights, "fall_time_back", lambda approach, half, root: (root - approach) / (half + half))
 
 
 FAULTS = {
@@ -153,11 +153,15 @@ FAULTS = {
     "gravity along y alone": _gravity(lambda f: {"hx": f.hx - f.hx}),
     "gravity off by 1e-9": _gravity(lambda f: {"hy": f.hy + f.hy / 10**9}),
     "the other zero": _earlier_zero,
-    "a bounce at the speed of the falling frame": _form(state, "fall_speed", lambda v, half, dt: v),
-    "a bounce at half of the speed fallen": _form(state, "fall_speed", lambda v, half, dt: v + half * dt),
-    "a wall that does not fall": _form(state, "sag", lambda x, v, half, dt: x + v * dt),
-    "a wall that falls twice as far": _form(state, "sag", lambda x, v, half, dt: x + v * dt + (half + half) * dt * dt),
-    "a zero off by a sign": _form(state, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)),
+    "a bounce at the speed of the falling frame": _form(wall_flights, "fall_speed", lambda v, half, dt: v),
+    "a bounce at half of the speed fallen": _form(wall_flights, "fall_speed", lambda v, half, dt: v + half * dt),
+    "a wall that does not fall": _form(wall_flights, "sag", lambda x, v, half, dt: x + v * dt),
+    "a wall that falls twice as far": _form(
+        wall_flights, "sag", lambda x, v, half, dt: x + v * dt + (half + half) * dt * dt
+    ),
+    "a zero off by a sign": _form(
+        wall_flights, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)
+    ),
     "e squared": _made(_loss_squared),
     "places in the falling frame": _form(exact_motion, "_sunk", lambda x, half, time: x),
     "speeds in the falling frame": _form(exact_motion, "fall_speed", lambda v, half, dt: v),

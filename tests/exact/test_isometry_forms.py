@@ -60,7 +60,8 @@ def of_lines(*walls) -> SceneData:
     data.gravity = None
     data.n, data.places, data.speeds, data.kinds, data.pockets = 1, [P], [U], [(ONE, ONE)], []
     data.walls, data.ends = list(walls), [None] * len(walls)
-    data.wall_of = {wall_key(*wall, None): k for k, wall in enumerate(walls)}
+    data.paces = [ZERO for _ in walls]
+    data.wall_of = {wall_key(*wall, None, ZERO): k for k, wall in enumerate(walls)}
     return data
 
 
@@ -109,11 +110,14 @@ lines = pytest.mark.parametrize("normal", LINES.values(), ids=LINES)
 @lines
 def test_a_line_has_one_key_and_a_key_one_line(normal):
     along = (-normal[1], normal[0])
-    key = line_key(P, normal)
-    assert line_key(plus(P, along, t), (k * normal[0], k * normal[1])) == key
+    key = line_key(P, normal, dot(normal, W))
+    scaled = k * normal[0], k * normal[1]
+    assert line_key(plus(P, along, t), scaled, dot(scaled, W)) == key
+    assert line_key(P, normal, dot(normal, plus(W, normal))) != key  # it moves otherwise
+    assert line_key(P, normal, dot(normal, plus(W, along))) == key
     assert cross(key[:2], normal) == 0 != dot(key[:2], key[:2])
     assert dot(key[:2], plus(P, along, t)) == key[2]
-    assert line_key(plus(P, normal), normal) != key
+    assert line_key(plus(P, normal), normal, dot(normal, W)) != key
 
 
 @every
@@ -122,7 +126,7 @@ def test_the_image_of_a_line_holds_the_images_of_its_points(matrix, normal):
     g = moving(matrix, U, W)
     image = (g.move(P), g.turn(normal))
     g._data = of_lines((P, normal), (plus(image[0], turned(matrix, (-normal[1], normal[0])), k), image[1]))
-    assert g.wall(0) == (0 if line_key(*image) == line_key(P, normal) else 1)
+    assert g.wall(0) == (0 if line_key(*image, ZERO) == line_key(P, normal, ZERO) else 1)
     there = g.move(plus(P, (-normal[1], normal[0]), t))
     assert dot(image[1], minus(there, image[0])) == 0
 

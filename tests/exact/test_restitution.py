@@ -262,9 +262,8 @@ def test_a_restitution_of_one_is_not_written_and_changes_nothing():
 @pytest.mark.parametrize(
     ("values", "told"),
     [
-        ({"restitution": 0}, "restitution = 0: contacts that stay closed are not there yet; write a number above 0"),
-        ({"restitution": "11/10"}, "restitution = 11/10: is not in 0 to 1; write a number above 0, up to 1"),
-        ({"restitution": -1}, "restitution = -1: is not in 0 to 1; write a number above 0, up to 1"),
+        ({"restitution": "11/10"}, "restitution = 11/10: is not in 0 to 1; write a number from 0 to 1"),
+        ({"restitution": -1}, "restitution = -1: is not in 0 to 1; write a number from 0 to 1"),
         ({"restitution": "x"}, "restitution = "),
         (
             {"restitution": "1/2", "reverse_at": 3},

@@ -867,7 +867,7 @@ NUMBERS = (
 
 TOLD = (
     Mutant(
-        "wall_from_the_instant", "exact/replay/state.py",
+        "wall_from_the_instant", "exact/replay/wall_flights.py",
         "return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))",
         "return flight.t, wall_hit_time(self.wall_gap(link), self.wall_approach(link))",
         "the time to a wall is reckoned from the instant, and added to the clock",

@@ -100,7 +100,7 @@ def json_refusal(text: str) -> str:
             BALL + "restitution = 1\n",
             "x.toml: circle 'a': restitution: one holds for the whole scene; write it above the first table",
         ),
-        ("restitution = 2\n" + BALL, "x.toml: restitution = 2: is not in 0 to 1; write a number above 0, up to 1"),
+        ("restitution = 2\n" + BALL, "x.toml: restitution = 2: is not in 0 to 1; write a number from 0 to 1"),
         (
             "[[joints]]\nx = 1\n" + BALL,
             "x.toml: joints: physics that is not there; docs/scenes.md#what-the-world-has says what is: leave it out",

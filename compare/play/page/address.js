@@ -9,7 +9,7 @@ const DEFAULTS = { tie_policy: "simultaneous", restitution: "1" };
 export async function packed(scene) {
   const rows = { n: scene.name };
   for (const [kind, { keys, letter }] of Object.entries(KINDS)) {
-    if (scene[kind].length) rows[letter] = scene[kind].map((thing) => [thing.id, ...keys.map((key) => thing[key]), ...(thing.point ? [1] : [])]);
+    if (scene[kind].length) rows[letter] = scene[kind].map((thing) => [thing.id, ...keys.map((key) => thing[key]), ...(thing.point ? [1] : thing.full ? [2] : [])]);
   }
   for (const key of OTHERS) if (scene[key] !== undefined && scene[key] !== DEFAULTS[key]) rows[key] = scene[key];
   const bytes = await through(new Blob([JSON.stringify(rows)]).stream().pipeThrough(new CompressionStream("deflate-raw")), Infinity);
@@ -36,6 +36,7 @@ export async function unpacked(letters) {
     data[kind] = rows[letter].map((row) => {
       if (!Array.isArray(row)) throw new Error("the address holds no scene");
       const thing = { id: row[0], ...Object.fromEntries(keys.map((key, k) => [key, row[k + 1]])) };
+      if (kind === "arc" && row[keys.length + 1] === 2) return { id: row[0], x: row[1], y: row[2], r: row[3], full: true };
       return row[keys.length + 1] === 1 ? { ...thing, point: true } : thing;
     });
   }

@@ -1,11 +1,12 @@
 // The canvas on which a scene is drawn: what is under the pointer, what a drag does, and the keys.
-import { MOST_CORNERS, described, rounded, value } from "./scene.js";
+import { MOST_CORNERS, bow, described, onBow, rounded, value } from "./scene.js";
 
 const NEAR = 12; // pixels within which a handle is meant; a finger's is larger
 const FINGER = 22;
 const STILL = 2; // pixels by which a click may stray
 const ARROW = 26; // pixels from the rim to where a disc at rest is thrown from
 const MARGIN = 0.12; // share of the scene's size around it
+const STEPS = 180; // of an arc that is drawn
 const LEAST = 1e-9; // a scene of one point has some size all the same
 
 export class Editor {
@@ -22,7 +23,7 @@ export class Editor {
 
   // What a pane draws.
   data() {
-    const { circle, wall, segment, polygon, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, arc, pocket } = this.model.scene;
     const numbers = (rows, keys) => rows.map((row) => keys.map((key) => value(row[key])));
     return {
       bodies: circle.map((c) => [c.id, value(c.r), c.m === "oo"]),
@@ -30,6 +31,7 @@ export class Editor {
       pockets: numbers(pocket, ["x", "y", "r"]),
       segments: numbers(segment, ["x0", "y0", "x1", "y1", "r"]),
       polygons: polygon.map((p) => [outline(p), value(p.r)]),
+      arcs: arc.map((a) => Array.from({ length: STEPS + 1 }, (_, k) => onBow(bow(a), k / STEPS))),
       view: this.view ?? [0, 0, 1, 1],
     };
   }
@@ -38,7 +40,8 @@ export class Editor {
   whole() {
     const [xs, ys] = [[], []];
     const take = (x, y, r) => { if (Number.isFinite(x + y + r)) { xs.push(x - r, x + r); ys.push(y - r, y + r); } };
-    const { circle, wall, segment, polygon, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, arc, pocket } = this.model.scene;
+    for (const a of arc) { const told = bow(a); for (let k = 0; k <= 8; k++) take(...onBow(told, k / 8), 0); }
     for (const p of polygon) for (const [x, y] of outline(p)) take(x, y, value(p.r));
     for (const c of [...circle, ...pocket]) take(value(c.x), value(c.y), value(c.r));
     for (const s of segment) { take(value(s.x0), value(s.y0), value(s.r)); take(value(s.x1), value(s.y1), value(s.r)); }
@@ -75,8 +78,9 @@ export class Editor {
     if (kind === "wall" || kind === "segment") return [["start", value(thing.x0), value(thing.y0)], ["end", value(thing.x1), value(thing.y1)]];
     if (kind === "polygon") return outline(thing).map(([x, y], k) => [k, x, y]);
     const [x, y, r] = [value(thing.x), value(thing.y), value(thing.r)];
+    if (kind === "arc" && !thing.full) return [["start", ...onBow(bow(thing), 0)], ["end", ...onBow(bow(thing), 1)], ["size", ...onBow(bow(thing), 1 / 2)]];
     const size = [["size", x + r * Math.SQRT1_2, y - r * Math.SQRT1_2]];
-    if (kind === "pocket" || thing.m === "oo") return size;
+    if (kind === "pocket" || kind === "arc" || thing.m === "oo") return size;
     const [vx, vy] = [value(thing.vx), value(thing.vy)];
     const rest = vx === 0 && vy === 0 ? r + ARROW * this.pixel : 0;
     return [["throw", x + vx + rest * Math.SQRT1_2, y + vy + rest * Math.SQRT1_2], ...size];
@@ -86,7 +90,7 @@ export class Editor {
   under(x, y, near) {
     const close = (u, v) => Math.hypot(x - u, y - v) < near;
     for (const [part, u, v] of this.handles()) if (close(u, v)) return [this.model.chosen, part];
-    const { circle, wall, segment, polygon, pocket } = this.model.scene;
+    const { circle, wall, segment, polygon, arc, pocket } = this.model.scene;
     const inside = (rows, kind, most) => {
       for (let k = rows.length - 1; k >= 0; k--) {
         const [u, v, r] = [value(rows[k].x), value(rows[k].y), value(rows[k].r)];
@@ -108,7 +112,11 @@ export class Editor {
       for (let k = polygon.length - 1; k >= 0; k--) if (far(polygon[k], x, y) <= Math.max(value(polygon[k].r), 0)) return [["polygon", k], "place"];
       return null;
     };
-    return inside(circle, "circle", near) ?? along(segment, "segment", true) ?? within() ?? inside(pocket, "pocket", near) ?? along(wall, "wall", false);
+    const bent = () => {
+      for (let k = arc.length - 1; k >= 0; k--) if (beside(arc[k], x, y) < near) return [["arc", k], "place"];
+      return null;
+    };
+    return inside(circle, "circle", near) ?? along(segment, "segment", true) ?? bent() ?? within() ?? inside(pocket, "pocket", near) ?? along(wall, "wall", false);
   }
 
   down(event) {
@@ -141,10 +149,11 @@ export class Editor {
     const [dx, dy] = [x - this.held.x, y - this.held.y];
     this.held.moved ||= Math.hypot(dx, dy) > STILL * this.pixel;
     if (!this.held.moved) return;
-    if (part === "place" && "x" in from) put({ x: value(from.x) + dx, y: value(from.y) + dy });
+    const ends = "x0" in from ? { x0: value(from.x0) + dx, y0: value(from.y0) + dy, x1: value(from.x1) + dx, y1: value(from.y1) + dy } : {};
+    if (part === "place" && "x" in from) put({ x: value(from.x) + dx, y: value(from.y) + dy, ...ends });
     else if (part === "place" && "points" in from) this.put(thing, outline(from).map(([u, v]) => [u + dx, v + dy]), from);
     else if (typeof part === "number") this.put(thing, outline(from).map((corner, k) => (k === part ? [x, y] : corner)), from, part);
-    else if (part === "place") put({ x0: value(from.x0) + dx, y0: value(from.y0) + dy, x1: value(from.x1) + dx, y1: value(from.y1) + dy });
+    else if (part === "place") put(ends);
     else if (part === "start") put({ x0: x, y0: y });
     else if (part === "end") put({ x1: x, y1: y });
     else if (part === "throw") put({ vx: x - value(thing.x), vy: y - value(thing.y) });
@@ -226,7 +235,7 @@ export class Editor {
     const moved = (keys, by) => model.change(() => keys.forEach((key, k) => { thing[key] = rounded(value(thing[key]) + by[k % 2] * step, step / 10); }));
     if (way && event.shiftKey && "vx" in thing && thing.m !== "oo") moved(["vx", "vy"], way);
     else if (way && "points" in thing) model.change(() => this.shift(thing, way[0] * step, way[1] * step, step / 10));
-    else if (way) moved("x" in thing ? ["x", "y"] : ["x0", "y0", "x1", "y1"], way);
+    else if (way) moved(["x", "y", "x0", "y0", "x1", "y1"].filter((key) => key in thing), way);
     else if ((event.key === "+" || event.key === "-") && "r" in thing && "x" in thing) {
       model.change(() => { thing.r = rounded(Math.max(value(thing.r) + (event.key === "+" ? step : -step), step), step / 10); });
     } else if (event.key === "Delete" || event.key === "Backspace") model.remove();
@@ -304,7 +313,7 @@ export class Editor {
       const [x, y] = [left + width / 2 + far * Math.cos(turn), bottom + height / 2 + far * Math.sin(turn)];
       const apart = circle.every((c) => Math.hypot(x - value(c.x), y - value(c.y)) > r + value(c.r) + 2 * this.pixel);
       const off = this.model.scene.wall.every((w) => away(w, x, y) > r) && this.model.scene.segment.every((s) => away(s, x, y) > r + value(s.r))
-        && this.model.scene.polygon.every((p) => far(p, x, y) > r + value(p.r));
+        && this.model.scene.polygon.every((p) => far(p, x, y) > r + value(p.r)) && this.model.scene.arc.every((a) => beside(a, x, y) > r);
       if (apart && off) return [rounded(x, this.pixel), rounded(y, this.pixel)];
     }
     return [rounded(left + width / 2, this.pixel), rounded(bottom + height / 2, this.pixel)];
@@ -321,6 +330,15 @@ export class Editor {
 function away(line, x, y) {
   const [x0, y0, x1, y1] = ["x0", "y0", "x1", "y1"].map((key) => value(line[key]));
   return Math.abs((x - x0) * (y1 - y0) - (y - y0) * (x1 - x0)) / Math.hypot(x1 - x0, y1 - y0);
+}
+
+// How far a point is from an arc: from its circle where it is within its range, else from the nearer end.
+function beside(arc, x, y) {
+  const told = bow(arc);
+  const [u, v, r, from, way] = told;
+  const turn = (((Math.atan2(y - v, x - u) - from) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI);
+  if (turn <= way) return Math.abs(Math.hypot(x - u, y - v) - r);
+  return Math.min(...[0, 1].map((share) => { const [ex, ey] = onBow(told, share); return Math.hypot(x - ex, y - ey); }));
 }
 
 const outline = (polygon) => polygon.points.map((point) => point.map(value));

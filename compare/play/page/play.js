@@ -85,7 +85,7 @@ function fields() {
 }
 
 // The numbers of a thing by name: each corner's two, where it has corners.
-const keysOf = (thing, kind) => KINDS[kind].keys.flatMap((key) => (key === "points" ? thing.points.flatMap((_, k) => [`x${k + 1}`, `y${k + 1}`]) : [key]));
+const keysOf = (thing, kind) => KINDS[kind].keys.filter((key) => key in thing).flatMap((key) => (key === "points" ? thing.points.flatMap((_, k) => [`x${k + 1}`, `y${k + 1}`]) : [key]));
 const corner = (thing, name) => (thing.points && /^[xy]\d+$/.test(name) ? [thing.points[name.slice(1) - 1], name[0] === "x" ? 0 : 1] : [thing, name]);
 const part = (thing, name) => { const [of, key] = corner(thing, name); return of[key]; };
 
@@ -171,6 +171,19 @@ for (const kind of ["wall", "segment"]) {
     model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : {}) });
   });
 }
+// Open below, with its ends beside each other; or all round what is there.
+$("add-arc").addEventListener("click", () => {
+  const r = rounded(2 * RADIUS(), editor.pixel);
+  const [x, y] = editor.free(Number(r));
+  const ends = { x0: rounded(value(x) + value(r), editor.pixel), y0: y, x1: rounded(value(x) - value(r), editor.pixel), y1: y };
+  model.add("arc", { x, y, r, ...ends });
+});
+$("add-ring").addEventListener("click", () => {
+  const [left, bottom, width, height] = editor.view;
+  const [x, y] = [left + width / 2, bottom + height / 2].map((number) => rounded(number, editor.pixel));
+  model.add("arc", { x, y, r: rounded(Math.hypot(width, height) / 2, editor.pixel), full: true });
+  editor.fit();
+});
 $("add-polygon").addEventListener("click", () => {
   const { corners } = editor;
   if (!corners) { editor.begin(); return; }

@@ -4,6 +4,7 @@ export const KINDS = {
   wall: { keys: ["x0", "y0", "x1", "y1"], letter: "w", name: "wall" },
   segment: { keys: ["x0", "y0", "x1", "y1", "r"], letter: "s", name: "segment" },
   polygon: { keys: ["points", "r"], letter: "g", name: "polygon" },
+  arc: { keys: ["x", "y", "r", "x0", "y0", "x1", "y1"], letter: "a", name: "arc" },
   pocket: { keys: ["x", "y", "r"], letter: "p", name: "pocket" },
 };
 const DEFAULTS = { r: "0", vx: "0", vy: "0", m: "1" };
@@ -82,9 +83,12 @@ export function checked(data) {
     if (rows.length > MOST_THINGS) throw new Error(`the page plays at most ${MOST_THINGS} ${name}s, and here are ${rows.length.toLocaleString("en")}`);
     scene[kind] = rows.map((row) => {
       if (typeof row !== "object" || row === null) throw new Error(`a ${name} is no object`);
-      known(row, ["id", "point", ...keys], `a ${name}`);
+      const whole = kind === "arc" && row.full === true; // of a full circle there are no ends
+      const own = whole ? keys.slice(0, 3) : keys;
+      known(row, ["id", "point", ...(kind === "arc" ? ["full"] : []), ...own], `a ${name}`);
       const thing = { id: text(row.id, "id", 64) };
-      for (const key of keys) thing[key] = key === "points" ? corners(row.points, `${name} ${thing.id}`) : text(row[key] ?? DEFAULTS[key], `${name} ${thing.id}: ${key}`);
+      if (whole) thing.full = true;
+      for (const key of own) thing[key] = key === "points" ? corners(row.points, `${name} ${thing.id}`) : text(row[key] ?? DEFAULTS[key], `${name} ${thing.id}: ${key}`);
       if (row.point === true) thing.point = true;
       return thing;
     });
@@ -118,7 +122,7 @@ function text(found, where, most = MOST_LETTERS) {
 // The scene as a file has it: no empty lists, and no thickness where there is none.
 export function plain(scene) {
   const told = structuredClone(scene);
-  for (const kind of ["wall", "segment", "polygon", "pocket"]) if (!told[kind].length) delete told[kind];
+  for (const kind of ["wall", "segment", "polygon", "arc", "pocket"]) if (!told[kind].length) delete told[kind];
   for (const thing of [...(told.segment ?? []), ...(told.polygon ?? [])]) if (thing.r === "0") delete thing.r;
   if (told.restitution === "1") delete told.restitution;
   if (told.gravity?.every((part) => part === "0")) delete told.gravity;
@@ -201,9 +205,24 @@ export class Model extends EventTarget {
   }
 }
 
+// An arc: its middle, its radius, the angle at which it begins and through which it goes, counter-clockwise.
+export function bow(arc) {
+  const [x, y, r] = [value(arc.x), value(arc.y), value(arc.r)];
+  if (arc.full) return [x, y, r, 0, 2 * Math.PI];
+  const turn = (key) => Math.atan2(value(arc[`y${key}`]) - y, value(arc[`x${key}`]) - x);
+  const [from, to] = [turn(0), turn(1)];
+  return [x, y, r, from, to > from ? to - from : to - from + 2 * Math.PI];
+}
+
+// A place on it, by a share of its way.
+export function onBow([x, y, r, from, way], share) {
+  return [x + r * Math.cos(from + share * way), y + r * Math.sin(from + share * way)];
+}
+
 export function described(kind, thing) {
   if (kind === "circle") return `${thing.m === "oo" ? "fixed disc" : "disc"} ${thing.id} at (${thing.x}, ${thing.y}), radius ${thing.r}`;
   if (kind === "pocket") return `pocket ${thing.id} at (${thing.x}, ${thing.y}), radius ${thing.r}`;
+  if (kind === "arc") return `${thing.full ? "ring" : "arc"} ${thing.id} about (${thing.x}, ${thing.y}), radius ${thing.r}${thing.full ? "" : `, from towards (${thing.x0}, ${thing.y0}) to (${thing.x1}, ${thing.y1})`}`;
   if (kind === "polygon") return `polygon ${thing.id} of ${thing.points.length} corners from (${thing.points[0].join(", ")})`;
   return `${KINDS[kind].name} ${thing.id} from (${thing.x0}, ${thing.y0}) to (${thing.x1}, ${thing.y1})`;
 }

@@ -18,7 +18,7 @@ from truebreak.compare.certificate.certified import certified
 from truebreak.compare.play.play_server import PlayServer
 from truebreak.compare.report.answers import answers, verdict_line
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Polygon, Scene, Segment, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Polygon, Scene, Segment, Wall, catalogue
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -560,3 +560,60 @@ def test_gravity_is_typed_and_runs(page: PagePlayed) -> None:
     page.value("gravity-y", "0")
     page.run()
     assert page.browser.ask("data.gravity ?? null") is None
+
+
+def test_arcs_are_drawn_dragged_and_run(page: PagePlayed) -> None:
+    """A ring around one disc, and half of a circle in it: the run of the page is that of the scene in its address."""
+    disc, half = ["a", "0", "-1", "1/2", "2", "1/3", "1"], ["bow", "0", "0", "3", "3", "0", "-3", "0"]
+    page.open(
+        packed({"n": "x", "events": 12, "c": [disc], "a": [["ring", "0", "0", "6", None, None, None, None, 2], half]})
+    )
+    room = 0.12 * 12 + 1e-9
+    shown = -6 - room, -6 - room, 12 + 2 * room, 12 + 2 * room
+    assert [*page.thing("ring")] == ["x", "y", "r"]
+    assert [*page.thing("bow")] == ["x", "y", "r", "x0", "y0", "x1", "y1"]
+    page.drag(page.place(3, 0, shown), page.place(2, -3, shown))  # where it begins
+    begun = opened(page)["a"][1]
+    assert begun[1:4] == ["0", "0", "3"] and begun[6:] == ["-3", "0"]
+    assert [float(part) for part in begun[4:6]] == pytest.approx([2, -3], abs=0.1)
+    page.drag(page.place(-3, 0, shown), page.place(-3, -0.5, shown))  # where it ends
+    top = 3 * 2**-0.5
+    page.drag(page.place(top, top, shown), page.place(top + 0.5, top, shown))  # the whole, by a place on it
+    page.browser.ask("document.getElementById('editor').focus()")
+    page.key("ArrowRight")
+    rows = opened(page)["a"]
+    assert rows[0] == ["ring", "0", "0", "6", None, None, None, None, 2]
+    assert float(rows[1][1]) > 0.4
+    names = ("x", "y", "r", "x0", "y0", "x1", "y1")
+    bow = Arc(**dict(zip(names, rows[1][1:], strict=True)), id="bow")
+    scene = Scene([Circle(0, -1, "1/2", 2, "1/3", id="a")], arcs=[Arc(0, 0, 6, full=True, id="ring"), bow])
+    page.run()
+    true = compare(scene, ["double"], events=12).reference
+    assert {"ring", "bow"} <= {name for event in true.events for pair in event.impulses for name in pair}
+    assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.events]
+    assert len(page.browser.ask("data.arcs")) == 2
+    assert page.browser.messages == []
+
+
+def test_an_arc_and_a_ring_are_added_and_a_stadium_is_picked(page: PagePlayed) -> None:
+    page.press("add-arc")
+    assert page.text("edited").startswith("arc a1 about (")
+    page.press("add-ring")
+    assert page.text("edited").startswith("ring a2 about (")
+    assert len(opened(page)["a"]) == 2
+    page.press("undo")
+    page.press("undo")
+    page.browser.ask(
+        "[...document.querySelectorAll('#pictures button')].find((b) => b.textContent === 'stadium').click()"
+    )
+    true = compare(catalogue.build("stadium"), ["double"], events=100, alternatives=False)
+    assert page.run() == verdict_line(true)
+    page.press("why")
+    words = page.wait("[...document.querySelectorAll('#answers dd')].map((e) => e.firstChild.textContent)")
+    assert words[1] == answers(true).why
+
+
+def test_an_arc_without_an_end_is_refused_by_name(page: PagePlayed) -> None:
+    ball = ["a", "0", "0", "1", "1", "0", "1"]
+    page.open(packed({"n": "x", "c": [ball], "a": [["o", "0", "0", "6", "1", "0", None, "1"]]}))
+    assert "arc o: x1 is no text" in page.wait("document.getElementById('edited').textContent")

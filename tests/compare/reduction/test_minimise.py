@@ -18,7 +18,7 @@ from truebreak.compare.reduction import minimal_scene as module
 from truebreak.compare.reduction.minimal_scene import Reducing
 from truebreak.compare.reduction.smallest import End, SceneSize, Smallest, corners, ddmin, digits
 from truebreak.compare.report.search_text import size_phrase
-from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, Wall, catalogue
 from truebreak.scenarios.files import dump_toml, load_scene, loads_toml
 
 TIE = 10**40
@@ -371,3 +371,25 @@ def test_numbers_of_polygons_have_names() -> None:
     assert [name for name in parts.items if name.startswith("g.")] == ["g.r", "g.x1", "g.y2"]
     changed = parts.keeping([name for name in parts.items if name != "g.y2"]).polygons[0]
     assert [[value.text() for value in place] for place in changed.points] == [["22/7", "0"], ["0", "3"], ["0", "0"]]
+
+
+def test_arcs_are_left_out_and_their_digits_shortened() -> None:
+    small = Quantity.of(Fraction(1, 2**60))
+    bow = Arc(0, 0, 2, "-22/7", "-355/113", 0, 5, id="bow")
+    rings = [Arc(40, 0, 1, id="far", full=True), Arc("70/9", "40/7", "1/3", id="off", full=True)]
+    scene = Scene([Circle(3 - small, -5, vy=1, id="disc"), Circle(9, 30, id="other")], arcs=[bow, *rings], until=20)
+    found = smallest(scene, "double")
+    assert [arc.id for arc in found.scene.arcs] == ["bow"]
+    assert {"arcs", "digits"} <= {step.kind for step in found.steps}
+    assert "1 arc," in size_phrase(SceneSize.of(found.scene))
+
+
+def test_numbers_of_arcs_have_names() -> None:
+    scene = Scene(
+        [Circle(0, 9)], arcs=[Arc("22/7", 0, 2, 1, 0, 0, "22/7", id="bow"), Arc(0, 0, "50/7", id="o", full=True)]
+    )
+    parts = digits(scene, 1)
+    assert {"bow.x", "bow.y1", "o.r"} <= {*parts.items}
+    assert not any(name.startswith("o.x0") for name in parts.items)
+    bow, ring = parts.keeping([name for name in parts.items if name != "bow.y1"]).arcs
+    assert (bow.y1.text(), bow.x.text(), ring.r.text(), ring.full) == ("3", "22/7", "50/7", True)

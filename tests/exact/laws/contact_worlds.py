@@ -6,7 +6,8 @@ import pytest
 from indeterminates import World
 
 from truebreak.exact.replay.contact import AtWall, Flight, Pair
-from truebreak.exact.replay.state import Go, Kick, ReplayState, SeenWall
+from truebreak.exact.replay.state import Go, Kick, ReplayState
+from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.scenarios import Circle, Scene, Wall
 
 either = pytest.mark.parametrize("younger", [0, 1])

@@ -1,0 +1,195 @@
+"""A circle and a wall in one number system: how far apart they are, when they meet; walls that fall, and that move."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic, NamedTuple
+
+from ..laws.formulas import (
+    advance,
+    face_along,
+    face_foot,
+    fall_discriminant,
+    fall_speed,
+    fall_time,
+    fall_time_back,
+    sag,
+    wall_approach,
+    wall_gap,
+    wall_hit_time,
+)
+from ..numbers.system import N
+from .contact import AtWall, Body, Gravity, Sides, WallFall
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...scenarios.numbers.quantity import Quantity
+    from ...scenarios.scene import Scene
+
+# -- In the frame that falls, X = x - g t^2 / 2, a circle flies straight and a wall rises: with n the normal to the
+# circle's side, p a point of the wall at time 0 and u its velocity, the gap is
+#
+#     n.X - n.p - r |n| - (n.u) t + (n.g) t^2 / 2
+#
+# In true coordinates, at the circle's clock, it is the same number. Gravity alone bends it: which of its two zeros is
+# the meeting goes by the sign of n.g, whatever u is; without gravity across the wall there is one. A wall pushes by
+# the speed relative to it.
+
+
+class SeenWall(NamedTuple, Generic[N]):
+    """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
+
+    x0: N
+    y0: N
+    nx: N
+    ny: N
+    nn: N
+    length: N
+
+    def moved(self, drift: tuple[N, N], time: N) -> SeenWall[N]:
+        """The same wall at a time, with its velocity."""
+        return self._replace(x0=advance(self.x0, drift[0], time), y0=advance(self.y0, drift[1], time))
+
+
+def fall_of(
+    falling: Gravity[N], flight: tuple[N, N, N, N, N], line: SeenWall[N], offset: N, drift: tuple[N, N] | None, zero: N
+) -> WallFall[N]:
+    """A circle and a wall under gravity, or a wall that moves, at the circle's clock.
+
+    Args:
+        falling: half of gravity.
+        flight: (x, y, vx, vy, t) of the circle.
+        line: the wall at time 0.
+        offset: r |n|.
+        drift: the wall's velocity; None where it stands.
+    """
+    x, y, vx, vy, t = flight
+    _, _, nx, ny, *_ = line
+    if drift is not None:
+        line = line.moved(drift, t)
+        vx, vy = vx - drift[0], vy - drift[1]
+    half = wall_approach(falling.hx, falling.hy, nx, ny)
+    gap, approach = wall_gap(x, y, line.x0, line.y0, nx, ny, offset), wall_approach(vx, vy, nx, ny)
+    if falling.bent:
+        return WallFall(gap, approach, half)
+    return WallFall(sag(gap, zero, half, t), fall_speed(approach, half, t), half)
+
+
+class WallFlights(Generic[N]):
+    """What circles and walls do in one number system: a part of `Flights`, which has the attributes."""
+
+    scene: Scene
+    constant: Callable[[Quantity], N]
+    root: Callable[[N], N]
+    zero: N
+    one: N
+    bodies: dict[int, Body[N]]
+    sides: Sides
+    falling: Gravity[N] | None
+    drifts: dict[int, tuple[N, N]]
+    _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
+
+    def line(self, circle: int, wall: int) -> SeenWall[N]:
+        """The wall as seen from a circle."""
+        if wall not in self._lines:
+            exact = self.scene.walls[wall]
+            nx, ny = exact.normal
+            x0, y0, mx, my = (self.constant(value) for value in (exact.x0, exact.y0, nx, ny))
+            nn = mx * mx + my * my
+            length = self.root(nn)
+            self._lines[wall] = (SeenWall(x0, y0, mx, my, nn, length), SeenWall(x0, y0, -mx, -my, nn, length))
+        return self._lines[wall][self.sides.negative(circle, wall)]
+
+    def wall_gap(self, link: AtWall) -> N:
+        """The distance of a circle from a wall, less its radius, times |n|; when, see `round_gap`."""
+        x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
+        if self.falling is not None:
+            fall = self.fall(self.falling, link)
+            return fall.gap if late is None else sag(fall.gap, fall.approach, fall.half, late)
+        if late is None:
+            return self._wall_gap(link, x, y)
+        return self._wall_gap(link, advance(x, vx, late), advance(y, vy, late))
+
+    def _wall_gap(self, link: AtWall, x: N, y: N) -> N:
+        line = self.line(*link[:2])
+        return wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, self.bodies[link.circle].r * line.length)
+
+    def wall_approach(self, link: AtWall) -> N:
+        """n.v relative to the wall: negative while the two come nearer; under gravity as the flight begins."""
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        if self.falling is not None:
+            fall = self.fall(self.falling, link)
+            return fall.approach if flight.late is None else fall_speed(fall.approach, fall.half, flight.late)
+        return wall_approach(flight.vx, flight.vy, line.nx, line.ny)
+
+    def wall_hit(self, link: AtWall) -> tuple[N, N]:
+        """As `round_hit`."""
+        flight = self.bodies[link.circle].flight
+        pull = 0 if self.falling is None else self.sides.pull(*link[:2])
+        if self.falling is not None and (pull or link.wall in self.drifts):
+            fall = self.fall(self.falling, link)
+            if not pull:
+                return flight.t, wall_hit_time(fall.gap, fall.approach)
+            root = self.root(fall_discriminant(fall.gap, fall.approach, fall.half))
+            if pull > 0 or self.surely_falls(fall.approach):
+                return flight.t, fall_time(fall.gap, fall.approach, root)
+            return flight.t, fall_time_back(fall.approach, fall.half, root)
+        return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))
+
+    def wall_parts(self, link: AtWall) -> tuple[N, N, N]:
+        """As `round_parts`; without gravity across the wall there is no root in it."""
+        clock = self.bodies[link.circle].flight.t
+        if self.falling is not None and self.sides.pull(*link[:2]):
+            fall = self.fall(self.falling, link)
+            pull = fall.half + fall.half
+            return (
+                clock - fall.approach / pull,
+                -(self.one / pull),
+                fall_discriminant(fall.gap, fall.approach, fall.half),
+            )
+        clock, wait = self.wall_hit(link)
+        return clock + wait, self.zero, self.zero
+
+    def wall_graze(self, link: AtWall) -> tuple[N, N]:
+        """As `graze`, of a circle and a wall that gravity pulls it away from."""
+        assert self.falling is not None
+        fall = self.fall(self.falling, link)
+        return self.bodies[link.circle].flight.t, -fall.approach / (fall.half + fall.half)
+
+    def wall_discriminant(self, link: AtWall) -> N:
+        """The square of the speed at which a circle comes to a wall under gravity; negative if it never does."""
+        assert self.falling is not None
+        fall = self.fall(self.falling, link)
+        return fall_discriminant(fall.gap, fall.approach, fall.half)
+
+    def fall(self, falling: Gravity[N], link: AtWall) -> WallFall[N]:
+        """A circle and a wall under gravity, or a wall that moves, at the circle's clock."""
+        body, line = self.bodies[link.circle], self.line(*link[:2])
+        offset = body.r * line.length
+        return fall_of(falling, body.flight[:5], line, offset, self.drifts.get(link.wall), self.zero)
+
+    def surely_falls(self, speed: N) -> bool:
+        """Whether a speed is surely below zero: of two forms of one number it chooses the one that is sharp there.
+
+        Exact numbers need no choice.
+        """
+        return False
+
+    def face_foot(self, link: AtWall, far: bool) -> N:
+        """Where along a face an approaching circle meets its line, from its start or, `far`, to its end.
+
+        Positive between the ends, in the scale of `formulas.face_foot`.
+        """
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
+        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
+        approach = self.wall_approach(link)
+        foot = face_foot(along, slide, self._wall_gap(link, flight.x, flight.y), approach)
+        return -(line.nn * approach) - foot if far else foot
+
+    def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N]:
+        """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock."""
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
+        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
+        return (line.nn - along, -slide, flight.t) if far else (along, slide, flight.t)
