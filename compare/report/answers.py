@@ -558,7 +558,6 @@ def seen_words(events: int) -> str:
 def command(comparison: Comparison, candidate: Candidate) -> str:
     """A command that goes on from here."""
     scene, limits = scene_word(comparison.scene), limits_of(comparison.reference)
-    predictable = "none" if comparison.scene.arcs else candidate.engine  # horizons are not predicted among arcs yet
     known = candidate.engine.partition(":")[0] in ENGINES or re.fullmatch(r"[\w.]+:[\w.]+", candidate.engine)
     if candidate.lawless or not known:
         return shlex.join(["truebreak", "compare", scene, "--engines", "double", *limits])
@@ -568,13 +567,13 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
             return shlex.join(["truebreak", "run", scene])
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--events", str(events)])
     if candidate.verdict == "agree":
-        return shlex.join(["truebreak", "chaos", scene, "--engines", predictable])
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
     if candidate.verdict == "undecided":
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
     if candidate.stepped:
         return shlex.join(["truebreak", "advise", scene, "--engine", candidate.engine, *limits])
     if _chaotic(candidate):
-        return shlex.join(["truebreak", "chaos", scene, "--engines", predictable])
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
     return shlex.join(["truebreak", "minimise", scene, "--engine", candidate.engine, *limits])
 
 
