@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..scenarios.pictures import DrawnDisc, View, draw, scene_picture, view_of
+from ..scenarios.pictures import DrawnDisc, View, as_at, draw, scene_picture, view_of
 from ..scenarios.trajectory import StopReason
 from .alignment.align import rows_of
 
@@ -160,7 +160,7 @@ def moment_frames(reference: Trajectory, candidate: Candidate, number: int = 0) 
         MomentFrame(
             f"{word}: t = {time:.{digits}g}",
             draw(
-                reference.scene,
+                as_at(reference.scene, time),
                 discs,
                 f"{word}, time {time:.{digits}g}: {reference.engine} solid, {candidate.engine} dashed",
                 marked=names,
@@ -325,7 +325,7 @@ def notebook_picture(reference: Trajectory, candidates: Sequence[Candidate]) -> 
     discs = _discs_at(reference, candidates[number].trajectory, time, names, number)
     title = f"{reference.engine} (solid) and {candidates[number].engine} (dashed) at time {time:.9g}"
     style = engine_css([c.engine for c in candidates[: number + 1]])
-    return draw(reference.scene, discs, title, marked=names, standalone=True, style=style)
+    return draw(as_at(reference.scene, time), discs, title, marked=names, standalone=True, style=style)
 
 
 def names_of(partners: Iterable[str | None]) -> list[str]:

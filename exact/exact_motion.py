@@ -347,7 +347,7 @@ class Place:
     time: ExactValue | Quantity
 
     def __call__(self, state: ReplayState[N]) -> N:
-        flight, falling = state.bodies[self.body].flight, state.falling
+        flight, falling = state.bodies[self.body].flight, None if self.body in state.pegs else state.falling
         place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
         if flight.rest and falling is None:
             return place
@@ -411,7 +411,7 @@ class ExactMotion:
 
     @kept
     def _halves(self) -> tuple[Known, Known] | None:
-        """Half of gravity: then knots are in the falling frame (see `Gravity`)."""
+        """Half of gravity: then knots are in the falling frame (see `Gravity`), but those of what stands."""
         g = self.log.scene.gravity
         if g is None:
             return None
@@ -538,7 +538,7 @@ class ExactMotion:
 
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
-        if self._halves is not None:
+        if self._halves is not None and i not in self.log.scene.pegs:
             speeds: list[ExactValue] = []
             for axis, v in enumerate((vx, vy)):
                 near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
@@ -572,7 +572,7 @@ class ExactMotion:
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
-                if self._halves is not None:
+                if self._halves is not None and i not in self.log.scene.pegs:
                     hx, hy = (pair_of(_ball(half)) for half in self._halves)
                     result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
                     result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
@@ -619,7 +619,7 @@ class ExactMotion:
         Under gravity in true coordinates, at the knot.
         """
         t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
-        if self._halves is not None:
+        if self._halves is not None and i not in self.log.scene.pegs:
             with ball.precision(READ_BITS):
                 hx, hy = map(_ball, self._halves)
                 x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import Undecided
 from ..exact.replay.contact import Gravity
-from ..scenarios.engine import ALL_KEYS, EventDriven
+from ..scenarios.engine import ALL_KEYS, EventDriven, refuse_pegs
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -284,7 +284,7 @@ class IntervalEngine(EventDriven):
     """
 
     bits: int = 53
-    scene_keys = ALL_KEYS
+    scene_keys = ALL_KEYS - {"fixed"}
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:
@@ -308,6 +308,7 @@ class IntervalEngine(EventDriven):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as far as intervals certify it (see `Engine.run`)."""
+        refuse_pegs(scene, "intervals", "use exact, or double, or leave gravity out")
         with INTERVALS.at(self.bits):
             state = PlainState(scene.surfaces, INTERVALS)
             return run_plain(

@@ -84,6 +84,7 @@ class FallingMotion(DoubleMotion):
 
     Attributes:
         halves: half of gravity, along x and along y.
+        pegs: the circles that stand.
 
     >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
     >>> motion.state(1.0), motion.sample([2.0]).tolist()
@@ -91,15 +92,16 @@ class FallingMotion(DoubleMotion):
     """
 
     halves: tuple[float, float] = (0.0, 0.0)
+    pegs: Collection[int] = ()
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
         t, (hx, hy) = float(time), self.halves
         self._check(t)
         rows: list[tuple[float, float, float, float]] = []
-        for knots in self.knots:
+        for i, knots in enumerate(self.knots):
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
-            lag = t - t0
+            lag = 0.0 if i in self.pegs else t - t0
             x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
             rows.append((x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag))
         return rows
@@ -118,6 +120,7 @@ class SteppedFall(DoubleMotion):
     Attributes:
         gravity: along x and along y.
         dt: the step; straight flight in between.
+        pegs: the circles that stand.
 
     >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5)
     >>> motion.state(0.5), motion.state(1.0), motion.state(1.25)
@@ -126,15 +129,16 @@ class SteppedFall(DoubleMotion):
 
     gravity: tuple[float, float] = (0.0, 0.0)
     dt: float = 1.0
+    pegs: Collection[int] = ()
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
         t, (gx, gy), dt = float(time), self.gravity, self.dt
         self._check(t)
         rows: list[tuple[float, float, float, float]] = []
-        for knots in self.knots:
+        for i, knots in enumerate(self.knots):
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
-            lag = t - t0
+            lag = 0.0 if i in self.pegs else t - t0
             steps = round(lag / dt)
             if abs(lag - steps * dt) > NEXT_TO * dt:  # not at a step, but for rounding
                 steps = math.floor(lag / dt)

@@ -22,17 +22,20 @@ from ..exact.replay.contact import (
     Gravity,
     Link,
     NamedContacts,
+    Pair,
     is_arc,
     is_flat,
+    is_pair,
     name_of,
 )
+from ..exact.replay.round_falls import told_wait
 from ..exact.replay.state import ReplayState, Step
-from ..exact.simulation.arc_meetings import arc_contact
+from ..exact.simulation.arc_meetings import arc_contact, predict_falls
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
-from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, link_of
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
@@ -68,6 +71,12 @@ class PlainState(ReplayState[M]):
     def _hit_from_base(self, source: Link) -> tuple[M, M]:
         clock, wait = super()._hit_from_base(source)
         return clock, self.zero if wait < self.zero else wait
+
+    def peg_hit(self, link: Pair) -> tuple[M, M]:
+        """See `RoundFalls.peg_hit`; only of what comes."""
+        wait = told_wait(self, link)
+        assert wait is not None, "a circle that was to fall onto another does not: a defect"
+        return self.faller(link).flight.t, wait
 
 
 # -- Tells when a run in finite precision goes round without end while its clock stands still.
@@ -199,6 +208,22 @@ class PlainReading(Generic[M]):
         return self._bounds(self._state.constant(time))
 
 
+class PlainPegs(Predictor[M]):
+    """Predictions of scenes in which circles stand under gravity. See `Predictor`."""
+
+    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `Predictor.predict`."""
+        predict_falls(self, moved, standing, gone, self._walls_of)
+
+    def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with one that stands."""
+        link = link_of(a, peg)
+        assert is_pair(link)
+        wait = told_wait(self.state, link)
+        if wait is not None:
+            self.push(a.flight.t + wait, link)
+
+
 class PlainMeetings(Generic[M]):
     """Predicts and orders meetings by the system's own comparisons.
 
@@ -220,7 +245,8 @@ class PlainMeetings(Generic[M]):
         numbers: NumberSystem[M],
         ask: Callable[[Question], int],
     ) -> None:
-        self._predictor = Predictor(scene, state, queue, plan, numbers.bounds, self._unsure)
+        made = PlainPegs if scene.pegs else Predictor
+        self._predictor = made(scene, state, queue, plan, numbers.bounds, self._unsure)
         self.slides = self._predictor.slides
         self._state = state
         self._sign = numbers.sign
@@ -610,11 +636,13 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
         return DoubleMotion(rows, float(end))
 
-    def fallen_motion(self, knots: Sequence[Sequence[Passed[F]]], end: Real, falling: Gravity[F]) -> Motion:
-        """As `motion`, under gravity."""
+    def fallen_motion(
+        self, knots: Sequence[Sequence[Passed[F]]], end: Real, falling: Gravity[F], pegs: Collection[int]
+    ) -> Motion:
+        """As `motion`, under gravity; some circles stand."""
         halves = float(falling.hx), float(falling.hy)
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
-        return FallingMotion(rows, float(end), halves)
+        return FallingMotion(rows, float(end), halves, pegs)
 
     def shown(self, time: F, instant: int) -> Real:
         """A time of the trajectory, from a number and the number of its instant."""
@@ -659,7 +687,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
             self.name,
             self.parameters,
             PlainDecider(inner, state, self.numbers),
-            self.motion if falling is None else lambda knots, end: self.fallen_motion(knots, end, falling),
+            self.motion if falling is None else lambda knots, end: self.fallen_motion(knots, end, falling, inner.pegs),
             self.shown,
             until=until,
             events=events,

@@ -326,7 +326,7 @@ class Run:
         if self.scene.gravity is None:
             return DoubleMotion(self.record.knots, final)
         gx, gy = self.world.space.gravity
-        return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt)
+        return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt, self.scene.pegs)
 
     def play(self) -> tuple[Stop, float]:
         """Runs to the end; why it ended, and when."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, isfinite, nan, nextafter, sqrt
@@ -166,6 +166,7 @@ class QuadMotion:
         knots: for each circle (t, x, y, vx, vy, number of the instant), ascending.
         end: the last time that may be asked for.
         falling: half of gravity; None without.
+        pegs: the circles that stand under it.
     """
 
     def __init__(
@@ -173,10 +174,12 @@ class QuadMotion:
         knots: Sequence[Sequence[Passed[DoubleDouble]]],
         end: Real,
         falling: Gravity[DoubleDouble] | None = None,
+        pegs: Collection[int] = (),
     ) -> None:
         self.knots = knots
         self.end = end
         self.falling = falling
+        self.pegs = pegs
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
@@ -188,14 +191,14 @@ class QuadMotion:
         if at < ZERO or at > end:
             raise ValueError(f"time {float(time)!r} is outside of the run: it lasts from 0 to {float(self.end)!r}")
         rows: list[tuple[float, float, float, float]] = []
-        for knots in self.knots:
+        for i, knots in enumerate(self.knots):
             if isinstance(time, QuadTime):
                 k = bisect_right(knots, time.instant, key=_instant) - 1
             else:
                 k = bisect_right(knots, at, key=_time) - 1
             t, x, y, vx, vy, _ = knots[max(k, 0)]
             lag = at - t
-            if self.falling is not None:
+            if self.falling is not None and i not in self.pegs:
                 x, y, vx, vy = map(float, self.falling.flown((x, y, vx, vy), lag))
                 rows.append((x, y, vx, vy))
                 continue
@@ -255,10 +258,14 @@ class QuadEngine(EventEngine[DoubleDouble]):
         return QuadMotion(knots, end)
 
     def fallen_motion(
-        self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real, falling: Gravity[DoubleDouble]
+        self,
+        knots: Sequence[Sequence[Passed[DoubleDouble]]],
+        end: Real,
+        falling: Gravity[DoubleDouble],
+        pegs: Collection[int],
     ) -> Motion:
         """See `EventEngine.fallen_motion`."""
-        return QuadMotion(knots, end, falling)
+        return QuadMotion(knots, end, falling, pegs)
 
     def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
         """See `EventEngine.shown`."""

@@ -6,6 +6,7 @@ import sys
 from types import FrameType
 from typing import Any, ClassVar, Protocol
 
+from .errors import SceneError
 from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene
 from .settings import positive_count, positive_time
@@ -20,9 +21,9 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "moving walls"}
+ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed", "moving walls"}
 """These, and the keys that an engine follows only where it says so: `Declared` leaves them out. `moving walls` have a
-`vx` or `vy`."""
+`vx` or `vy`; `fixed` is a circle that stands under gravity."""
 
 
 class Engine(Protocol):
@@ -83,6 +84,24 @@ class Engine(Protocol):
         only end a run: what it has before does not depend on them.
         """
         ...
+
+
+def refuse_pegs(scene: Scene, who: str, remedy: str) -> None:
+    """Refuses a scene in which a circle stands under gravity.
+
+    Raises:
+        SceneError: naming what does not take it, the circle, and what to do.
+
+    >>> from truebreak.scenarios import Circle
+    >>> scene = Scene([Circle(0, 9), Circle(0, 0, m="oo", id="peg")], gravity=(0, -1))
+    >>> refuse_pegs(scene, "tangent maps", "leave it out")
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: circle 'peg' is fixed, under gravity, and tangent maps do not take that; \
+leave it out
+    """
+    for i in scene.pegs:
+        raise SceneError(f"circle {scene.ids[i]!r} is fixed, under gravity, and {who} do not take that; {remedy}")
 
 
 class Unchangeable:

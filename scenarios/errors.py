@@ -24,6 +24,10 @@ class Disturbed(RuntimeError):
     which, and what to do."""
 
 
+class NoClosedForm(ValueError):
+    """A number of a run that square roots do not make, asked for in them. Its digits are to be had."""
+
+
 class TimeIsUp(BaseException):
     """The seconds that the user allowed a whole run are over. Like an interruption, it may come anywhere; engines
     end their runs at what is whole by then."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from itertools import islice
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from .things import Arc, Circle, Pocket, Polygon, Segment, Wall
@@ -195,6 +195,34 @@ def scene_picture(scene: Pictured, *, standalone: bool = False, across: float = 
     """The scene at time 0, with arrows for velocities, at most so many pixels wide."""
     rows = [tuple(float(value) for value in (c.x, c.y, c.vx, c.vy)) for c in scene.circles]
     return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone, across=across)
+
+
+Drawn = TypeVar("Drawn", bound=Pictured)
+
+
+def as_at(scene: Drawn, time: float) -> Drawn:
+    """A scene with its walls where they are at a time, to be drawn.
+
+    >>> from .scene import Scene
+    >>> from .things import Circle
+    >>> float(as_at(Scene([Circle(0, 0)], [Wall(9, 0, 9, 1, vx=-2)]), 1.5).walls[0].x1)
+    6.0
+    """
+    if not any(wall.moves for wall in scene.walls):
+        return scene
+    from copy import copy
+    from fractions import Fraction
+
+    from .numbers.quantity import Quantity
+    from .things import Wall
+
+    now, moved = Quantity.of(Fraction(time)), copy(scene)
+    walls = [
+        Wall(w.x0 + w.vx * now, w.y0 + w.vy * now, w.x1 + w.vx * now, w.y1 + w.vy * now, w.id, w.vx, w.vy)
+        for w in scene.walls
+    ]
+    object.__setattr__(moved, "walls", tuple(walls))
+    return moved
 
 
 def state_picture(

@@ -188,16 +188,19 @@ class Scene:
             self._check_falling()
 
     def _check_falling(self) -> None:
-        """Refuses what is round, fixed, and met under gravity: when that comes is a zero of a quartic."""
+        """Refuses what is met under gravity in ways that are not there yet."""
         fixed = next((circle for circle in self.circles if circle.fixed), None)
-        found = f"circle {fixed.id!r} is fixed" if fixed is not None else ""
+        if fixed is not None and (self.reverse_after is not None or self.reverse_at is not None):
+            key = "reverse_at" if self.reverse_after is None else "reverse_after"
+            raise SceneError(f"gravity: circle {fixed.id!r} is fixed, and no run is turned back there; leave {key} out")
+        found = ""
         for kind, things in (("pocket", self.pockets), ("segment", self.segments), ("polygon", self.polygons),
                              ("arc", self.arcs)):  # fmt: skip
             if things:
                 found = f"{kind} {things[0].id!r} is there"
         if found:
             raise SceneError(
-                f"gravity: {found}; under gravity there are walls and circles that move, and nothing else yet: "
+                f"gravity: {found}; under gravity there are walls and circles, and nothing else yet: "
                 "leave the one or the other out"
             )
 
@@ -254,6 +257,11 @@ class Scene:
         return self.restitution == ELASTIC
 
     @kept
+    def pegs(self) -> frozenset[int]:
+        """Under gravity, the circles that stand: when another falls onto one is a zero of a quartic. Else none."""
+        return frozenset(i for i, circle in enumerate(self.circles) if circle.fixed and self.gravity is not None)
+
+    @kept
     def ids(self) -> tuple[str, ...]:
         """Ids of the circles, then of the walls, the segments, the polygons and the arcs: the scene order."""
         things = (*self.circles, *self.walls, *self.segments, *self.polygons, *self.arcs, *self.arc_sides)
@@ -278,7 +286,7 @@ class Scene:
 
         found = copy(self)
         kept_values = vars(found)
-        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing"):
+        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing", "pegs"):
             kept_values.pop(name, None)
         kept_values["ends"] = range(len(self.circles), len(self.circles) + len(self._ends))
         kept_values["two_sided"] = range(len(self.walls), len(self.walls) + 2 * len(self.segments))
@@ -328,7 +336,7 @@ class Scene:
         if changes.keys() & THINGS:
             return Scene(**{**values, **changes})
         twin = copy(self)
-        for name in ("_hash", "surfaces"):
+        for name in ("_hash", "surfaces", "pegs"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
         if twin.moving_walls:

@@ -311,7 +311,7 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         """The events as a table, and a picture of the state that they lead to, for a notebook."""
-        from .pictures import html_table, shown, state_picture
+        from .pictures import as_at, html_table, shown, state_picture
 
         rows = (
             [event.index, float(event.time), ", ".join(f"{first} and {second}" for first, second in event.impulses)]
@@ -321,7 +321,8 @@ class Trajectory:
         caption = f"{self.scene.name} in {self.engine}: {'; '.join(told)}"
         table, final = html_table(caption, ("event", "time", "impulses"), rows, len(self.events)), self.final
         title = f"{self.scene.name} at time {float(self.final_time):.9g}"
-        picture = lambda: state_picture(self.scene, final.array().tolist(), title, standalone=True)  # noqa: E731
+        scene = as_at(self.scene, float(self.final_time))
+        picture = lambda: state_picture(scene, final.array().tolist(), title, standalone=True)  # noqa: E731
         return shown(table, self.scene, picture, title)
 
     @property

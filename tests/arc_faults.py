@@ -9,7 +9,6 @@ from segment_faults import AWAY, lowered
 
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Arc, Circle, Quantity, Scene
-from truebreak.scenarios.arcs import ArcSide
 
 
 def _sides(scene: Scene, change: Any) -> Scene:
@@ -65,8 +64,6 @@ SEEN = {
     "too wide within": _wide_within,
     "half-turns": _chord_as_half,
 }
-
-__all__ = ["SEEN", "ArcFault", "ArcSide"]
 
 
 @dataclass(frozen=True)

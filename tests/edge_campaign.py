@@ -25,11 +25,12 @@ from random import Random
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parent)
 
+import segment_referee as sharp
 from fuzz.relations import cells_from
 from joint_scenes import scene_of as joints
 from mpmath import mpf
 from polygon_scenes import scene_of as polygons
-from segment_referee import SAME, Disc, Referee, falls, number
+from segment_referee import Disc, Referee, falls, number
 from segment_scenes import scene_of as segments
 
 from truebreak.exact import ExactEngine
@@ -37,6 +38,8 @@ from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, SceneE
 from truebreak.scenarios.files import dump_toml
 
 UNTIL, EVENTS = 20, 10
+FINE = 320, mpf(10) ** -160
+"""The referee's digits, and what it takes for zero: an offset of 10**-25 is squared more than once in these scenes."""
 BASES: dict[str, Callable[[int], Scene | None]] = {"segments": segments, "polygons": polygons, "joints": joints}
 
 
@@ -60,7 +63,7 @@ class OlderReferee(Referee):
             for name, x, y, r in self.pockets:
                 dx, dy = x - disc.x, y - disc.y
                 inward = dx * disc.vx + dy * disc.vy
-                if abs(dx * dx + dy * dy - r * r) < SAME and inward > SAME and disc in self.discs:
+                if abs(dx * dx + dy * dy - r * r) < sharp.SAME and inward > sharp.SAME and disc in self.discs:
                     self.entries.append((self.now, disc.id, name))
                     if self.capture:
                         self.discs.remove(disc)
@@ -80,12 +83,12 @@ class OlderReferee(Referee):
         for disc in self.discs:
             for _, x, y, r in self.pockets:
                 hit = falls(x - disc.x, y - disc.y, -disc.vx, -disc.vy, r)
-                if hit is not None and hit[1] and hit[0] > SAME:
+                if hit is not None and hit[1] and hit[0] > sharp.SAME:
                     waits.append((hit[0], False))
         if self.turn_at is not None and self.turned is None:
             waits.append((self.turn_at - self.now, False))
         first = min((t for t, _ in waits), default=None)
-        return None if first is None else (first, any(blunt for t, blunt in waits if t < first + SAME))
+        return None if first is None else (first, any(blunt for t, blunt in waits if t < first + sharp.SAME))
 
     def play(self, until: mpf, events: int) -> bool:
         """To a time, or a number of events; whether that ended it at a point that hits an end."""
@@ -93,7 +96,7 @@ class OlderReferee(Referee):
         while True:
             self.settle()
             due = len(self.told) == self.turn_after or (
-                self.turn_at is not None and abs(self.turn_at - self.now) < SAME
+                self.turn_at is not None and abs(self.turn_at - self.now) < sharp.SAME
             )
             if len(self.told) < events and self.turned is None and due:
                 self.turned = len(self.told), self.now
@@ -103,7 +106,7 @@ class OlderReferee(Referee):
             if len(self.told) >= events:
                 return False
             coming = self.next_instant()
-            if coming is None or self.now + coming[0] > until + SAME:
+            if coming is None or self.now + coming[0] > until + sharp.SAME:
                 self.fly(until - self.now)
                 return False
             self.fly(coming[0])
@@ -195,8 +198,7 @@ def _swift(aged: Aged, rng: Random) -> Aged:
 
 
 def _gap(aged: Aged, rng: Random) -> Aged:
-    """By so much that its square is not below what the referee takes for zero."""
-    off = rng.choice((1, -1)) * Quantity.of(10) ** -rng.choice((12, 18, 22))
+    off = rng.choice((1, -1)) * Quantity.of(10) ** -rng.choice((12, 18, 25))
     axis = rng.choice(("x", "y", "vx", "vy"))
     return _with_one(aged, rng, lambda c: _again(c, **{axis: getattr(c, axis) + off}))
 
@@ -433,6 +435,7 @@ def main() -> int:
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--replay", type=int, default=None)
     options = parser.parse_args()
+    sharp.DIGITS, sharp.SAME = FINE
     if options.replay is not None:
         aged = scene_of(options.replay)
         if aged is not None:

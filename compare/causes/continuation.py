@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb
@@ -206,6 +207,18 @@ class Continuation:
             self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
             for stretch in self.stretches:
                 self._find_defects(stretch)
+
+    @cached_property
+    def _known_to_be_first(self) -> bool:
+        """Whether the exact flights, too, seem to come to the other run's meeting first, which they do not have.
+
+        So it is with a thing that a circle leaves just then: what an error makes of that says nothing.
+        """
+        if self.decision.rival is None:
+            return False
+        truth = RunReader(self.reference, turned_after=self._turned)
+        mine, theirs = (truth.hit_time(pairing) for pairing in (self.decision.first, self.decision.rival))
+        return mine is not None and theirs is not None and ball.sign_of(theirs - mine) != 1
 
     # -- states
 
@@ -514,7 +527,7 @@ class Continuation:
         reader = _Carried(self.reference, state, first, seen, turned, self._turned)
         found = reader.value_once(self.decision, self.bits)
         hits = self.decision.rival is not None and found is not None and ball.sign_of(found) == -1
-        self.forestalled = hits and reader.comes_late(self.decision)
+        self.forestalled = hits and (None if self._known_to_be_first else reader.comes_late(self.decision))
         return found
 
 

@@ -245,7 +245,7 @@ def diagnosed(
         value += sizes[name] * displacement
         if count == 1 and _not_alone(made, name, families[name]):
             continue
-        if value * margin <= 0 and value != margin:
+        if (value * margin <= 0 or abs(value) <= SUMMED * abs(margin)) and value != margin:
             return _named(made, tuple(_chief(each, families[each]) for each in pushing[:count]))
     if enough and sizes.get(enough[0].name, 1.0) > 0:  # what acts against the displacement is not what made it
         return _named(made, enough[:1])
@@ -285,6 +285,9 @@ def _named(made: Diagnosis, causes: tuple[CauseName, ...]) -> Diagnosis:
 
 SMALL = 0.1
 """Share from which on a kind is named, where none pushes the decision over without those that act against it."""
+
+SUMMED = 2.0**-40
+"""Share of the margin to which kinds add up in doubles: what an answer is rounded by is what was left to zero."""
 
 NEARLY_ALL = 0.9
 """Share of its family that a kind has to have to be named in its place."""

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from flint import arb
 
+from ...exact.exact_motion import ExactMotion, ExactValue
 from ...exact.numbers import ball
+from ...exact.replay.contact import is_pair
+from ...exact.replay.state import Kick
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, real
+from ...scenarios.surfaces import parts_of
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import Event
 from ..alignment.align import Span, align
@@ -155,6 +159,8 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         if row.suffices and row.cause in (CauseName["STEP"], CauseName["ITERATIONS"]):
             what = "at a finer step" if row.cause is CauseName["STEP"] else "with more iterations"
             return [Experiment(CauseName["TIE"], f"{what} it resolves the instant as the policy does", None, False)]
+    if shared := _one_end(lab):
+        return [shared]
     together = _together(lab)
     touches = lab.margin is not None and ball.sign_of(lab.margin) == 0
     if len(together) < 2 and not touches:
@@ -165,6 +171,52 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         told = "no order is in question: in the exact motion the two touch, so that any error decides"
         return [Experiment(CauseName["TIE"], told, None, False)]
     return _by_runs(lab, together)
+
+
+def _one_end(lab: Laboratory) -> Experiment | None:
+    """A row where the exact run meets an end that two things have in common, and the engine names the other of them.
+
+    Such an end is one thing, named by the first; by which name a history has it changes no flight. Shown by the run
+    with the names changed: up to there nothing else differs.
+    """
+    parted, run, ids = lab.divergence, lab.candidate.trajectory, lab.study.scene.ids
+    event, body, mine, theirs = parted.candidate_event, parted.body, parted.expected, parted.got
+    if mine is None or theirs is None or mine not in ids or theirs not in ids:
+        return None
+    if event is None or parted.expected_event >= len(lab.reference.events):
+        return None
+    parts = parts_of(lab.study.scene)
+    one, other = (parts.get(ids.index(name)) for name in (mine, theirs))
+    if one is None or other is None or not _met(lab, ids.index(body), {*one.ends} & {*other.ends}):
+        return None
+    renamed: list[Event] = []
+    for each in run.events:
+        if each.index == event:
+            lists = [tuple(dict.fromkeys(_named_as(pair, body, theirs, mine) for pair in pairs))
+                     for pairs in (each.contacts, each.impulses)]  # fmt: skip
+            each = replace(each, contacts=lists[0], impulses=lists[1])
+        renamed.append(each)
+    again = replace(run, events=tuple(renamed))
+    found = align(lab.reference, again, span=lab.study.span, bits=lab.engine.bits).divergence
+    if found is not None and found.expected_event <= parted.expected_event:
+        return None
+    rest = "nothing differs" if found is None else "nothing differs up to there"
+    told = f"{mine} and {theirs} share the point that {body} meets: one end, which {lab.name} names by {theirs}"
+    return Experiment(CauseName["TIE"], f"{told}; with the other name {rest}", None, True)
+
+
+def _named_as(pair: Contact, body: str, before: str, now: str) -> Contact:
+    """A contact of a body, with its partner's name changed if it is that one."""
+    return type(pair)(*(now if name == before else name for name in pair)) if body in pair else pair
+
+
+def _met(lab: Laboratory, body: int, ends: Collection[int]) -> bool:
+    """Whether a circle meets one of some ends at the reference's event in question: as its log has it."""
+    motion, event = lab.reference.motion, lab.reference.events[lab.divergence.expected_event]
+    if not ends or not isinstance(motion, ExactMotion) or not isinstance(event.time, ExactValue):
+        return False
+    step = motion.log.steps[event.time.upto - 1]
+    return isinstance(step, Kick) and any(is_pair(link) and link.a == body and link.b in ends for link in step.among)
 
 
 def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:

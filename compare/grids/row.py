@@ -332,6 +332,26 @@ def compared(study: Study, candidate: Candidate, index: int, scene: str) -> Row:
     )
 
 
+def energy_gained(trajectory: Trajectory) -> float:
+    """The energy of the circles at the end of a run less that at its start; under gravity that of the fall counts.
+
+    Of a run that loses none at contacts it is what walls that move brought in.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import Circle, Scene, Wall
+    >>> energy_gained(ExactEngine().run(Scene([Circle(3, 0, m=2)], [Wall(0, 0, 0, 1, vx=1)]), until=4))
+    4.0
+    """
+    final, gained = trajectory.final, 0.0
+    gx, gy = map(float, trajectory.scene.gravity or (0, 0))
+    for start in trajectory.scene.circles:
+        if not start.fixed:
+            end, mass = final[str(start.id)], 1.0 / float(start.inverse_mass)
+            gained += mass / 2 * (float(end.vx) ** 2 + float(end.vy) ** 2 - float(start.vx) ** 2 - float(start.vy) ** 2)
+            gained -= mass * (gx * (float(end.x) - float(start.x)) + gy * (float(end.y) - float(start.y)))
+    return gained
+
+
 def energy_drift(trajectory: Trajectory) -> float | None:
     """The energy gained by the end of a run, as a share of that at its start.
 

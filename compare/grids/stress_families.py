@@ -13,7 +13,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.precision import at_bits
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Wall
+from ...scenarios.things import Circle, Segment, Wall
 from ...scenarios.trajectory import Trajectory
 from ..engines import suggestion
 
@@ -207,6 +207,25 @@ def drift_known(run: Trajectory, k: int, side: str, seed: int) -> bool:
     return run.events[0].impulses == ((("fast", "slow") if side == "in" else ("fast", "front")),)
 
 
+def end(k: int, side: str, seed: int) -> Scene:
+    """A ball flies past the end of a segment that stands across its way, 2**-k too near or too far.
+
+    >>> scene = end(3, "hit", 0)
+    >>> scene.segments[0].x0.text(), scene.circles[0].x.text()
+    ('0', '-37/10')
+    """
+    beside = 1 + Quantity.of(2) ** -k * (-1 if side == "hit" else 1)
+    ball = Circle(-5 * COS - beside * SIN, -5 * SIN + beside * COS, vx=COS, vy=SIN, id="ball")
+    walls = [Wall(d * COS, d * SIN, d * COS - SIN, d * SIN + COS, id=name) for d, name in ((-9, "back"), (9, "front"))]
+    return Scene([ball], walls, segments=[Segment(0, 0, 3 * SIN, -3 * COS, id="bar")], events=4)
+
+
+def end_known(run: Trajectory, k: int, side: str, seed: int) -> bool:
+    """Whether the ball meets the segment before anything else, or flies on to the front wall, and to the back."""
+    met = [event.impulses for event in run.events]
+    return met[0] == (("ball", "bar"),) if side == "hit" else met[:2] == [(("ball", "front"),), (("ball", "back"),)]
+
+
 def kick(k: int, side: str, seed: int) -> Scene:
     """Lee's three balls, 10**k as heavy, the outer two equally far off; a ball of mass 1 catches one up and pushes it.
 
@@ -374,6 +393,12 @@ ALL = (
         summary="A ball passes another, which rests, at the distance of their radii plus or minus 10**-k.",
         grows="10**-k is what it misses by, or overlaps by",
         make=graze, first=1, last=40, most=300, sides=("hit", "miss"), known=graze_known,
+    ),
+    StressFamily(
+        name="ends",
+        summary="A ball passes the end of a segment at the distance of its radius plus or minus 2**-k.",
+        grows="2**-k is what it misses by, or overlaps by",
+        make=end, first=1, last=60, most=1000, sides=("hit", "miss"), known=end_known,
     ),
     StressFamily(
         name="slow-fast",

@@ -259,7 +259,8 @@ def _share_words(candidate: Candidate) -> str:
     total = f"the margin by {found.displacement:+.3g}"
     if pushes == [str(found)] and not against:
         return f"{cause}: the margin shifts by {found.displacement:+.3g}."
-    named = summed(pushes) if pushes == [c.value for c in found.causes] else f"{cause}: {summed(pushes)}"
+    leads = pushes == [c.value for c in found.causes] or pushes[0] == str(found)
+    named = summed(pushes) if leads else f"{cause}: {summed(pushes)}"
     return f"{_capital(named)}{back}, shift {total}."
 
 

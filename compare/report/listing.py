@@ -168,6 +168,11 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
         say(out, f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
     for note in trajectory.notes:
         say(out, note)
+    if scene.moving_walls:
+        from ..grids.row import energy_gained
+
+        less = "" if scene.elastic else ", less what contacts lost"
+        say(out, f"energy: walls that move brought in {energy_gained(trajectory):.9g}{less}")
     if trajectory.assumptions:
         for assumption in trajectory.assumptions[:1]:
             say(out, str(assumption), "bold yellow")

@@ -115,7 +115,7 @@ def played(
         runs.append({**run, "name": other.name, "title": other.name, "number": other.number, **other.told})
     return {
         "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
-        "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
+        "walls": [[*wall_line(w), str(w.id), *((float(w.vx), float(w.vy)) if w.moves else ())] for w in scene.walls],
         "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
         **({"segments": [segment_line(s) for s in scene.segments]} if scene.segments else {}),
         **({"arcs": [arc_line(a) for a in scene.arcs]} if scene.arcs else {}),

@@ -163,15 +163,16 @@ def _looked(run: Trajectory) -> str:
 def named(scene: Scene, name: str | None) -> str:
     """A thing by kind and id.
 
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> named(Scene([Circle(0, 0, id="b3")]), "b3")
-    'circle b3'
+    >>> from truebreak.scenarios import Circle, Scene, Segment
+    >>> scene = Scene([Circle(0, 5, id="b3")], segments=[Segment(0, 0, 1, 0, id="bar")])
+    >>> named(scene, "b3"), named(scene, "bar")
+    ('circle b3', 'segment bar')
     """
     if name is None:
         return "nothing"
-    if any(wall.id == name for wall in scene.walls):
-        return f"wall {name}"
-    return f"circle {name}"
+    kinds = {"wall": scene.walls, "segment": scene.segments, "polygon": scene.polygons, "arc": scene.arcs}
+    kind = next((kind for kind, things in kinds.items() if any(thing.id == name for thing in things)), "circle")
+    return f"{kind} {name}"
 
 
 def tied(partners: str | None) -> str:

@@ -229,22 +229,15 @@ class ErrorWalk:
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
-        if run.scene.segments:
-            raise SceneError(
-                f"{run.scene.name!r}: has segments, where what rounding may do is not bounded yet; take walls"
-            )
-        if run.scene.polygons:
-            raise SceneError(f"{run.scene.name!r}: has polygons, where what rounding may do is not bounded yet")
-        if run.scene.arcs:
-            raise SceneError(f"{run.scene.name!r}: has arcs, where what rounding may do is not bounded yet; take walls")
-        if not run.scene.elastic:
-            raise SceneError(
-                f"{run.scene.name!r}: has a restitution below 1, where what rounding may do is not bounded yet"
-            )
-        if run.scene.moving_walls:
-            raise SceneError(f"{run.scene.name!r}: has walls that move, where what rounding may do is not bounded yet")
-        if run.scene.gravity is not None:
-            raise SceneError(f"{run.scene.name!r}: has gravity, where what rounding may do is not bounded yet")
+        scene = run.scene
+        beyond = {
+            "segments": bool(scene.segments), "polygons": bool(scene.polygons), "arcs": bool(scene.arcs),
+            "a restitution below 1": not scene.elastic, "walls that move": bool(scene.moving_walls),
+            "gravity": scene.gravity is not None,
+        }  # fmt: skip
+        for what in (name for name, there in beyond.items() if there):
+            told = f"{scene.name!r}: has {what}, where what rounding may do is not bounded yet"
+            raise SceneError(f"{told}; give a span: events=N, or until=T")
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids

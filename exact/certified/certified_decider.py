@@ -15,7 +15,20 @@ from ..numbers import ball
 from ..numbers.ball import Known
 from ..numbers.system import BudgetSpent, Undecided
 from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..replay.contact import AtWall, Body, Entry, Link, Touch, can_push, is_arc, is_flat, name_of, touching_at_start
+from ..replay.contact import (
+    AtWall,
+    Body,
+    Entry,
+    Link,
+    Pair,
+    Touch,
+    can_push,
+    is_arc,
+    is_flat,
+    is_pair,
+    name_of,
+    touching_at_start,
+)  # fmt: skip
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.arc_meetings import arc_contact
@@ -23,7 +36,7 @@ from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecor
 from ..simulation.prediction import Arrival, ArrivalQueue
 from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
 from .filtered import FilteredPredictor
-from .filtered_arcs import ArcPredictor
+from .filtered_arcs import ArcPredictor, PegPredictor
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -183,7 +196,7 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        made = ArcPredictor if scene.arc_sides else FilteredPredictor
+        made = ArcPredictor if scene.arc_sides else PegPredictor if scene.pegs else FilteredPredictor
         self.predictor = made(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state
@@ -224,6 +237,8 @@ class CertifiedMeetings:
         """
         link = arrival.link
         self._plan["doubtful settled"] += 1
+        if is_pair(link) and self._state.balls.on_peg(link):
+            return self._settled_fall(arrival, link)
         if is_arc(link):
             disc = arc_contact(link, lambda question: self._judge.decide(question).sign, final=True)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
@@ -258,6 +273,24 @@ class CertifiedMeetings:
                 raise Undecided(f"{why}, {where}; more than {self._work} units of work (--work)")
             spent += units
             self._precision.rise(why)
+
+    def _settled_fall(self, arrival: Arrival[arb], link: Pair) -> Arrival[arb] | None:
+        """As `settled`, of a circle that falls onto one that stands: more bits, and no proof of a graze."""
+        spent, predictor = 0, self.predictor
+        assert isinstance(predictor, PegPredictor)
+        while True:
+            found = predictor.in_full(link)
+            if found is None:
+                return None
+            if isinstance(found, arb):
+                low, high = ball.double_bounds(found)
+                return arrival._replace(low=low, high=high, certain=True, time=found)
+            why = f"whether {self._judge.name(link)} hit, graze or miss, at a zero of a quartic, which no field holds"
+            spent += self._precision.units()
+            if spent > self._work:
+                where = f"{self._precision.where()}, with {self._state.bits} bits"
+                raise Undecided(f"{why}, is not proved, {where}; {spent} units of work of {self._work} (--work)")
+            self._precision.rise(f"{why}, was undecided")
 
     def _misses(self, link: Link) -> bool:
         """Whether a circle that approaches a face meets its line outside of it: its ends are none of it."""
@@ -326,6 +359,8 @@ class CertifiedMeetings:
         A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
         """
         self._plan["full predictions"] += 1
+        if isinstance(self.predictor, PegPredictor) and self._state.balls.on_peg(link):
+            return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:

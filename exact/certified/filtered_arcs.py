@@ -1,4 +1,4 @@
-"""Predictions of the exact engine at arcs: in doubles beyond a bound on their rounding, else in short balls."""
+"""Predictions of the exact engine at arcs, and at circles that stand under gravity: in doubles, else short balls."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..replay.contact import AtArc, Body, Link
+from ..numbers.system import Undecided
+from ..replay.contact import AtArc, Body, Link, Pair, is_pair, name_of
 from ..replay.refinable import RefinableState
+from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
-from ..simulation.arc_meetings import ArcSides, Predicting
+from ..simulation.arc_meetings import ArcSides, Predicting, predict_falls
 from ..simulation.prediction import ArrivalQueue
 from .filtered import (
     ACCURATE_BITS,
@@ -180,3 +182,54 @@ class ArcPredictor(FilteredPredictor):
     ) -> None:
         super().__init__(scene, refinable, queue, plan, unsure)
         self.arcs = ShortArcSides(scene, refinable.balls, self)
+
+
+class PegPredictor(FilteredPredictor):
+    """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
+
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `Predictor.predict`."""
+        predict_falls(self, moved, standing, gone, self._walls_of)
+
+    def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with one that stands."""
+        state = self.refinable.balls
+        i, j = a.index, peg.index
+        link = Pair(i, j) if i < j else Pair(j, i)
+        if link in standing and not state.stood(link):
+            raise Undecided(
+                f"{name_of(self.scene, link)} touch at one instant with other contacts, and not by an impulse of their "
+                "own: what comes then, under gravity, is not decided"
+            )
+        self.prepare()
+        flight = a.flight
+        end = inf if a.until == inf else (a.until - ball.double_bounds(flight.instant)[0]) * (1 + 2.0**-40)
+        if end <= 0.0:
+            return
+        found = peg_meeting(state, link, end)
+        if isinstance(found, arb):
+            low, high = self.bounds(time := flight.t + found)
+            if low <= a.until:
+                self.queue.push(low, high, time, link)
+                a.until = min(a.until, high)
+        elif found is not None:
+            self.plan["unclear in doubles"] += 1
+            self.unsure(link)
+
+    def in_full(self, link: Pair) -> arb | Unclear | None:
+        """When a circle falls onto one that stands, in full balls; what is known of it."""
+        state = self.refinable
+        ball.use_bits(state.bits)
+        state.sync(link.circles)
+        found = peg_meeting(state.balls, link, inf)
+        return state.balls.faller(link).flight.t + found if isinstance(found, arb) else found
+
+    def push_unsure(self, link: Link) -> None:
+        """Queues one that short balls leave open, as full ones have it."""
+        assert is_pair(link)
+        found = self.in_full(link)
+        if isinstance(found, arb):
+            self.push(found, link)
+        elif found is not None:
+            begun = self.refinable.balls.faller(link).flight.instant
+            self.queue.push_doubtful(ball.double_bounds(begun + arb(found.since))[0], link)

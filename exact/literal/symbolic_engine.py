@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Integer
 
-from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon
+from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_pegs
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
@@ -147,7 +147,7 @@ class SymbolicEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`: no circle is ever taken out of play."""
-        return ALL_KEYS - {"capture"}
+        return ALL_KEYS - {"capture", "fixed"}
 
     @property
     def name(self) -> str:
@@ -165,8 +165,10 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, or a scene in which pockets capture circles.
+            SceneError: for a limit that is not above zero, a scene in which pockets capture circles, or one in which a
+                circle stands under gravity.
         """
+        refuse_pegs(scene, "square roots", "a fall onto it is a zero of a quartic: use exact, or leave gravity out")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
         until_, events_ = horizon(scene, until, events)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
@@ -22,6 +23,7 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
+from .round_falls import peg_wait
 from .state import ReplayState
 
 # -- A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
@@ -58,6 +60,7 @@ class BallState(ReplayState[arb]):
         self._root: arb | None = None
         self._straight = False
         self._mirrors: dict[int, Mirror] = {}
+        self._peg_hits: dict[Pair, tuple[Flight[arb], int, arb]] = {}
 
     def set_instant(self, base: arb, wait: arb) -> tuple[arb, arb]:
         """A clock without radius at the middle of the instant."""
@@ -69,7 +72,7 @@ class BallState(ReplayState[arb]):
 
     def _hit_from_base(self, source: Link) -> tuple[arb, arb]:
         """The time of the hit, and for two circles their d at it."""
-        if is_flat(source):
+        if is_flat(source) or (self.pegs and self.on_peg(source)):
             return source.hit(self)
         t, wait, dx, dy, root = self._meeting(source)
         self._told, self._root, self._straight = (source, dx, dy), root, root is None
@@ -125,13 +128,20 @@ class BallState(ReplayState[arb]):
         for mine, new in zip((*self.pockets, *self.arcs), (*other.pockets, *other.arcs), strict=True):
             mine.become(new)
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
+        self.contacts = other.contacts
         self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
         self.instant, self.late, self.met = other.instant, other.late, other.met
         self.falling, self.drifts = other.falling, other.drifts
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
-        """As `ReplayState.round_hit`, in the sharper form."""
-        return self._meeting(link)[:2]
+        """As `ReplayState.round_hit`, in the sharper form; onto a peg, made once for a flight and a precision."""
+        if not (is_pair(link) and self.pegs and self.on_peg(link)):
+            return self._meeting(link)[:2]
+        flight, bits = self.faller(link).flight, ball.bits_in_use()
+        known = self._peg_hits.get(link)
+        if known is None or known[0] is not flight or known[1] != bits:
+            known = self._peg_hits[link] = flight, bits, peg_wait(self, link, inf)
+        return flight.t, known[2]
 
     def arc_hit(self, link: AtArc) -> tuple[arb, arb]:
         """As `ReplayState.arc_hit`, in the sharper form."""
@@ -508,7 +518,8 @@ class LoneContacts:
         if circles[a.index].fixed:
             a, b, share = b, a, share_b
         ax, ay, vx, vy, base, _, _, _, rest = a.flight
-        if rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
+        falls = self._state.falling is not None
+        if falls or rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
             return None
         bx, by, ux, uy, *_ = b.flight
         worst = a.acc + SPARE_BITS

@@ -669,3 +669,17 @@ class WallFall(NamedTuple, Generic[N]):
     gap: N
     approach: N
     half: N
+
+
+# -- Another body, as one sees it.
+
+
+class Relation(NamedTuple, Generic[N]):
+    """Two bodies at the later of their clocks: that clock, d = b - a, v = b - a, R."""
+
+    t: N
+    dx: N
+    dy: N
+    vx: N
+    vy: N
+    reach: N

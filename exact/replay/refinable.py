@@ -160,6 +160,8 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
+        if self.balls.pegs and self.balls.on_peg(link):
+            return False
         if self._in_play and not self._all_leave(link):
             return False
         accuracy = self.lone.strike(link, self.bits, len(self.steps))

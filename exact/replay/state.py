@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Generic, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -24,7 +24,8 @@ from ..laws.formulas import (
     wall_bounce,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Round, Sides, Touch
+from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch, is_pair
+from .round_falls import RoundFalls
 from .wall_flights import WallFlights
 
 if TYPE_CHECKING:
@@ -142,18 +143,7 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
 # -- The circles and walls of a scene in one number system, as they fly: how far two are apart, and when they meet.
 
 
-class Relation(NamedTuple, Generic[N]):
-    """Two bodies at the later of their clocks: that clock, d = b - a, v = b - a, R."""
-
-    t: N
-    dx: N
-    dy: N
-    vx: N
-    vy: N
-    reach: N
-
-
-class Flights(WallFlights[N]):
+class Flights(RoundFalls[N], WallFlights[N]):
     """Bodies and walls of a scene in one number system.
 
     Args:
@@ -195,11 +185,12 @@ class Flights(WallFlights[N]):
         self.arcs = [self._still(k, side, False) for k, side in enumerate(scene.arc_sides)]
         self._lines = {}
         self.sides = Sides(scene)
+        self.pegs, self.contacts = scene.pegs, {}
 
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
         x, y, vx, vy = constant(circle.x), constant(circle.y), constant(circle.vx), constant(circle.vy)
-        flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest and not self.bends)
+        flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest and (not self.bends or circle.fixed))
         r, m = circle.r, circle.m
         if r.rational is None or (isinstance(m, Quantity) and m.rational is None):
             return Body(i, flight, constant(r), constant(circle.inverse_mass))
@@ -219,8 +210,10 @@ class Flights(WallFlights[N]):
         """The two of a contact at the later of their clocks, which the log's order tells without a comparison."""
         a, b = link.ends(self)
         f, g = a.flight, b.flight
+        if self.pegs and self.on_peg(link):
+            return self.peg_relation(link)
         if self.falling is not None and self.falling.bent:
-            return self._bent_relation(self.falling, a, b)
+            return self.bent_relation(self.falling, a, b)
         ax, ay, bx, by = f.x, f.y, g.x, g.y
         if f.last >= g.last:
             t = f.t
@@ -234,16 +227,10 @@ class Flights(WallFlights[N]):
                 ax, ay = advance(ax, f.vx, lag), advance(ay, f.vy, lag)
         return Relation(t, bx - ax, by - ay, g.vx - f.vx, g.vy - f.vy, self.reach(a, b))
 
-    def _bent_relation(self, falling: Gravity[N], a: Body[N], b: Body[N]) -> Relation[N]:
-        """As `relation`, in true coordinates, where velocities change too until the later of the clocks."""
-        f, g = a.flight, b.flight
-        t = f.t if f.last >= g.last else g.t
-        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f[:4], t - f.t)
-        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g[:4], t - g.t)
-        return Relation(t, bx - ax, by - ay, bvx - avx, bvy - avy, self.reach(a, b))
-
     def later(self, link: Round) -> Body[N]:
-        """The one of the two of a contact whose flight is newer."""
+        """The one of the two of a contact whose flight is newer; one that falls, rather than one that stands."""
+        if self.pegs and self.on_peg(link):
+            return self.faller(link)
         a, b = link.ends(self)
         return a if a.flight.last >= b.flight.last else b
 
@@ -255,6 +242,8 @@ class Flights(WallFlights[N]):
 
     def round_gap(self, link: Round) -> N:
         """|d|^2 - R^2 at the later clock; in enclosures, whose clocks may stand beside it, at the instant."""
+        if self.pegs and self.on_peg(link):
+            return self.peg_fall(link).gap()
         pair, late = self.relation(link), self.later(link).flight.late
         if late is None:
             return pair_gap(pair.dx, pair.dy, pair.reach)
@@ -262,6 +251,8 @@ class Flights(WallFlights[N]):
 
     def round_approach(self, link: Round) -> N:
         """d.v then: negative while the two come nearer."""
+        if self.pegs and self.on_peg(link):
+            return self.peg_fall(link).approach()
         pair, late = self.relation(link), self.later(link).flight.late
         if late is None:
             return pair_approach(pair.dx, pair.dy, pair.vx, pair.vy)
@@ -274,6 +265,8 @@ class Flights(WallFlights[N]):
 
     def round_hit(self, link: Round) -> tuple[N, N]:
         """The clock from which the hit is reckoned, and the time from it to the hit."""
+        if is_pair(link) and self.pegs and self.on_peg(link):
+            return self.peg_hit(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
         return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
@@ -285,6 +278,8 @@ class Flights(WallFlights[N]):
 
     def round_parts(self, link: Round) -> tuple[N, N, N]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
+        if self.pegs and self.on_peg(link):
+            return self.no_closed_form()
         t, dx, dy, vx, vy, reach = self.relation(link)
         a = vx * vx + vy * vy
         disc = pair_discriminant(dx, dy, vx, vy, reach)
@@ -340,6 +335,8 @@ class ReplayState(Flights[N]):
             self.go(step.source, step.bodies)
         elif type(step) is Kick:
             self.kick(step.links)
+            if self.pegs:
+                self.note_stood(step.among)
         elif type(step) is Take:
             self.take(step.body)
         else:
@@ -362,7 +359,7 @@ class ReplayState(Flights[N]):
             body = self.bodies[index]
             x, y, vx, vy, t, _, _, _, rest = body.flight
             if falls is not None and falls.bent:
-                if t is not clock:
+                if t is not clock and index not in self.pegs:
                     x, y, vx, vy = falls.flown((x, y, vx, vy), lag if lag is not None and t is base else clock - t)
             elif not rest and t is not clock:
                 step = lag if lag is not None and t is base else clock - t
@@ -396,6 +393,8 @@ class ReplayState(Flights[N]):
         """d of two bodies at the instant."""
         if self.met is not None and self.met[0] == link:
             return self.met[1], self.met[2]
+        if self.pegs and self.on_peg(link):
+            return self.peg_fall(link)[:2]
         a, b = link.ends(self)
         (ax, ay), (bx, by) = self.place(a), self.place(b)
         return bx - ax, by - ay
@@ -406,6 +405,8 @@ class ReplayState(Flights[N]):
 
     def round_closing(self, link: Round) -> N:
         """d.v at the instant: negative while the two come nearer."""
+        if self.pegs and self.on_peg(link):
+            return self.peg_fall(link).approach()
         a, b = link.ends(self)
         return pair_approach(*self.span(link), b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy)
 
@@ -423,8 +424,9 @@ class ReplayState(Flights[N]):
         """The bounce of two circles."""
         dx, dy = self.span(link)
         a, b = link.ends(self)
-        vx, vy = b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy
-        jx, jy = pair_impulse(dx, dy, vx, vy, self.reach(a, b), a.w, b.w)
+        on_peg = self.pegs and self.on_peg(link)
+        v = self.peg_fall(link)[2:4] if on_peg else (b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy)
+        jx, jy = pair_impulse(dx, dy, *v, self.reach(a, b), a.w, b.w)
         if self.share is not None:
             jx, jy = jx * self.share, jy * self.share
         self.push(a, -jx, -jy)

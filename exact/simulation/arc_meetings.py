@@ -1,8 +1,9 @@
-"""When a circle meets an arc next: the outside as its path comes to it, the inside as it leaves what is within."""
+"""When a circle meets an arc next, or a circle that stands under gravity."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
 from typing import Generic, Protocol
 
 from ...scenarios.scene import Scene
@@ -21,7 +22,9 @@ from ..replay.arc_ranges import arc_chord
 from ..replay.contact import AtArc, Body, Link
 from ..replay.state import ReplayState
 
-# -- The two sides of an arc of radius r are two circles about its middle, of R = r + rho and R = r - rho, for a circle
+# -- Arcs: the outside is met as a path comes to it, the inside as it leaves what is within.
+#
+# The two sides of an arc of radius r are two circles about its middle, of R = r + rho and R = r - rho, for a circle
 # of radius rho whose centre flies straight. It is outside of R, or comes to be within it at the first zero of the gap
 # |D|^2 - R^2, and leaves it at the second. It meets the outside at the first, if that is to come: D shrinks to R there.
 # It meets the inside at the second, if that is to come, wherever it is before: within R; or beyond, where it has to
@@ -165,3 +168,49 @@ class ArcSides(Generic[M]):
         if within < zero:
             return False, None
         return (True, at + wait) if within > zero else (None, None)
+
+
+# -- Circles that stand while others fall are met like walls: what a flight would meet after one, it does not.
+
+
+class PegMeetings(Protocol[M]):
+    """What predicts meetings of circles that fall: see `Predictor`."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def state(self) -> ReplayState[M]: ...
+    @property
+    def plan(self) -> Counter[str]: ...
+    def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None: ...
+    def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None: ...
+
+
+def predict_falls(
+    predictor: PegMeetings[M],
+    moved: Sequence[Body[M]],
+    standing: Collection[Link],
+    gone: Collection[int],
+    walls: Callable[[Sequence[Body[M]], Collection[Link]], None],
+) -> None:
+    """As `Predictor.predict`, where circles stand under gravity: walls first, then those, then circles that fall."""
+    pegs = predictor.scene.pegs
+    moved = [a for a in moved if a.index not in gone]
+    walls([a for a in moved if a.index not in pegs], standing)
+    others = [b for b in predictor.state.bodies.values() if b.index not in gone]
+    predicted = 0
+    for a in moved:
+        others.remove(a)
+        movers = [b for b in others if b.index not in pegs]
+        if a.index in pegs:
+            for b in movers:
+                predictor.fall_onto(b, a, standing)
+            predicted += len(movers)
+            continue
+        for b in others:
+            if b.index in pegs:
+                predictor.fall_onto(a, b, standing)
+        predictor.pairs(a, movers, standing)
+        predicted += len(others)
+    if moved:
+        predictor.plan["pairs predicted"] += predicted

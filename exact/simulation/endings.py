@@ -17,7 +17,7 @@ from ...scenarios.things import Squeeze
 from ..laws.formulas import fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, name_of
+from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, is_pair, name_of
 from ..replay.state import Constant, ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
@@ -108,7 +108,17 @@ class Endings:
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
+
+        Raises:
+            Undecided: where one stands on, or flies along, something round and fixed.
         """
+        pegs = self.scene.pegs
+        for link, sign in standing.items():
+            if pegs and sign == 0 and not pegs.isdisjoint(link.circles) and is_pair(link):
+                raise Undecided(
+                    f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
+                    "rests on the other, slides along it or flies off is not followed"
+                )
         names = [
             name_of(self.scene, link)
             for link, sign in standing.items()
@@ -219,11 +229,12 @@ class Endings:
         if moving and sum(not circle.fixed for circle in circles) > 1:
             return False
         gx, gy = (ball.constant(part) for part in self.scene.gravity or ())
-        masses, radii = [1 / ball.constant(c.inverse_mass) for c in circles], [ball.constant(c.r) for c in circles]
+        radii, pegs = [ball.constant(c.r) for c in circles], self.scene.pegs
+        masses = [arb(0) if k in pegs else 1 / ball.constant(c.inverse_mass) for k, c in enumerate(circles)]
         pull = (gx * gx + gy * gy).sqrt()
         doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
         swing = doubled.sqrt() + pull * sum(masses, arb(0)).sqrt() * wait
-        ways = [swing / m.sqrt() * wait for m in masses]
+        ways = [arb(0) if k in pegs else swing / m.sqrt() * wait for k, m in enumerate(masses)]
         i = link.circle
         x, y, vx, vy = rows[i]
         ux, uy, drift = self._pace(link.wall)
@@ -281,16 +292,18 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
     rows: list[tuple[N, N, N, N]] = []
     for body in state.bodies.values():
         x, y, vx, vy, t, *_ = body.flight
-        if falling.bent:
+        if body.index in state.pegs:
+            rows.append((x, y, vx, vy))
+        elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
-            continue
-        zero = state.zero
-        rows.append(
-            (
-                x + vx * (time - t) + sag(zero, zero, falling.hx, time),
-                y + vy * (time - t) + sag(zero, zero, falling.hy, time),
-                fall_speed(vx, falling.hx, time),
-                fall_speed(vy, falling.hy, time),
+        else:
+            zero = state.zero
+            rows.append(
+                (
+                    x + vx * (time - t) + sag(zero, zero, falling.hx, time),
+                    y + vy * (time - t) + sag(zero, zero, falling.hy, time),
+                    fall_speed(vx, falling.hx, time),
+                    fall_speed(vy, falling.hy, time),
+                )
             )
-        )
     return rows

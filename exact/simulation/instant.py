@@ -269,6 +269,8 @@ class Resolver(Generic[N, K]):
         """
         if is_flat(link):
             return self._sides.pull(*link[:2]) == 0
+        if not self.scene.pegs.isdisjoint(link.circles):
+            return False  # whatever falls along something round leaves it, or ends the run (see `Endings`)
         if self.decider.ask(RelativeSpeed(link)) == 0:
             return True
         if is_arc(link) and link.hollow:

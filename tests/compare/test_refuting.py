@@ -92,6 +92,16 @@ def test_what_changes_the_decision_among_segments_does_so_in_a_free_run(seed: in
     assert not outcome.refutations, refuted([outcome])
 
 
+def test_a_thing_that_a_circle_just_leaves_is_no_meeting_that_comes_first() -> None:
+    """pymunk meets the segment again a step later; that the exact flight touches it as it begins says nothing."""
+    scene = segment_scene(71201)
+    assert scene is not None
+    outcome = tried(Job("segments 71201", scene, "pymunk:dt=1/256", 24))
+    assert outcome.causes == ("errors of its steps",)
+    assert INPUT not in outcome.suffices
+    assert not outcome.refutations, refuted([outcome])
+
+
 def test_the_refuter_rounds_every_number_of_a_scene_as_the_engine_is_given_it() -> None:
     scenes = [segment_scene(70214), segment_scene(70309), polygon_scene(70287)]
     for scene in filter(None, scenes):

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -12,9 +17,12 @@ from truebreak.compare.adapters.box2d import Box2DEngine
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import certificate_of
 from truebreak.compare.certificate.certified import difference
+from truebreak.compare.deadline import Clock
 from truebreak.compare.foreign.impulses import Impacts
-from truebreak.compare.grids.row import energy_drift
+from truebreak.compare.grids.row import energy_drift, energy_gained
 from truebreak.compare.report.floats import floats_json
+from truebreak.compare.report.listing import print_trajectory
+from truebreak.compare.report.player import played
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import check_start
 from truebreak.compare.tolerances.errors_grown import local_error
@@ -27,8 +35,9 @@ from truebreak.exact.replay.state import Flights, ReplayState
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.exact.simulation import prediction
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall, pictures
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
+from truebreak.scenarios.pictures import as_at
 
 UNTIL, EVENTS = 12, 14
 
@@ -431,3 +440,43 @@ def test_files_hold_them_and_digests_of_others_stay():
         text = f'[[circle]]\nid = "a"\nx = 0\ny = 0\nr = 1\n[[{kind}]]\nid = "s"\n{body}\nvx = 1\n'
         with pytest.raises(SceneError, match=f"{kind} 's': vx: of what is fixed, walls alone move"):
             loads_toml(text)
+
+
+def test_pictures_draw_walls_where_they_are_at_the_time():
+    scene = closing().with_changes(walls=[Wall(9, 0, 9, 1, id="right", vx=-2)])
+    run = ExactEngine().run(scene, events=1)
+    there = as_at(scene, float(run.final_time))
+    assert float(there.walls[0].x0) == pytest.approx(float(run.final["c"].x) + 1)
+    assert (there.walls[0].id, scene.walls[0].x0.text()) == ("right", "9")
+    told = played(scene, run, [], name="exact", title="exact")
+    assert told is not None
+    assert told["walls"] == [[9.0, 0.0, 9.0, 1.0, "right", -2.0, 0.0]]
+    still = played(Scene([Circle(3, 0)], [Wall(9, 0, 9, 1)]), run, [], name="exact", title="exact")
+    assert still is not None
+    assert still["walls"] == [[9.0, 0.0, 9.0, 1.0, "w1"]]
+
+
+def test_the_player_moves_walls():
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not there")
+    source = (Path(pictures.__file__).parents[1] / "compare/report/templates/stage.js").read_text("utf-8")
+    body = re.search(r"  moved\((.*?)\n  }", source, re.DOTALL)
+    assert body is not None
+    calls = "[moved([9,0,9,1,'w',-2,1],1.5),moved([9,0,9,1,'w'],3)]"
+    told = f"const moved = function({body[1]}\n}}; console.log(JSON.stringify({calls}))"
+    found = subprocess.run([node, "-e", told], capture_output=True, text=True, check=True).stdout
+    assert json.loads(found) == [[6, 1.5, 6, 2.5], [9, 0, 9, 1]]
+
+
+def test_what_moving_walls_brought_in_is_said(capsys):
+    """Each hit of a wall that comes with speed u takes v to v + 2 u: m ((v + 2 u)^2 - v^2) / 2."""
+    run = ExactEngine().run(closing(), events=3)
+    assert energy_gained(run) == pytest.approx((9**2 - 1) / 2)
+    falls = ExactEngine().run(Scene([Circle(0, 6)], [Wall(0, 0, 1, 0, vy=1)], gravity=(0, -10)), until=3)
+    hits = [(float(falls.after(e.index)["c1"].vy) - 2, float(falls.after(e.index)["c1"].vy)) for e in falls.events]
+    assert energy_gained(falls) == pytest.approx(sum((after**2 - before**2) / 2 for before, after in hits))
+    still = ExactEngine().run(Scene([Circle(0, 6)], [Wall(0, 0, 1, 0)], gravity=(0, -10)), until=3)
+    assert energy_gained(still) == pytest.approx(0, abs=1e-9)
+    print_trajectory(run, exact=False, watch=Clock(None))
+    assert "energy: walls that move brought in 40" in capsys.readouterr().out

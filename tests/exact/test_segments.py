@@ -7,7 +7,9 @@ import textwrap
 from fractions import Fraction
 from random import Random
 
+import edge_campaign
 import pytest
+import segment_referee
 from joint_scenes import scene_of as joints
 from mpmath import mpf
 from segment_referee import Referee
@@ -310,6 +312,18 @@ def test_bad_input_has_one_line(made, says):
         made()
     assert says in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_scenes_with_older_ingredients_agree_with_the_referee(monkeypatch):
+    """The beginning of the campaign of `edge_campaign.py`; a referee that forgets to turn is seen."""
+    monkeypatch.setattr(segment_referee, "DIGITS", edge_campaign.FINE[0])
+    monkeypatch.setattr(segment_referee, "SAME", edge_campaign.FINE[1])
+    rows = [row for seed in range(45) if (row := edge_campaign.verdict(seed)) is not None]
+    assert len(rows) > 25
+    assert [row for row in rows if row["outcome"] not in ("ok", "no normal", "endless")] == []
+    monkeypatch.setattr(edge_campaign.OlderReferee, "turn_at", property(lambda self: None, lambda self, _: None), False)
+    turned = [row["seed"] for row in rows if "reversal" in row["ingredients"]]
+    assert any(edge_campaign.verdict(seed)["outcome"] == "failure" for seed in turned)
 
 
 # -- Joints.

@@ -358,8 +358,8 @@ CERTIFIED = (
     Mutant(
         "stride_keeps_serials",
         STRIDE,
-        "            body.serial += 1\n            if in_balls:",
-        "            if in_balls:",
+        "        for body in free:\n            body.serial += 1\n",
+        "",
         "arrivals of flights that a stride ended stay fresh",
     ),
     Mutant(
@@ -578,7 +578,7 @@ LOOPS = (
     Mutant(
         "taken_up_begun_at_0",
         LOOP,
-        "            begun.update(dict.fromkeys(done.moved, instant.number))\n",
+        "            begun.update(dict.fromkeys(done.moved - self._still, instant.number))\n",
         "",
         "a resumed run predicts flights as of time 0",
     ),

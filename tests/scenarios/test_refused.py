@@ -92,9 +92,8 @@ def json_refusal(text: str) -> str:
             "x.toml: circle 'a': gravity: one holds for the whole scene; write it above the first table",
         ),
         (
-            "gravity = [0, -10]\n" + BALL + "fixed = true\n",
-            "x.toml: gravity: circle 'a' is fixed; under gravity there are walls and circles that move, and nothing "
-            "else yet: leave the one or the other out",
+            "reverse_at = 3\ngravity = [0, -10]\n" + BALL + "fixed = true\n",
+            "x.toml: gravity: circle 'a' is fixed, and no run is turned back there; leave reverse_at out",
         ),
         (
             BALL + "restitution = 1\n",

@@ -466,6 +466,10 @@ async function fromAddress() {
   }
 }
 
+// The player's mark "?" closes by Escape, and by a click elsewhere, as in a report.
+const shut = (event) => { for (const mark of document.querySelectorAll("details.help[open]")) if (event.key === "Escape" || (event.type === "click" && !mark.contains(event.target))) mark.open = false; };
+for (const kind of ["click", "keydown"]) addEventListener(kind, shut);
+
 const resized = () => editor.draw();
 new ResizeObserver(resized).observe($("editor").parentElement);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", resized);

@@ -49,10 +49,11 @@ addEventListener("beforeprint", () => {
   for (const fold of document.querySelectorAll("details:not(.help)")) fold.open = true;
 });
 
-// A link to what is folded opens it; of the marks "?" one is open at a time, and Escape closes it.
+// A link to what is folded opens it; of the marks "?" one is open at a time, and Escape or a click elsewhere closes it.
 const unfold = () => { const to = location.hash && document.getElementById(location.hash.slice(1)); if (to?.tagName === "DETAILS") to.open = true; };
 addEventListener("hashchange", unfold);
 unfold();
 const marks = [...document.querySelectorAll("details.help")];
 for (const mark of marks) mark.addEventListener("toggle", () => { if (mark.open) for (const other of marks) if (other !== mark) other.open = false; });
+addEventListener("click", (event) => { for (const mark of marks) if (!mark.contains(event.target)) mark.open = false; });
 addEventListener("keydown", (event) => { if (event.key === "Escape") for (const mark of marks) mark.open = false; });

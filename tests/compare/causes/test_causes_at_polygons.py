@@ -125,3 +125,18 @@ def test_a_scene_is_rounded_with_its_polygons() -> None:
     given = rounded(scene, 2)
     assert [point.text() for point in given.polygons[0].points[1]] == ["3/8", "0"]
     assert given.polygons[0].r.text() == "3/8"
+
+
+@pytest.mark.parametrize("x", ["2", "9/4"])
+def test_a_joint_of_two_polygons_is_one_end_whatever_it_is_called(x: str) -> None:
+    """Pymunk names the second of the two; with the first one's name its history is the exact one. Beside the joint
+    there is nothing of the kind."""
+    boxes = [Polygon([(0, 0), (2, 0), (2, 2), (0, 2)], id="a"), Polygon([(2, 0), (4, 0), (4, 2), (2, 2)], id="b")]
+    discs = [Circle(x, 6, vy=-1, id="c"), Circle(x, 9, vy=-1, id="d")]
+    found = compare(Scene(discs, polygons=boxes, until=12), ["pymunk:dt=1/256"])["pymunk:dt=1/256"]
+    if x != "2":
+        assert found.verdict == "agree"
+        return
+    assert found.diagnosis is not None
+    assert [cause.name for cause in found.diagnosis.causes] == ["TIE"]
+    assert "a and b share the point that c meets: one end" in found.diagnosis.finding

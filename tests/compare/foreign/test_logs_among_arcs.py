@@ -12,11 +12,12 @@ from arc_scenes import scene_of
 from test_logs_among_segments import Retold
 
 from truebreak.compare import compare
+from truebreak.compare.cli import main
 from truebreak.compare.foreign import LogEngine
 from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Arc, Circle, Scene, Segment
+from truebreak.scenarios import Arc, Circle, Scene, Segment, catalogue
 
 RING = Arc(0, 0, 5, id="ring", full=True)
 HALF = Arc(0, 0, 5, 0, -5, 0, 5, id="half")
@@ -99,3 +100,23 @@ def test_a_scene_in_doubles_has_its_arcs() -> None:
     assert rows[0][:9] == ["arc", "bow", repr(1 / 3), "0.0", "9.0", "1.0", "0.0", repr(2**0.5), "3.0"]
     assert rows[1][:5] == ["arc", "ring", "0.0", "0.0", "20.0"]
     assert (len(rows[0]), len(rows[1])) == (16, 8)
+
+
+def test_two_logs_of_a_stadium_are_told_apart_by_the_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`diff --scene`: one of two logs loses a tenth of its speed at an arc, which the audit of each says."""
+    run = DoubleEngine().run(catalogue.build("stadium"), events=20)
+    paths = [tmp_path / "true.jsonl", tmp_path / "wrong.jsonl"]
+    for path, share in zip(paths, (1.0, 0.9), strict=True):
+        rows = []
+        for event in run.events:
+            c, speed = run.after(event.index)["ball"], share if event.index == 9 else 1.0
+            state = [float(c.x), float(c.y), speed * float(c.vx), speed * float(c.vy)]
+            rows.append({"time": float(event.time), "contact": [*event.impulses[0]], "states": {"ball": state}})
+        path.write_text("\n".join(json.dumps(row) for row in rows))
+    with pytest.raises(SystemExit) as ended:
+        main(["diff", *map(str, paths), "--scene", "stadium"])
+    assert ended.value.code == 1
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"{paths[1]} does not keep the law: event 9" in told
+    assert "the impulse of ball and east changes a velocity by 0.1 more or less than the law" in told
+    assert "certified growth in stadium:" in told

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from mpmath import mpf
 from referee import compare_to_referee, settled
+from segment_referee import Referee
 
 from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 from truebreak.exact import ExactEngine, SymbolicEngine
@@ -139,6 +141,19 @@ def test_an_orbit_is_left_after_about_k_bounces(side: str) -> None:
     assert all(k < count < 1.2 * k + 2 for k, count in zip((5, 10, 20, 40), counts, strict=True))
 
 
+@pytest.mark.parametrize("side", ["hit", "miss"])
+@pytest.mark.parametrize("k", [1, 30, 60, 80])
+def test_the_end_of_a_segment_is_hit_or_missed(k: int, side: str) -> None:
+    """As the closed form says, and as the referee of segments does, which shares nothing with the engine."""
+    one = stress_family("ends")
+    told = run(one, k, side)
+    assert one.known is not None
+    assert one.known(told, k, side, 0)
+    theirs = Referee(told.scene).run(mpf(99), 4)
+    assert [event.approaching for event in theirs.events] == [set(event.contacts) for event in told.events]
+    assert all(abs(a.time - mpf(b.time.digits(60))) < 1e-40 for a, b in zip(theirs.events, told.events, strict=True))
+
+
 # -- witnesses
 
 REFEREED = [
@@ -159,7 +174,7 @@ def test_the_referee_tells_the_exact_engine_s_history(name: str, k: int, events:
         compare_to_referee(told, settled(scene, len(told.events)))
 
 
-@pytest.mark.parametrize(("name", "k"), [("near-ties", 40), ("mass-ratios", 30), ("slow-fast", 20)])
+@pytest.mark.parametrize(("name", "k"), [("near-ties", 40), ("mass-ratios", 30), ("slow-fast", 20), ("ends", 60)])
 def test_the_literal_engine_tells_the_exact_engine_s_history(name: str, k: int) -> None:
     one = stress_family(name)
     for side in one.sides:

@@ -390,6 +390,40 @@ def test_axe_finds_nothing(page: PagePlayed, scheme: str) -> None:
     assert [(one["id"], [node["html"][:120] for node in one["nodes"]]) for one in found] == []
 
 
+SAVED = """HTMLAnchorElement.prototype.click = function () { globalThis.named = this.download; };
+URL.createObjectURL = (blob) => { blob.text().then((text) => { globalThis.saved = text; }); return "data:,"; };"""
+"""Keeps what is saved, with its name, in place of a download."""
+
+
+def test_the_saved_report_is_one_file_with_the_answers_and_the_player(page: PagePlayed, tmp_path: Path) -> None:
+    page.browser.ask("[...document.querySelectorAll('#pictures button')].find((b) => b.textContent === 'gas').click()")
+    page.run()
+    page.browser.ask(SAVED)
+    page.press("report")
+    text = page.wait("globalThis.saved")
+    assert page.browser.ask("globalThis.named") == "gas.html" and "@@" not in text
+    file = tmp_path / "gas.html"
+    file.write_text(text, "utf-8")
+    true = compare(catalogue.build("gas"), ["double"], events=300, alternatives=False)
+    divergence = true["double"].alignment.divergence
+    assert divergence is not None
+    for scheme, width in (("light", 1200), ("dark", 390)):
+        page.browser.size(width, 844)
+        page.browser.media(prefers_color_scheme=scheme, prefers_reduced_motion="reduce")
+        page.browser.open(file)
+        shown = page.browser.ask("[...document.querySelectorAll('dt, dd, .verdict')].map((e) => e.innerText.trim())")
+        assert verdict_line(true) in shown and answers(true).where in shown
+        page.press("jump")
+        assert float(page.browser.ask("document.getElementById('scrubber').value")) == pytest.approx(divergence.time)
+        assert page.browser.ask("document.documentElement.scrollWidth") <= width
+        assert [url for url in page.browser.requests if not url.startswith(("file:", "data:"))] == []
+        assert page.browser.messages == []
+        if AXE.is_file():
+            page.browser.ask(AXE.read_text("utf-8") + ";0")
+            told = json.loads(page.browser.ask("axe.run().then((found) => JSON.stringify(found.violations))"))
+            assert [(one["id"], [node["html"][:120] for node in one["nodes"]]) for one in told] == []
+
+
 def test_what_is_taken_away_is_there_to_copy(page: PagePlayed) -> None:
     page.press("copy-toml")
     assert 'id = "a"' in page.wait("document.getElementById('copied-text').textContent")

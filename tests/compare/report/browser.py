@@ -187,6 +187,19 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased"):
             self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
+    def touch(self, selector: str, across: float = 0.5, swipe: float = 0.0) -> None:
+        """Puts a finger on an element, scrolled to first, so far across it, drags it sideways, and lets go."""
+        x, y = self.ask(
+            f"new Promise((done) => {{ const e = document.querySelector({json.dumps(selector)}); "
+            "e.scrollIntoView({block: 'center'}); requestAnimationFrame(() => requestAnimationFrame(() => { "
+            f"const b = e.getBoundingClientRect(); done([b.x + b.width * {across}, b.y + b.height / 2]); }})); }})"
+        )
+        self.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        for step in range(1, 9 if swipe else 1):
+            self.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x + swipe * step / 8, "y": y}])
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.ask("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
     def picture(self, *, whole: bool = True) -> bytes:
         """The page as PNG: all of it, or the window."""
         shot = self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole)

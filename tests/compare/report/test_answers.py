@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from dataclasses import replace
 
 import pytest
@@ -12,6 +13,7 @@ from truebreak.compare import compare, html_report
 from truebreak.compare.alternatives import Alternative
 from truebreak.compare.causes.diagnosis import Margin
 from truebreak.compare.chaos.foreseen import foreseen
+from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.picture import instant_of, moment_frames, states_at
 from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line, why
@@ -206,6 +208,14 @@ def test_a_run_that_nothing_lets_go_on_is_not_to_be_run_further() -> None:
     assert "record it" not in verdict_line(made) and "further" in found.what_now
     assert found.command == f"truebreak compare bounce --engines double --events {events - 1}"
     assert compare(catalogue.build("bounce"), ["double"], events=events - 1).verdict == "agree"
+
+
+@pytest.mark.parametrize("name", ["stadium", "lemon", "gas"])
+def test_the_command_to_copy_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    command = answers(compare(catalogue.build(name), ["double"])).command
+    with pytest.raises(SystemExit) as stop:
+        main(shlex.split(command)[1:])
+    assert stop.value.code in (None, 0, 1), capsys.readouterr().err
 
 
 def test_one_event_is_one() -> None:

@@ -11,6 +11,7 @@ import pytest
 from browser import Browser, found
 
 from truebreak.compare.cli import main
+from truebreak.compare.grids import survival
 from truebreak.compare.grids.row import Row
 from truebreak.compare.report.grid_page import grid_page
 
@@ -115,6 +116,14 @@ def test_a_thousand_rows_are_drawn_within_a_few_of_ten(browser: Browser, page: P
 
     few, many = drawn(100), drawn(1000)
     assert many <= 60 * max(few, 0.5)
+
+
+@pytest.mark.parametrize(("count", "total"), [(1, 3), (10, 30), (333, 1000), (99_999, 100_000)])
+def test_intervals_take_a_dozen_steps(count: int, total: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page of a thousand scenes has thousands of them: halving the interval took half a minute."""
+    whole = survival.proportion(count, total)
+    monkeypatch.setattr(survival, "BISECTIONS", 12)
+    assert survival.proportion(count, total) == pytest.approx(whole, rel=1e-12)
 
 
 @HERE

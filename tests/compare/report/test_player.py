@@ -30,6 +30,43 @@ CURRENT = (
 CLOCK = "Number(document.getElementById('scrubber').value)"
 
 
+def test_a_finger_does_what_a_mouse_does(browser: Browser, files: Files) -> None:
+    """On a telephone: help, folds, the frames side by side, the strip, a step, a row of the list, the slider."""
+    browser.size(390, 844)
+    browser.send("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
+    try:
+        browser.open(files / "gas.html")
+        shown = "document.querySelectorAll('details.help[open]').length"
+        browser.touch(".answers .help summary")
+        assert browser.ask(shown) == 1
+        browser.touch("h1")
+        assert browser.ask(shown) == 0, "a touch elsewhere closes it"
+        browser.touch(".frames", swipe=-150)
+        assert browser.ask("document.querySelector('.frames').scrollLeft") > 100
+        browser.touch("#strip", across=0.25)
+        begin, end = browser.ask("(({min, max}) => [Number(min), Number(max)])(document.getElementById('scrubber'))")
+        assert browser.ask(CLOCK) == pytest.approx(begin + (end - begin) / 4, rel=0.02)
+        before = browser.ask(CLOCK)
+        browser.touch("#forth")
+        assert browser.ask(CLOCK) > before
+        browser.touch("#list li:nth-child(2)")
+        assert browser.ask(CURRENT).startswith("1 | ")
+        browser.touch("#scrubber", across=0.9)
+        assert browser.ask(CLOCK) == pytest.approx(begin + (end - begin) * 0.9, rel=0.05)
+        browser.touch("details.engine > summary")
+        assert browser.ask("document.querySelector('details.engine').open")
+        browser.touch("#play")
+        assert browser.ask("document.getElementById('play').textContent") == "Stop"
+        browser.touch("#play")
+        assert browser.ask("document.getElementById('play').textContent") == "Play"
+        small = "[...document.querySelectorAll('button, select, summary, .contents a')].filter((e) => e.offsetParent"
+        assert (
+            browser.ask(f"{small} && e.getBoundingClientRect().height < 24).map((e) => e.outerHTML.slice(0, 90))") == []
+        )
+    finally:
+        browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
+
+
 def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     divergence = comparison("gas")["pymunk"].alignment.divergence

@@ -1,0 +1,698 @@
+"""Circles that fall onto round things that stand: the first zero at which a quartic falls, in any numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from math import frexp, inf, isfinite, ldexp
+from typing import Any, Generic, NamedTuple, NoReturn
+
+from flint import arb, fmpq, fmpq_poly
+
+from ...scenarios.errors import NoClosedForm
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
+from ...scenarios.scene import Scene
+from ..numbers.ball import LeavesField, bits_in_use, sign_of
+from ..numbers.system import M, N
+from .contact import Body, Gravity, Link, Pair, Relation, Round, is_pair, touching_at_start
+
+# -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
+# after a time s their centres are d + v s - h s^2 apart, and the gap is a quartic. It is positive as the flight begins,
+# or zero, right after a contact: then that zero is divided out, and a cubic is left. What is looked for is the first
+# zero at which the gap goes from above 0 to below; a double zero is no such one, but a graze.
+#
+# In the Bernstein basis of [0, T] the coefficients of a polynomial bound it, and the changes of their signs count its
+# zeros there, by an even number too many: none is none, one is one. Halving the interval (de Casteljau) ends, for a
+# polynomial without double zeros, with one of both. Where a sign is not certain, nothing is said.
+
+UNIT = 2.0**-53
+"""Half the distance of doubles at 1: the greatest relative error of one rounding."""
+
+CONVERTED = 2.0**-51
+"""Relative error of the double taken for a ball's middle, and of what is reckoned of its radius: more than both."""
+
+SMALLEST = 1e-280
+"""Absolute error of a coefficient besides, more than any underflow."""
+
+LEAST, GREATEST = 1e-60, 1e60
+"""Ends of intervals that doubles are used for: their fourth powers, times coefficients, neither vanish nor overflow."""
+
+PRIMES = (
+    131, 137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193, 197, 199, 211, 223, 227, 229, 233, 239, 241, 251,
+    257,
+)  # fmt: skip
+"""Ends of intervals are one of these times a power of 2: so all that they are halved to is exact in doubles, and a zero
+that is a short fraction seldom lies at an end."""
+
+DEEPEST = 40
+"""Most halvings of an interval in doubles: 8 bits of a prime and 40 more are exact."""
+
+MOST_PARTS = 200
+"""Most intervals looked at in doubles."""
+
+
+class Isolated(NamedTuple):
+    """Where the first falling zero is, and no other zero: between two numbers, both doubles or both fractions."""
+
+    low: float | fmpq
+    high: float | fmpq
+
+
+class Unclear(NamedTuple):
+    """The first falling zero is not told from a graze, or from none; none comes before `since`."""
+
+    since: float
+
+
+Found = Isolated | Unclear | None
+"""What is known of the first falling zero; None: there is none."""
+
+
+def gap_quartic(dx: N, dy: N, vx: N, vy: N, hx: N, hy: N, reach: N) -> tuple[N, ...]:
+    """|d + v s - h s^2|^2 - R^2 as a polynomial of s, the constant term first.
+
+    >>> gap_quartic(0, -5, 0, 0, 0, -5, 1)
+    (24, 0, -50, 0, 25)
+    """
+    along, fall, lift = dx * vx + dy * vy, dx * hx + dy * hy, vx * hx + vy * hy
+    square = vx * vx + vy * vy
+    return (
+        dx * dx + dy * dy - reach * reach,
+        along + along,
+        square - (fall + fall),
+        -(lift + lift),
+        hx * hx + hy * hy,
+    )
+
+
+# -- In doubles, with one bound for all rounding.
+
+
+def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> Found:
+    """The first zero in (0, end], or a little beyond, at which a polynomial falls from above zero.
+
+    Every polynomial whose coefficients are off by no more than told has it there.
+
+    Args:
+        c: coefficients, the constant one first: at most five.
+        off: bounds of their errors.
+        end: what to look up to.
+
+    >>> low, high = falling_zero((24.0, 0.0, -50.0, 0.0, 25.0), (0.0,) * 5)
+    >>> 25 * (1 - low**2) ** 2 > 1 > 25 * (1 - high**2) ** 2, high - low < 1e-13
+    (True, True)
+    >>> falling_zero((24.0, 0.0, 50.0, 0.0, 25.0), (0.0,) * 5)
+    >>> falling_zero((1.0, 0.0, -2.0, 0.0, 1.0), (0.0,) * 5).since < 1
+    True
+    """
+    degree = len(c) - 1
+    if not (c[0] > off[0] and all(map(isfinite, c)) and all(map(isfinite, off))):
+        return Unclear(0.0)
+    last = _last_zero(c, off)
+    if last == 0.0:
+        return None
+    if not last < end:
+        last = end
+    if not LEAST < last < GREATEST:
+        return Unclear(0.0)
+    top = _end(last)
+    size = slack = 0.0
+    power = 1.0
+    for value, error in zip(c, off, strict=True):
+        size += abs(value) * power
+        slack += error * power
+        power *= top
+    if not SMALLEST < size < 1 / SMALLEST:
+        return Unclear(0.0)
+    # A term c_j T^j is off by at most 5 roundings; a coefficient is a sum of at most five of them with weights of at
+    # most 1, which are off by one, and as many roundings more: under 16 in all, of what `size` is. Each halving adds
+    # at most as many as the degree, of numbers that are no larger. The bound allows four times that.
+    base, per = 1.01 * slack + 64 * UNIT * size, 8 * UNIT * size
+    stack = [(0.0, top, _bernstein(c, top), 0)]
+    parts = 0
+    while stack:
+        low, high, b, depth = stack.pop()
+        doubt = base + per * depth
+        changes, sure, above = 0, True, True
+        for x in b:
+            if x > doubt:
+                changes += not above
+                above = True
+            elif x < -doubt:
+                changes += above
+                above = False
+            else:
+                sure = False
+                break
+        if sure and not changes:
+            continue
+        if sure and changes == 1:
+            return _sharpened(c, off, low, high)
+        parts += 1
+        if depth >= DEEPEST or parts > MOST_PARTS:
+            return Unclear(low)
+        half = 0.5 * (low + high)
+        left, right = [b[0]], [b[-1]]
+        for _ in range(degree):
+            b = [(x + y) * 0.5 for x, y in pairwise(b)]
+            left.append(b[0])
+            right.append(b[-1])
+        right.reverse()
+        stack.append((half, high, right, depth + 1))
+        stack.append((low, half, left, depth + 1))
+    return None
+
+
+def _last_zero(c: Sequence[float], off: Sequence[float]) -> float:
+    """A double beyond all positive zeros (Kioustelidis, Fujiwara): 0 where there are none, infinite where unknown."""
+    degree = len(c) - 1
+    while degree and c[degree] == 0.0 == off[degree]:
+        degree -= 1
+    lead = abs(c[degree]) - off[degree]
+    negative = [(k, off[k] - c[k]) for k in range(1, degree + 1) if not c[k] >= off[k]]
+    if not negative:
+        return 0.0
+    if not lead > 0.0:
+        return inf
+    if c[degree] < 0.0:  # Fujiwara
+        negative = [(k, abs(c[k]) + off[k]) for k in range(degree)]
+    try:
+        return 2.000001 * max((value / lead) ** (1.0 / (degree - k)) for k, value in negative)
+    except OverflowError:
+        return inf
+
+
+def _end(last: float) -> float:
+    """A prime times a power of 2, at least a double."""
+    share, power = frexp(last)
+    wanted = share * 256.0
+    return ldexp(next(prime for prime in PRIMES if prime >= wanted), power - 8)
+
+
+def _bernstein(c: Sequence[float], top: float) -> list[float]:
+    """Bernstein coefficients on [0, top]: b_i = sum over j <= i of C(i, j) / C(n, j) c_j top^j."""
+    terms, power = [0.0] * len(c), 1.0
+    for j, value in enumerate(c):
+        terms[j] = value * power
+        power *= top
+    return [sum(w * s for w, s in zip(row, terms, strict=False)) for row in WEIGHTS[len(c) - 1]]
+
+
+def _weights(degree: int) -> list[list[fmpq]]:
+    """C(i, j) / C(n, j) for j <= i."""
+    rows = [[fmpq(1)] * (degree + 1) for _ in range(degree + 1)]
+    for i, row in enumerate(rows):
+        for j in range(1, i + 1):
+            row[j] = row[j - 1] * fmpq(i - j + 1, degree - j + 1)
+    return [row[: i + 1] for i, row in enumerate(rows)]
+
+
+EXACT_WEIGHTS = [_weights(degree) for degree in range(5)]
+WEIGHTS = [[[int(w.p) / int(w.q) for w in row] for row in rows] for rows in EXACT_WEIGHTS]
+
+
+def _value(c: Sequence[float], t: float) -> float:
+    found = 0.0
+    for value in reversed(c):
+        found = found * t + value
+    return found
+
+
+def _slope(c: Sequence[float], t: float) -> float:
+    found = 0.0
+    for k in range(len(c) - 1, 0, -1):
+        found = found * t + k * c[k]
+    return found
+
+
+def _doubt(c: Sequence[float], off: Sequence[float], t: float) -> float:
+    """How far `_value` may be off: Horner's rule by 2 n roundings of the sum of the terms' sizes, here twice that."""
+    found = 0.0
+    for value, error in zip(reversed(c), reversed(off), strict=True):
+        found = found * t + (abs(value) * 16 * UNIT + error)
+    return 1.01 * found
+
+
+def _sharpened(c: Sequence[float], off: Sequence[float], low: float, high: float) -> Isolated:
+    """A shorter interval around the one zero of another, at whose ends the signs are certain, or which are its ends."""
+    a, b = low, high
+    t = 0.5 * (a + b)
+    for _ in range(60):
+        value, slope = _value(c, t), _slope(c, t)
+        if value > 0.0:
+            a = t
+        else:
+            b = t
+        near = t - value / slope if slope else inf
+        if not a < near < b:
+            near = 0.5 * (a + b)
+        done = abs(near - t) <= 4 * UNIT * t
+        t = near
+        if done:
+            break
+    slope = _slope(c, t)
+    if slope >= 0.0:
+        return Isolated(low, high)
+    width = 2.0 * _doubt(c, off, t) / -slope + 4 * UNIT * t
+    for _ in range(8):
+        x, y = max(low, t - width), min(high, t + width)
+        if (x == low or _value(c, x) > _doubt(c, off, x)) and (y == high or _value(c, y) < -_doubt(c, off, y)):
+            return Isolated(x, y)
+        width *= 4.0
+    return Isolated(low, high)
+
+
+# -- In balls, and in fractions: the same, with signs that are certain or None.
+
+SPLITS = (fmpq(1, 2), fmpq(3, 7), fmpq(4, 7), fmpq(5, 11), fmpq(6, 11))
+"""Where an interval is parted: at most four of five places are zeros."""
+
+
+def falling_zero_in_balls(c: Sequence[arb], end: float = inf) -> Found:
+    """As `falling_zero`, of balls at the working precision: in doubles where these tell it, else in balls.
+
+    >>> falling_zero_in_balls([arb(2), arb(0), arb(-1)])
+    Isolated(low=1.414213562373088, high=1.4142135623731018)
+    """
+    mids = [float(x.mid()) for x in c]
+    off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
+    exact = [0.0 if x.is_zero() else error for x, error in zip(c, off, strict=True)]
+    found = falling_zero(mids, exact, end)
+    if not isinstance(found, Unclear) or not c[0] > 0:
+        return found
+    last = _last_zero(mids, exact)
+    if not last < end:
+        last = end
+    if not LEAST < last < GREATEST:
+        return found
+    return _isolated(c, fmpq(*_end(last).as_integer_ratio()), sign_of, bits_of(c))
+
+
+def bits_of(c: Sequence[arb]) -> int:
+    """How deep an interval may be parted: as far as the coefficients are known."""
+    return 16 + min(bits_in_use(), max([0, *(x.rel_accuracy_bits() for x in c if not x.is_zero())]))
+
+
+def _isolated(c: Sequence[Any], top: fmpq, sign: Callable[[Any], int | None], most: int | None) -> Found:
+    """The first falling zero in (0, top], by parting; `most` times at most."""
+    kind: Callable[[Any], Any] = arb if isinstance(c[0], arb) else fmpq
+    terms, power = [c[0]], fmpq(1)
+    for value in c[1:]:
+        power *= top
+        terms.append(value * kind(power))
+    b = [sum((kind(w) * s for w, s in zip(row, terms, strict=False)), kind(0)) for row in EXACT_WEIGHTS[len(c) - 1]]
+    stack = [(fmpq(0), top, b, 0)]
+    while stack:
+        low, high, b, depth = stack.pop()
+        signs = [sign(x) for x in b]
+        if 0 not in signs[1:-1] and None not in signs and 0 not in (signs[0], signs[-1]):
+            changes = sum(one != other for one, other in pairwise(signs))
+            if not changes:
+                continue
+            if changes == 1:
+                return Isolated(low, high)
+        if most is not None and depth > most:
+            return Unclear(float(low.numerator) / float(low.denominator) * (1 - 2.0**-40) if low else 0.0)
+        for share in SPLITS:
+            left, right = _parted(b, kind(share))
+            if sign(left[-1]):
+                break
+        else:
+            share = SPLITS[0]
+            left, right = _parted(b, kind(share))
+        at = low + (high - low) * share
+        stack.append((at, high, right, depth + 1))
+        stack.append((low, at, left, depth + 1))
+    return None
+
+
+def _parted(b: list[Any], share: Any) -> tuple[list[Any], list[Any]]:
+    """The Bernstein coefficients of both parts of an interval (de Casteljau)."""
+    left, right = [b[0]], [b[-1]]
+    while len(b) > 1:
+        b = [x + (y - x) * share for x, y in pairwise(b)]
+        left.append(b[0])
+        right.append(b[-1])
+    right.reverse()
+    return left, right
+
+
+def sharpened(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
+    """The falling zero that is the only one between two balls, to the working precision, by interval Newton; None where
+    that is not told.
+
+    Args:
+        low, high: the balls.
+        value, slope: the polynomial and its derivative, as enclosures.
+
+    >>> zero = sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
+    >>> zero.rel_accuracy_bits() > 40, zero * zero - 2
+    (True, [+/- 1.08e-15])
+    """
+    at = low.union(high)
+    while True:
+        middle = at.mid()
+        fall = slope(at)
+        if fall < 0:
+            near = middle - value(middle) / fall
+            if not near.overlaps(at):
+                return None
+            near = near.intersection(at)
+            done = near.rad() >= at.rad() * arb(0.25)
+            at = near
+            if done:
+                return at
+            continue
+        sign = sign_of(value(middle)) if low < middle < high else None
+        if not sign:
+            return None
+        if sign > 0:
+            low = middle
+        else:
+            high = middle
+        narrower = low.union(high)
+        if not narrower.rad() < at.rad():
+            return None
+        at = narrower
+
+
+# -- Exactly, where coefficients are rational.
+
+
+class ExactZero(NamedTuple):
+    """A first falling zero of a polynomial of rational coefficients.
+
+    Attributes:
+        factor: a polynomial without double zeros, positive before the zero, that has it.
+        low, high: it is between them, and no other zero of the factor.
+        grazes: whether the polynomial has a double zero before.
+    """
+
+    factor: fmpq_poly
+    low: fmpq
+    high: fmpq
+    grazes: bool
+
+
+def falling_zero_exactly(c: Sequence[fmpq]) -> ExactZero | bool:
+    """The first positive zero at which a polynomial, positive at 0, falls; without one, whether it grazes.
+
+    >>> falling_zero_exactly([fmpq(1), fmpq(0), fmpq(-2), fmpq(0), fmpq(1)])
+    True
+    >>> zero = falling_zero_exactly([fmpq(2), fmpq(-3), fmpq(1)])
+    >>> zero.low < 1 < zero.high, zero.grazes
+    (True, False)
+    """
+    assert c[0] > 0
+    odd, even = fmpq_poly([1]), fmpq_poly([1])
+    for factor, times in fmpq_poly(list(c)).numer().factor()[1]:
+        if times % 2:
+            odd *= fmpq_poly(factor)
+        else:
+            even *= fmpq_poly(factor)
+    odd, even = (poly if poly[0] > 0 else -poly for poly in (odd, even))
+    found, touched = _first_exactly(odd), _first_exactly(even)
+    if found is None:
+        return touched is not None
+    low, high = found
+    grazes = False
+    while touched is not None:
+        if touched[1] < low:
+            grazes = True
+            break
+        if touched[0] > high:
+            break
+        (low, high), touched = _halved(odd, low, high), _halved(even, *touched)
+    return ExactZero(odd, low, high, grazes)
+
+
+def told_falling_zero(c: Sequence[float]) -> float | None:
+    """A double beside the first falling zero of the polynomial with these very coefficients; None where none falls.
+
+    >>> told_falling_zero([2.0, 0.0, -1.0]), told_falling_zero([1.0, 0.0, -2.0, 0.0, 1.0])
+    (1.414213562373095, None)
+    """
+    if not all(map(isfinite, c)) or not c[0] > 0.0:
+        return None
+    found = falling_zero(c, [0.0] * len(c))
+    if found is None:
+        return None
+    if isinstance(found, Isolated):
+        return 0.5 * (float(found.low) + float(found.high))  # pyright: ignore[reportArgumentType]
+    exact = falling_zero_exactly([fmpq(*value.as_integer_ratio()) for value in c])
+    if isinstance(exact, bool):
+        return None
+    low, high = exact.low, exact.high
+    for _ in range(60):
+        low, high = _halved(exact.factor, low, high)
+    middle = (low + high) / 2
+    return int(middle.p) / int(middle.q)
+
+
+def _first_exactly(poly: fmpq_poly) -> tuple[fmpq, fmpq] | None:
+    """Where the first positive zero of a polynomial without double ones is."""
+    degree = poly.degree()
+    if degree < 1:
+        return None
+    c = [fmpq(poly[k]) for k in range(degree + 1)]
+    top = fmpq(1) + max(abs(value / c[-1]) for value in c[:-1])
+    found = _isolated(c, top, _sign, None)
+    assert not isinstance(found, Unclear)
+    return None if found is None else (fmpq(found.low), fmpq(found.high))  # pyright: ignore[reportArgumentType]
+
+
+def _sign(value: fmpq) -> int:
+    return (value > 0) - (value < 0)
+
+
+def _halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
+    """Half of an interval, or a little more, with the zero at which a polynomial changes sign there."""
+    before = _sign(poly(low))
+    for share in SPLITS:
+        at = low + (high - low) * share
+        sign = _sign(poly(at))
+        if sign:
+            return (at, high) if sign == before else (low, at)
+    raise AssertionError("a polynomial has more zeros than its degree: a defect")
+
+
+# -- The same in a state: which contacts it concerns, and where the two are.
+
+
+class RoundFall(NamedTuple, Generic[N]):
+    """A circle that falls and one that stands, at one time: d, its velocity, half of its fall (d + v s - h s^2), R."""
+
+    dx: N
+    dy: N
+    vx: N
+    vy: N
+    hx: N
+    hy: N
+    reach: N
+
+    def after(self, s: N) -> RoundFall[N]:
+        """After a time."""
+        bend_x, bend_y = self.hx * s, self.hy * s
+        return RoundFall(
+            self.dx + (self.vx - bend_x) * s,
+            self.dy + (self.vy - bend_y) * s,
+            self.vx - (bend_x + bend_x),
+            self.vy - (bend_y + bend_y),
+            *self[4:],
+        )
+
+    def gap(self) -> N:
+        """|d|^2 - R^2."""
+        return self.dx * self.dx + self.dy * self.dy - self.reach * self.reach
+
+    def approach(self) -> N:
+        """d.v: negative while the two come nearer."""
+        return self.dx * self.vx + self.dy * self.vy
+
+    def polynomial(self, stood: bool) -> tuple[N, ...]:
+        """The gap as a polynomial of the time; `stood`: as it is 0 now, with that zero divided out."""
+        found = gap_quartic(self.dx, self.dy, self.vx, self.vy, self.hx, self.hy, self.reach)
+        return found[1:] if stood else found
+
+
+class RoundFalls(Generic[N]):
+    """What of a state concerns circles that stand under gravity.
+
+    Attributes:
+        pegs: the circles that do.
+        contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
+    """
+
+    scene: Scene
+    zero: N
+    constant: Callable[[Quantity], N]
+    falling: Gravity[N] | None
+    bodies: dict[int, Body[N]]
+    pegs: frozenset[int]
+    contacts: dict[int, tuple[int, frozenset[Link]]]
+
+    def reach(self, a: Body[N], b: Body[N]) -> N:
+        """The sum of two radii."""
+        raise NotImplementedError
+
+    def on_peg(self, link: Link) -> bool:
+        """Whether one of the two of a contact stands under gravity."""
+        return is_pair(link) and (link.a in self.pegs or link.b in self.pegs)
+
+    def faller(self, link: Round) -> Body[N]:
+        """The other."""
+        return self.bodies[link[1] if link[0] in self.pegs else link[0]]
+
+    def peg_relation(self, link: Round) -> Relation[N]:
+        """The two at the clock of the one that falls, in true coordinates."""
+        body, first = self.faller(link), link[0] in self.pegs
+        peg = self.bodies[link[0] if first else link[1]]
+        x, y, vx, vy, t, *_ = body.flight
+        falling = self.falling
+        assert falling is not None
+        if not falling.bent:
+            wx, wy = falling.hx * t, falling.hy * t
+            x, y, vx, vy = x + wx * t, y + wy * t, vx + (wx + wx), vy + (wy + wy)
+        dx, dy = peg.flight.x - x, peg.flight.y - y
+        reach = self.reach(body, peg)
+        return Relation(t, -dx, -dy, vx, vy, reach) if first else Relation(t, dx, dy, -vx, -vy, reach)
+
+    def peg_fall_at_clock(self, link: Round) -> RoundFall[N]:
+        """The two at the clock of the one that falls."""
+        falling = self.falling
+        assert falling is not None
+        first = link[0] in self.pegs
+        hx, hy = (-falling.hx, -falling.hy) if first else (falling.hx, falling.hy)
+        _, dx, dy, vx, vy, reach = self.peg_relation(link)
+        return RoundFall(dx, dy, vx, vy, hx, hy, reach)
+
+    def peg_fall(self, link: Round) -> RoundFall[N]:
+        """The two at the instant from which the flight of the one that falls holds."""
+        late, fall = self.faller(link).flight.late, self.peg_fall_at_clock(link)
+        return fall if late is None else fall.after(late)
+
+    def bent_relation(self, falling: Gravity[N], a: Body[N], b: Body[N]) -> Relation[N]:
+        """Of two that fall, in true coordinates, where velocities change too until the later of the clocks."""
+        f, g = a.flight, b.flight
+        t = f.t if f.last >= g.last else g.t
+        ax, ay, avx, avy = f[:4] if f.t is t else falling.flown(f[:4], t - f.t)
+        bx, by, bvx, bvy = g[:4] if g.t is t else falling.flown(g[:4], t - g.t)
+        return Relation(t, bx - ax, by - ay, bvx - avx, bvy - avy, self.reach(a, b))
+
+    # -- contacts at gap zero as a flight begins
+
+    def note_stood(self, links: Sequence[Link]) -> None:
+        """Told which contacts are at gap zero, at the instant at which their circles stand."""
+        for link in links:
+            for i in link.circles:
+                if i in self.pegs:
+                    continue
+                last, before = self.bodies[i].flight.last, self.contacts.get(i)
+                mine = frozenset(other for other in links if i in other.circles)
+                self.contacts[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
+
+    def stood(self, link: Pair) -> bool:
+        """Whether the two of a contact touch as the flight of the one that falls begins."""
+        body = self.faller(link)
+        last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
+        return (at == last and link in links) or (last == 0 and link in touching_at_start(self.scene))
+
+    # -- when they meet
+
+    def peg_hit(self, link: Pair) -> tuple[N, N]:
+        """As `Flights.round_hit`: in closed numbers there is none.
+
+        Raises:
+            LeavesField, TowerLimit, NoClosedForm: by the kind of the numbers.
+        """
+        return self.no_closed_form()
+
+    def no_closed_form(self) -> NoReturn:
+        """What a zero of a quartic is, in numbers that have square roots alone."""
+        told = "the time at which a circle falls onto one that stands is a zero of a quartic"
+        if isinstance(self.zero, fmpq):
+            raise LeavesField
+        if isinstance(self.zero, Element):
+            raise TowerLimit(told)
+        raise NoClosedForm(f"{told}, and none of square roots: ask for `digits` or `ball`")
+
+
+class Unsharp(ZeroDivisionError):
+    """Balls at hand do not tell the first falling zero; none comes before `since`, reckoned from the instant."""
+
+    def __init__(self, since: float) -> None:
+        super().__init__(since)
+        self.since = since
+
+
+def peg_wait(state: RoundFalls[arb], link: Pair, end: float) -> arb:
+    """The time from the clock of the one that falls to the hit, at the working precision.
+
+    Where it is told from all else is reckoned from the instant, where the gap is above zero, or zero and divided out;
+    then it is sharpened from the clock, whose time is exact.
+
+    Raises:
+        Unsharp: where balls at hand do not tell it.
+        AssertionError: where there is none, as it is asked of contacts alone that come.
+    """
+    found = peg_meeting(state, link, end)
+    if not isinstance(found, arb):
+        assert found is not None, "a circle that was to fall onto another does not: a defect"
+        raise Unsharp(found.since)
+    return found
+
+
+def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear | None:
+    """As `peg_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
+    at_clock, late = state.peg_fall_at_clock(link), state.faller(link).flight.late
+    fall = at_clock if late is None else at_clock.after(late)
+    found = falling_zero_in_balls(fall.polynomial(state.stood(link)), end)
+    if not isinstance(found, Isolated):
+        return found
+
+    def value(s: arb) -> arb:
+        return at_clock.after(s).gap()
+
+    def slope(s: arb) -> arb:
+        return 2 * at_clock.after(s).approach()
+
+    low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
+    if late is not None:
+        low, high = low + late, high + late
+    wait = sharpened(low, high, value, slope)
+    return Unclear(float(found.low)) if wait is None else wait
+
+
+SHARPENINGS = 8
+"""Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
+
+
+def told_wait(state: RoundFalls[M], link: Pair) -> M | None:
+    """The time to the hit of a circle that falls onto one that stands; None where it does not.
+
+    Which zero of the quartic that is, is told of its coefficients in doubles, as they are; then it is sharpened in
+    the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
+    else meet again as if they touched.
+    """
+    fall, stood = state.peg_fall(link), state.stood(link)
+    if not fall.gap() > state.zero:
+        if not stood and fall.approach() < state.zero:
+            return state.zero
+        stood = True
+    found = told_falling_zero([float(value) for value in fall.polynomial(stood)])  # pyright: ignore[reportArgumentType]
+    if found is None:
+        return None
+    wait = state.constant(Quantity.of(found))
+    for _ in range(SHARPENINGS):
+        then = fall.after(wait)
+        slope = then.approach() + then.approach()
+        gap = then.gap() if not stood else then.gap() - fall.gap()
+        if not slope < state.zero:
+            break
+        better = wait - gap / slope
+        if not better > state.zero or not (better < wait or better > wait):
+            break
+        wait = better
+    return wait

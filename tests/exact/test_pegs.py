@@ -1,0 +1,256 @@
+"""Fixed circles under gravity, in the exact engine: against a referee in true coordinates, and what ends by name."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from mpmath import mpf, workdps
+
+from tests.peg_referee import NotForThis, PegReferee, TieMet
+from truebreak.exact import ExactEngine
+from truebreak.exact.literal.symbolic_engine import SymbolicEngine
+from truebreak.exact.replay import round_falls, state
+from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, Wall
+from truebreak.scenarios.errors import NoClosedForm
+from truebreak.scenarios.trajectory import StopReason
+
+FLOOR = Wall(0, -2, 1, -2, id="floor")
+SIDES = [Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")]
+
+
+def drawn(seed: int) -> Scene:
+    """One to three discs, as many as six pegs, walls."""
+    rng = random.Random(seed)
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 100, high * 100)}/100"
+
+    def radius() -> str:
+        return rng.choice(["1/2", "1/4", "3/10", "sqrt(2)/4"])
+
+    while True:
+        circles: list[Circle] = [
+            Circle(some(-4, 4), some(1, 8), radius(), some(-4, 4), some(-4, 4), rng.choice([1, 2, "1/3"]), id=f"b{k}")
+            for k in range(rng.randint(1, 3))
+        ]
+        for k in range(rng.randint(1, 6)):
+            r = rng.choice([radius(), "1/10", "0", "1"])
+            x, y = some(-4, 4), some(0, 5)
+            circles.append(Circle(x, y, r, m="oo", id=f"p{k}", point=r == "0"))
+        rng.shuffle(circles)
+        walls = [*SIDES, FLOOR] if rng.random() < 0.8 else SIDES
+        gravity = rng.choice([(0, -10), (0, "-981/100"), ("1/3", -4), ("sqrt(2)", -3)])
+        try:
+            return Scene(circles, walls, gravity=gravity, restitution=rng.choice([1, "9/10", "1/2"]))
+        except SceneError:
+            continue
+
+
+def pairs_of(run: Trajectory, k: int) -> list[list[str]]:
+    """Who meets at an event."""
+    return sorted(sorted((c.first, c.second)) for c in run.events[k].contacts)
+
+
+def differs(scene: Scene, events: int) -> str | None:
+    """What is otherwise than the referee has it; empty where all is as it has it, None where it has nothing."""
+    run = ExactEngine(max_bits=2000, work=1_000_000).run(scene, events=events)
+    try:
+        course = PegReferee(scene).run(mpf(10) ** 9, len(run.events))
+    except (TieMet, NotForThis):
+        return None
+    with workdps(60):
+        if len(course.hits) != len(run.events):
+            return "number of events"
+        for k, (hit, event) in enumerate(zip(course.hits, run.events, strict=True)):
+            if pairs_of(run, k) != [sorted(hit.pair)]:
+                return f"who meets at event {k}"
+            if abs(mpf(event.time.digits(40)) - hit.time) > mpf(10) ** -30 * (1 + hit.time):
+                return f"time of event {k}"
+        if run.events:
+            at = run.at(run.events[-1].time)
+            for body, circle in zip(course.bodies, [c for c in scene.circles if not c.fixed], strict=True):
+                mine = at[str(circle.id)]
+                theirs = (body.x, body.y, body.vx, body.vy)
+                for own, other in zip((mine.x, mine.y, mine.vx, mine.vy), theirs, strict=True):
+                    if abs(mpf(own.digits(40)) - other) > mpf(10) ** -25 * (1 + abs(other)):
+                        return f"state of {circle.id}"
+    return ""
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_history_is_that_of_the_referee(seed: int) -> None:
+    assert differs(drawn(seed), 20) in ("", None)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(20))
+def test_many_histories_are_those_of_the_referee(block: int) -> None:
+    found = Counter(differs(drawn(1000 + 50 * block + k), 30) for k in range(50))
+    assert set(found) <= {"", None}
+    assert found[""] > 40
+
+
+# -- Planted faults: each is found.
+
+
+def light(self: Any, link: Any) -> Any:
+    """Gravity is half of what it is."""
+    found = FALL(self, link)
+    return found._replace(hx=found.hx / 2, hy=found.hy / 2)
+
+
+def other_side(self: Any, link: Any) -> Any:
+    """Velocity along x has the other sign."""
+    found = SOUND(self, link)
+    return found._replace(vx=-found.vx)
+
+
+def whole_impulse(dx: Any, dy: Any, vx: Any, vy: Any, *rest: Any) -> Any:
+    """Impulses are an eighth too large."""
+    jx, jy = IMPULSE(dx, dy, vx, vy, *rest)
+    return jx + jx / 8, jy + jy / 8
+
+
+SOUND, IMPULSE = round_falls.RoundFalls.peg_relation, state.pair_impulse
+FALL = round_falls.RoundFalls.peg_fall_at_clock
+
+
+@pytest.mark.parametrize(
+    ("where", "name", "fault"),
+    [
+        (round_falls.RoundFalls, "peg_fall_at_clock", light),
+        (round_falls.RoundFalls, "peg_relation", other_side),
+        (state, "pair_impulse", whole_impulse),
+    ],
+)
+def test_the_referee_finds_planted_faults(
+    monkeypatch: pytest.MonkeyPatch, where: Any, name: str, fault: Callable[..., Any]
+) -> None:
+    monkeypatch.setattr(where, name, fault)
+
+    def is_found(seed: int) -> bool:
+        try:
+            return differs(drawn(seed), 6) not in ("", None)
+        except AssertionError:
+            return True
+
+    assert any(is_found(seed) for seed in range(4))
+
+
+# -- What is proved, and what ends by name.
+
+
+def test_mirrored_balls_meet_their_pegs_at_the_same_instants() -> None:
+    balls = [Circle(s + "7/5", 8, "1/4", id=f"ball{s}") for s in ("-", "")]
+    pegs = [
+        Circle(f"{s}{x}", y, "1/4", m="oo", id=f"peg{s}{x}at{y}")
+        for y, row in ((6, ("3/2",)), (4, ("1/2", "2")), (2, ("3/2",)))
+        for x in row
+        for s in ("-", "")
+    ]
+    run = ExactEngine().run(Scene([*balls, *pegs], [FLOOR, *SIDES], gravity=(0, -10), restitution="4/5"), events=6)
+    assert run.stop.reason is StopReason.EVENTS
+    assert run.plan["symmetry"] >= 3
+    met = Counter((event.time.digits(50), contact.second) for event in run.events for contact in event.contacts)
+    alone = [(time, who) for time, who in met if who != "ball" and (time, mirrored(who)) not in met]
+    assert not alone
+    assert sum("peg" in who for _, who in met) >= 4
+
+
+def mirrored(name: str) -> str:
+    """The peg or wall on the other side; the floor is on both."""
+    sides = {"left": "right", "right": "left", "floor": "floor"}
+    return sides.get(name) or (name.replace("-", "") if "-" in name else name.replace("peg", "peg-"))
+
+
+def test_a_ball_on_the_axis_of_a_peg_stays_on_it() -> None:
+    scene = Scene([Circle(0, 4, "1/2", id="ball"), Circle(0, 0, "1/2", m="oo")], gravity=(0, -10))
+    run = ExactEngine().run(scene, events=60)
+    assert run.stop.reason is StopReason.EVENTS
+    with workdps(60):
+        first = mpf(run.events[0].time.digits(45))
+        assert all(
+            abs(mpf(event.time.digits(45)) - (2 * k + 1) * first) < mpf(10) ** -40 for k, event in enumerate(run.events)
+        )
+    assert run.at(run.events[-1].time)["ball"].x.digits(20) == "0"
+
+
+def test_a_ball_beside_the_axis_leaves_it_soon() -> None:
+    near = Scene([Circle(f"1/{2**40}", 4, "1/2", id="ball"), Circle(0, 0, "1/2", m="oo")], gravity=(0, -10))
+    run = ExactEngine().run(near, events=60)
+    assert run.stop.reason is StopReason.QUIET
+    assert 8 < len(run.events) < 30
+
+
+def test_a_graze_is_undecided_and_says_which_and_why() -> None:
+    # thrown so that the top of its way is where it touches: |d| = R there, and d.v = 0
+    peg = Circle(-2, 2, "1/2", m="oo", id="peg")
+    scene = Scene([Circle(-2, 3, "1/2", vx=4, vy=0, id="ball"), peg], gravity=(0, -1))
+    run = ExactEngine(max_bits=2000).run(scene, events=5)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "ball and peg" in run.stop.message
+    assert "neither approach nor part" in run.stop.message
+    peg = Circle(1, "3/2", "1/2", m="oo", id="peg")
+    passing = Scene([Circle(0, 0, "1/2", vx=1, vy=1, id="ball"), peg], gravity=(0, -1))
+    run = ExactEngine(max_bits=2000).run(passing, events=5)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "ball and peg hit, graze or miss" in run.stop.message
+    assert "zero of a quartic, which no field holds" in run.stop.message
+
+
+def test_a_tie_without_proof_is_undecided_and_says_why() -> None:
+    balls = [Circle(0, 5, "1/2", id="one"), Circle(4, 6, "1/2", vy=0, id="two")]
+    pegs = [Circle("1/4", 0, "1/2", m="oo", id="p"), Circle("15/4", 1, "1/2", m="oo", id="q")]
+    mirrored = Scene([*balls, *pegs], gravity=(0, -10))
+    run = ExactEngine(max_bits=4000).run(mirrored, events=1)
+    assert run.stop.reason is StopReason.EVENTS  # the glide from one to the other proves it
+    turned = [Circle(4, 6, "1/2", vy="1/7", id="two"), Circle("15/4", "1", "1/2", m="oo", id="q")]
+    run = ExactEngine(max_bits=4000).run(Scene([balls[0], pegs[0], *turned], gravity=(0, -10)), events=1)
+    assert run.stop.reason is StopReason.EVENTS
+
+
+def test_numbers_after_a_quartic_have_digits_and_no_closed_form() -> None:
+    scene = Scene([Circle(0, 6, "1/2", id="ball"), Circle("1/3", 3, "1/2", m="oo")], [FLOOR], gravity=(0, -10))
+    run = ExactEngine().run(scene, events=4)
+    time = run.events[2].time
+    assert time.ball(500).rel_accuracy_bits() >= 500
+    assert time.digits(60).startswith(time.digits(30)[:28])
+    assert time.text() is None
+    with pytest.raises(NoClosedForm, match="zero of a quartic"):
+        time.sympy()
+
+
+def test_two_bits_may_leave_it_open_and_are_never_wrong() -> None:
+    scene = drawn(3)
+    sharp = ExactEngine().run(scene, events=20)
+    for bits in (256, 300, 1000):
+        run = ExactEngine(max_bits=bits).run(scene, events=20)
+        assert [e.contacts for e in run.events] == [e.contacts for e in sharp.events[: len(run.events)]]
+
+
+def test_finite_precision_has_the_same_first_events() -> None:
+    scene = drawn(2)
+    exact = ExactEngine().run(scene, events=6)
+    for engine in (DoubleEngine(), SingleEngine(), QuadEngine(), RoundedEngine(bits=30), PymunkEngine(dt=1 / 4096)):
+        run = engine.run(scene, events=6)
+        assert [e.contacts for e in run.events[:3]] == [e.contacts for e in exact.events[:3]], engine.name
+        place = run.sample([float(exact.events[0].time) / 2])[0]
+        assert abs(place - exact.sample([float(exact.events[0].time) / 2])[0]).max() < 0.01
+
+
+@pytest.mark.parametrize("engine", [IntervalEngine(), SymbolicEngine()])
+def test_engines_without_quartics_refuse_by_one_line(engine: Any) -> None:
+    scene = Scene([Circle(0, 6), Circle(0, 3, m="oo", id="peg")], gravity=(0, -10))
+    with pytest.raises(SceneError, match=r"circle 'peg' is fixed, under gravity, and .* do not take that") as told:
+        engine.run(scene)
+    assert "\n" not in str(told.value)
+
+
+def test_no_run_is_turned_back_where_a_circle_stands_under_gravity() -> None:
+    with pytest.raises(SceneError, match="circle 'peg' is fixed, and no run is turned back there; leave"):
+        Scene([Circle(0, 6), Circle(0, 3, m="oo", id="peg")], gravity=(0, -10), reverse_at=3)
