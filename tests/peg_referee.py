@@ -9,9 +9,9 @@ numpy says of it, and where that does not give four zeros apart from one another
 from __future__ import annotations
 
 import numpy as np
+from gravity_referee import DIGITS, NOW, Body, Course, GravityReferee, Hit, TieMet, number
 from mpmath import mpc, mpf, workdps
 
-from tests.gravity_referee import DIGITS, NOW, Body, Course, GravityReferee, Hit, TieMet, number
 from truebreak.scenarios import Scene
 
 

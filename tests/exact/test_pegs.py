@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 from mpmath import mpf, workdps
+from peg_referee import NotForThis, PegReferee, TieMet
 
-from tests.peg_referee import NotForThis, PegReferee, TieMet
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import round_falls, state
