@@ -19,6 +19,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import inf
 from pathlib import Path
 from random import Random
 
@@ -332,7 +333,7 @@ def examined(aged: Aged) -> tuple[str, str, int]:
     except AssertionError as error:
         if str(error) != "no end":
             raise
-        told = _compared(run, referee, gave_up)
+        told = _compared(run, referee, True)
         return "failure" if told else "endless" if gave_up else "long", told, count
     told = _compared(run, referee, gave_up)
     if told:
@@ -353,16 +354,22 @@ def _near(mine, theirs: mpf, size: mpf, power: int) -> bool:
 
 
 def _compared(run: Trajectory, referee: OlderReferee, gave_up: bool) -> str:
-    """Where the events and the entries part, as far as both tell; empty where they do not."""
+    """Where the events and the entries part, as far as both go; empty where they do not.
+
+    Args:
+        gave_up: whether one of the two did: then entries count up to the last event that both have.
+    """
     for mine, theirs in zip(referee.told, run.events, strict=False):
         if not _near(theirs.time, mine.time, mpf(0), 45):
             return f"event {theirs.index} at {float(theirs.time)}, not {float(mine.time)}"
         names = {tuple(pair) for pair in theirs.contacts}
         if not mine.approaching <= names <= mine.touching:
             return f"event {theirs.index}: {sorted(names)}, not {sorted(mine.approaching)}"
-    entries = sorted((float(e.time), e.circle, e.pocket) for e in run.pocketings)
-    theirs = sorted((float(t), circle, pocket) for t, circle, pocket in referee.entries)
-    if not gave_up and [e[1:] for e in entries] != [e[1:] for e in theirs]:
+    both = min(len(referee.told), len(run.events))
+    last = inf if not gave_up else float(run.events[both - 1].time) if both else 0.0
+    entries = sorted((t, e.circle, e.pocket) for e in run.pocketings if (t := float(e.time)) < last)
+    theirs = sorted((t, circle, pocket) for at, circle, pocket in referee.entries if (t := float(at)) < last)
+    if [e[1:] for e in entries] != [e[1:] for e in theirs]:
         return f"entries {entries}, not {theirs}"
     return ""
 
