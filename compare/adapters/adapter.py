@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from ...floating.pymunk_space import Point, clipped
-from ...scenarios.engine import ALL_KEYS
 from ...scenarios.errors import SceneError
 from ...scenarios.surfaces import sides_of
 from ..foreign.recorded import Playing
@@ -155,8 +154,8 @@ class SteppedAdapter(Adapted):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but arcs, walls that move, `capture` (no pockets), `tie_policy`: a step solves its contacts at once."""
-        return ALL_KEYS - {"arc", "capture", "tie_policy", "restitution", "moving walls"}
+        """Walls, segments and polygons, turning back; no `tie_policy`: a step solves its contacts at once."""
+        return frozenset({"wall", "segment", "polygon", "pocket", "reverse_at", "reverse_after"})
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""

@@ -363,11 +363,17 @@ class _Judge:
         """Where the candidate does not come to the end of what is compared: how far settles what may lie near that."""
         end = self.span.time if first is None else min(first.time, self.span.time)
         over = self.candidate.stop.reason is StopReason.QUIET
-        return [] if over or float(self.candidate.final_time) >= end else [self.patience.latest(end)]
+        return [] if over or _known_until(self.candidate) >= end else [self.patience.latest(end)]
 
     def earlier(self, event: int) -> list[float]:
         """How far the candidate tells whether it lacks events before the one known, which may lie past the span."""
         return [one.until for one in self.open if not one.of_reference and one.event < event]
+
+
+def _known_until(run: Trajectory) -> float:
+    """How far a run goes: where infinitely many collisions end it, these go on alone until all have happened."""
+    accumulates = run.stop.reason is StopReason.ACCUMULATION
+    return float(run.final_time if run.ending is None or not accumulates else run.ending)
 
 
 # ----------------------------------------

@@ -116,7 +116,9 @@ class Course:
         self._share = float((scene.restitution + 1) / 2)
         self._gravity = np.array([0.0, 0.0] if scene.gravity is None else [float(part) for part in scene.gravity])
         falls = scene.gravity is not None
-        self._falls = np.array([*(falls and not circle.fixed for circle in circles), *(False for _ in sides)], dtype=bool)
+        self._falls = np.array(
+            [*(falls and not circle.fixed for circle in circles), *(False for _ in sides)], dtype=bool
+        )
         self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
         self._of: dict[tuple[bool, int], list[ThingParts]] = {}
         for thing in parts.values():

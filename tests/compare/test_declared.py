@@ -10,13 +10,15 @@ from typing import Any
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.validation import EngineError, check_engine, check_trajectory
+from truebreak.compare.engines import engine
+from truebreak.compare.validation import EngineError, check_engine, check_trajectory, unsupported
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
 from truebreak.scenarios import Circle, Contact, Declared, Polygon, Scene, SceneError, Trajectory, catalogue
 from truebreak.scenarios.engine import ALL_KEYS, SCENE_KEYS
 from truebreak.scenarios.trajectory import Pocketing, Reversal, Stop, StopReason
 
 PAIR = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, "1/3", id="b")], name="pair")
+PEGGED = Scene([Circle(0, 3, vx=1, id="a"), Circle("1/2", 0, fixed=True, id="peg")], gravity=(0, -1), name="pegged")
 WIDER = Scene([Circle(0, 0, vx=1, id="a"), Circle(5, "1/3", id="b")], name="pair")
 
 
@@ -318,3 +320,14 @@ def test_an_outcome_may_be_an_array() -> None:
 def test_a_time_beyond_the_doubles_is_refused() -> None:
     with pytest.raises(SceneError, match="beyond"):
         compare(PAIR, ["double"], until="10**400")
+
+
+@pytest.mark.parametrize("name", ["billiards", "box2d", "mujoco", "perfect-physics", "pooltool", "rapier"])
+def test_engines_of_others_have_no_gravity_and_say_so(name: str) -> None:
+    """They are built without: a run of theirs would be of another scene."""
+    theirs = engine(name)
+    for scene in (catalogue.build("bounce"), PEGGED):
+        assert unsupported(theirs, scene) is not None
+        (found,) = compare(scene, [theirs], events=3).candidates
+        assert found.unable
+        assert "does not follow" in found.trajectory.stop.message
