@@ -259,6 +259,7 @@ class PlainMeetings(Generic[M]):
 
     def close(self) -> None:
         """Lets go of its predictor and of who decides for it, which know it."""
+        self._predictor.close()
         del self._predictor, self._ask
 
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:

@@ -203,8 +203,7 @@ Drawn = TypeVar("Drawn", bound=Pictured)
 def as_at(scene: Drawn, time: float) -> Drawn:
     """A scene with its walls where they are at a time, to be drawn.
 
-    >>> from .scene import Scene
-    >>> from .things import Circle
+    >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> float(as_at(Scene([Circle(0, 0)], [Wall(9, 0, 9, 1, vx=-2)]), 1.5).walls[0].x1)
     6.0
     """

@@ -327,7 +327,7 @@ class Laws:
         """At a reversal every velocity is negated; of what is hit at that very moment, the energy is kept."""
         hit = instant.circles(self.count)
         energy, room = arb(0), 0.0
-        fastest = max((max(instant.before[k].speed, self._left(k, instant)) for k in hit), default=0.0)
+        fastest = max((max(instant.before[k].speed, instant.left(k)) for k in hit), default=0.0)
         met = [self.meeting(pair, instant, events) for pair in instant.impulses]
         bent = sum(meeting.bend(2 * fastest, 2 * fastest) for meeting in met)
         for k, after in instant.after.items():
@@ -349,7 +349,7 @@ class Laws:
     def meeting(self, pair: tuple[int, int], instant: ReportedInstant, events: int) -> ImpactLaws:
         """Two that meet, at the engine's own places."""
         i, j = pair
-        a, xa, ya = self._there(i, instant)
+        a, xa, ya = instant.there(i)
         time = instant.time
         if j >= self.first_side:
             return self._at_side(i, self.sides[j - self.first_side], instant, events)
@@ -363,14 +363,14 @@ class Laws:
                 opening = (opening + (self.change - 1) * bounced) / self.change
             away = math.hypot(float(xa - line.x), float(ya - line.y))
             place = math.hypot(float(xa), float(ya))
-            blur = self._blurred(a, place, time, events, self._left(i, instant))
+            blur = self._blurred(a, place, time, events, instant.left(i))
             turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
             turn += self._bent_at_end(j - self.count, line, xa, ya, blur, self.things[i].radius)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             gap = height - self.things[i].r
             return ImpactLaws(line.nx, line.ny, gap, opening, a.speed, room, turn, bounced=bounced)
-        b, xb, yb = self._there(j, instant)
+        b, xb, yb = instant.there(j)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
         distance = square.sqrt()
@@ -378,8 +378,8 @@ class Laws:
         wide = float(reach)
         vx, vy = b.vx - a.vx, b.vy - a.vy
         speed, near = math.hypot(float(vx), float(vy)), float(distance.mid())
-        blur = self._blurred(a, math.hypot(float(xa), float(ya)), time, events, self._left(i, instant))
-        blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, self._left(j, instant))
+        blur = self._blurred(a, math.hypot(float(xa), float(ya)), time, events, instant.left(i))
+        blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, instant.left(j))
         if not near:  # two centres in one place: no line joins them
             return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
         far = near + speed * max(0.0, time - max(a.time, b.time))
@@ -392,12 +392,12 @@ class Laws:
 
     def _at_side(self, i: int, side: SideInBalls, instant: ReportedInstant, events: int) -> ImpactLaws:
         """A circle and a side of an arc: as two circles, one of which never moves, is hollow, and ends somewhere."""
-        a, x, y = self._there(i, instant)
+        a, x, y = instant.there(i)
         dx, dy = side.inward * (side.x - x), side.inward * (side.y - y)
         distance = (dx * dx + dy * dy).sqrt()
         gap = side.inward * (distance - side.r) - self.things[i].r
         near, wide = float(distance.mid()), side.radius + side.inward * self.things[i].radius
-        blur = self._blurred(a, math.hypot(float(x), float(y)), instant.time, events, self._left(i, instant))
+        blur = self._blurred(a, math.hypot(float(x), float(y)), instant.time, events, instant.left(i))
         blur += ROOT_UNITS * self.unit * (side.place + side.radius + self.things[i].radius)
         if not near:  # in the very middle: no line leads to the arc
             return ImpactLaws(dx, dy, gap, arb(0), a.speed, blur, 1.0)
@@ -440,18 +440,6 @@ class Laws:
         if not least or not speed:
             return 0.0
         return min(math.sqrt(least), least / (2 * root) if root else math.inf) / speed
-
-    def _there(self, k: int, instant: ReportedInstant) -> tuple[ReportedFlight, arb, arb]:
-        """A circle's flight before an instant, and its place at it: as reported, or flown to where nothing is."""
-        flight, told = instant.before[k], instant.after.get(k)
-        if told is not None:
-            return flight, told.x, told.y
-        span = instant.t - flight.t
-        return flight, flight.x + flight.vx * span, flight.y + flight.vy * span
-
-    def _left(self, k: int, instant: ReportedInstant) -> float:
-        """How fast a circle goes on."""
-        return instant.after.get(k, instant.before[k]).speed
 
     def _impact(
         self, pair: tuple[int, int], instant: ReportedInstant, after: dict[int, ReportedFlight], events: int
@@ -505,7 +493,7 @@ class Laws:
             ends = [k for k in (i, j) if k < self.count]
             va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (arb(0), arb(0)))
             opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
-            begun = [(instant.before[k], self._left(k, instant)) for k in ends if k in instant.before]
+            begun = [(instant.before[k], instant.left(k)) for k in ends if k in instant.before]
             speed = sum(flight.speed + flight.fallen + left for flight, left in begun)
             total = sum((self.things[k].weight for k in ends), arb(0))
             bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
@@ -556,12 +544,12 @@ class Laws:
         for k, (x, y) in change.items():
             root = math.sqrt(self.things[k].share)
             wanted[k] = float(x.mid()) / root, float(y.mid()) / root
-        strengths = self._sharpened(strengths_of(columns, wanted), columns, links, met, change)
+        strengths = _sharpened(self, strengths_of(columns, wanted), columns, links, met, change)
         bent = max(met[link].bend(2 * fastest, 2 * fastest) for link in links)  # two at rest may be fast a round later
         rounds = max(len(pairs), len(links))
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
         for k in circles:
-            x, y = self._unexplained(k, change[k], links, strengths, met)
+            x, y = _unexplained(k, self.things[k].weight, change[k], links, strengths, met)
             granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * bent + LEAST
             found = Residual("impulse", (k,), length_of(x, y), granted)
             if found.size - found.room > worst.size - worst.room:
@@ -574,35 +562,37 @@ class Laws:
         lost = not self.scene.elastic and not energy > 0  # how much it loses depends on the order; it gains nothing
         yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
 
-    def _unexplained(
-        self, k: int, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
-        met: Mapping[tuple[int, int], ImpactLaws],
-    ) -> tuple[arb, arb]:  # fmt: skip
-        """What pushes of these strengths leave of a circle's change of velocity."""
-        x, y = change
-        for link, strength in zip(links, strengths, strict=True):
-            if k in link:
-                push = strength * self.things[k].weight * (1 if k == link[1] else -1)
-                x, y = x - push * met[link].nx, y - push * met[link].ny
-        return x, y
 
-    def _sharpened(
-        self, rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]],
-        links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], ImpactLaws],
-        change: Mapping[int, tuple[arb, arb]],
-    ) -> list[arb]:  # fmt: skip
-        """Strengths to an engine's bits: what those in doubles leave is explained by the same contacts again."""
-        strengths = [arb(strength) for strength in rough]
-        pushing = [c for c, strength in enumerate(rough) if strength > 0.0]
-        for _ in range(math.ceil(max(0.0, -math.log2(self.unit) - DOUBLE_BITS) / BITS_GAINED) if pushing else 0):
-            left: dict[int, tuple[float, float]] = {}
-            for k in change:
-                root = math.sqrt(self.things[k].share)
-                x, y = self._unexplained(k, change[k], links, strengths, met)
-                left[k] = float(x.mid()) / root, float(y.mid()) / root
-            for c, more in zip(pushing, _solved([columns[c] for c in pushing], left), strict=True):
-                strengths[c] += arb(more)
-        return strengths
+def _unexplained(
+    k: int, weight: arb, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
+    met: Mapping[tuple[int, int], ImpactLaws],
+) -> tuple[arb, arb]:  # fmt: skip
+    """What pushes of these strengths leave of a circle's change of velocity."""
+    x, y = change
+    for link, strength in zip(links, strengths, strict=True):
+        if k in link:
+            push = strength * weight * (1 if k == link[1] else -1)
+            x, y = x - push * met[link].nx, y - push * met[link].ny
+    return x, y
+
+
+def _sharpened(
+    laws: Laws, rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]],
+    links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], ImpactLaws],
+    change: Mapping[int, tuple[arb, arb]],
+) -> list[arb]:  # fmt: skip
+    """Strengths to an engine's bits: what those in doubles leave is explained by the same contacts again."""
+    strengths = [arb(strength) for strength in rough]
+    pushing = [c for c, strength in enumerate(rough) if strength > 0.0]
+    for _ in range(math.ceil(max(0.0, -math.log2(laws.unit) - DOUBLE_BITS) / BITS_GAINED) if pushing else 0):
+        left: dict[int, tuple[float, float]] = {}
+        for k in change:
+            root = math.sqrt(laws.things[k].share)
+            x, y = _unexplained(k, laws.things[k].weight, change[k], links, strengths, met)
+            left[k] = float(x.mid()) / root, float(y.mid()) / root
+        for c, more in zip(pushing, _solved([columns[c] for c in pushing], left), strict=True):
+            strengths[c] += arb(more)
+    return strengths
 
 
 BITS_GAINED = 40

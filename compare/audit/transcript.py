@@ -179,6 +179,18 @@ class ReportedInstant:
         """The circles that meet something, by place; there are `count` circles."""
         return {k for pair in self.impulses for k in pair if k < count}
 
+    def there(self, k: int) -> tuple[ReportedFlight, arb, arb]:
+        """A circle's flight before it, and its place at it: as reported, or flown to where nothing is."""
+        flight, told = self.before[k], self.after.get(k)
+        if told is not None:
+            return flight, told.x, told.y
+        span = self.t - flight.t
+        return flight, flight.x + flight.vx * span, flight.y + flight.vy * span
+
+    def left(self, k: int) -> float:
+        """How fast a circle goes on."""
+        return self.after.get(k, self.before[k]).speed
+
 
 def groups_of(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int) -> list[list[tuple[int, int]]]:
     """Impulses of one instant, those that hang together through circles that can move; in the order reported.

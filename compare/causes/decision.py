@@ -412,20 +412,10 @@ class RunReader:
                 root = ball.root(pair_discriminant(dx, dy, ux, uy, reach))
                 time += (root + root) / (ux * ux + uy * uy)
             found += [] if time is None else [time]
-        ways = [told for side in self._sides_of(pairing, parts, bits) if (told := side.waits((x, y, vx, vy)))]
+        ways = [told for side in _sides_of(self, pairing, parts, bits) if (told := side.waits((x, y, vx, vy)))]
         if ways:  # of an arc the time through the side that is met first
             found.append(t + min(ways, key=lambda told: _middle(told[0]))[leaving])
         return found
-
-    def _sides_of(self, pairing: Pairing, parts: ThingParts, bits: int) -> list[RoundSide]:
-        """The sides of an arc, as the circle that may meet it has them."""
-        things = self.things(bits)
-        r, ends = things.bodies[self.places[pairing.body]].r, [things.bodies[end].flight for end in parts.ends]
-        return [
-            RoundSide(body.flight.x, body.flight.y, abs(body.r), r, k % 2 == 1, tuple((e.x, e.y) for e in ends))
-            for k in parts.sides
-            for body in (things.arcs[k],)
-        ]
 
     def _nearest(self, pairing: Pairing, bits: int, time: arb | None = None) -> NearestPart[arb] | None:
         """The face or end of its partner that a circle is nearest to, as its flight begins or at a time."""
@@ -478,7 +468,7 @@ class RunReader:
             bodies[circle].r,
             [things.line(circle, face) for face in parts.faces],
             [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
-            self._sides_of(pairing, parts, bits),
+            _sides_of(self, pairing, parts, bits),
         )
         passed = out_of(seen)
         if passed is None or ball.sign_of(passed.aside) is not None:
@@ -596,6 +586,17 @@ class RunReader:
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
 """t, d, v and R of two round things."""
+
+
+def _sides_of(reader: RunReader, pairing: Pairing, parts: ThingParts, bits: int) -> list[RoundSide]:
+    """The sides of an arc, as the circle that may meet it has them."""
+    things = reader.things(bits)
+    r, ends = things.bodies[reader.places[pairing.body]].r, [things.bodies[end].flight for end in parts.ends]
+    return [
+        RoundSide(body.flight.x, body.flight.y, abs(body.r), r, k % 2 == 1, tuple((e.x, e.y) for e in ends))
+        for k in parts.sides
+        for body in (things.arcs[k],)
+    ]
 
 
 def _meeting_time(relative: Relative) -> arb | None:

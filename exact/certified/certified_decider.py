@@ -650,6 +650,7 @@ class CertifiedDecider:
 
     def close(self) -> None:
         """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        self.meetings.predictor.close()
         del self.meetings.predictor, self.meetings, self.reading, self.stride, self._cascade
         self.state.held = None
 

@@ -365,19 +365,13 @@ class _Run:
         self.discs = tuple(_flown(d, duration, self.g) for d in before)
         for pair, hit in self.hits.items():
             if hit is not None and sign(hit - time) == 0:
-                self.came[pair] = tuple(self._beside(disc, pair, duration) for disc in before)
+                number = pair[1] - len(self.discs)
+                line = self.lines[number] if number >= 0 else None
+                self.came[pair] = tuple(_beside(disc, line, duration) for disc in before)
         self.lines = tuple(line.moved(duration) for line in self.lines)
         self.now = time
         if self.progress is not None:
             self.progress(Progress(len(self.events), float(quantity(time))))
-
-    def _beside(self, disc: Disc, pair: Indices, duration: Any) -> Disc:
-        """Where a circle was beside what it meets, if that moves, as seen from where that is so much later."""
-        number = pair[1] - len(self.discs)
-        if number < 0 or self.lines[number].ux == 0 == self.lines[number].uy:
-            return disc
-        line = self.lines[number]
-        return replace(disc, x=normal(disc.x + line.ux * duration), y=normal(disc.y + line.uy * duration))
 
     def _touching(self) -> Touching:
         """Who touches now: what was predicted to, and every other pair by its distance."""
@@ -452,6 +446,13 @@ class _Run:
 def _disc(circle: Circle) -> Disc:
     x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
     return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
+
+
+def _beside(disc: Disc, line: Any, duration: Any) -> Disc:
+    """Where a circle was beside a thing that it meets, if that moves, as seen from where that is so much later."""
+    if line is None or line.ux == 0 == line.uy:
+        return disc
+    return replace(disc, x=normal(disc.x + line.ux * duration), y=normal(disc.y + line.uy * duration))
 
 
 def _line(wall: Wall) -> Line:

@@ -381,8 +381,7 @@ class Predictor(Generic[M]):
         unsure: deals with a prediction whose signs were not all certain.
 
     Attributes:
-        few: whether there is nothing but circles and walls, and every pair of circles is looked at; known once the
-            first meetings are predicted.
+        few: whether there are circles and walls alone, and every pair is looked at; known after the first predictions.
     """
 
     def __init__(
@@ -403,13 +402,14 @@ class Predictor(Generic[M]):
         self.arcs: ArcSides[M] | None = ArcSides(scene, state) if scene.arc_sides else None
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
-        self.points = frozenset(
-            i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0 and i not in scene.ends
-        )
-        self._begun = False
+        self.points = frozenset(i for i, c in enumerate(scene.circles) if c.r.sign() == 0 and i not in scene.ends)
+        self._begun = self.few = False
         self._crowd: Crowd[M] | None = None
-        self.few = False
         self.zero, self.root, self.falling = state.zero, state.root, state.falling
+
+    def close(self) -> None:
+        """Lets go of what knows it."""
+        del self._crowd, self.unsure, self.queue
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""

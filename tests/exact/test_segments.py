@@ -21,6 +21,7 @@ from truebreak.exact.certified.filtered import DoubleFilter, float_line
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay import state as states
+from truebreak.exact.replay import wall_flights
 from truebreak.exact.replay.contact import Body, Flight
 from truebreak.exact.simulation import prediction
 from truebreak.exact.simulation.instant import Resolver
@@ -73,7 +74,7 @@ def _wrong_foot(monkeypatch):
         return -slide * gap - along * approach
 
     monkeypatch.setattr(prediction, "face_foot", flipped)
-    monkeypatch.setattr(states, "face_foot", flipped)
+    monkeypatch.setattr(wall_flights, "face_foot", flipped)
 
 
 def _in_python(monkeypatch):

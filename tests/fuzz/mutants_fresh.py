@@ -85,7 +85,7 @@ CONTACTS = (
     ),
     Mutant(
         "stale_signs", ROUNDS,
-        "told[link] if hit.isdisjoint(link.circles) else None",
+        "told[link] if link in apart else None",
         "told[link]",
         "a contact whose circle was kicked is not asked anew",
     ),
@@ -533,8 +533,8 @@ SYMMETRY = (
     ),
     Mutant(
         "parallel_walls_alike", ISOMETRY,
-        "        return 1, ny / nx, offset / nx\n    return 0, 1, offset / ny",
-        "        return 1, ny / nx, nx - nx\n    return 0, 1, nx",
+        "        return 1, ny / nx, offset / nx, pace / nx\n    return 0, 1, offset / ny, pace / ny",
+        "        return 1, ny / nx, nx - nx, pace / nx\n    return 0, 1, nx, pace / ny",
         "parallel walls are one wall",
     ),
     Mutant(

@@ -599,7 +599,7 @@ LOOPS = (
     Mutant(
         "rounds_known_kept",
         ROUNDS,
-        "told[link] if hit.isdisjoint(link.circles) else None",
+        "told[link] if link in apart else None",
         "told[link]",
         "signs are kept though a circle was kicked",
     ),
@@ -636,8 +636,8 @@ LOOPS = (
     Mutant(
         "fixed_touch_fixed",
         INITIAL,
-        "if not (fixed[i] and j < len(circles) and fixed[j]))",
-        "if not (fixed[i] or (j < len(circles) and fixed[j])))",
+        "if not (fixed[i] and _stays(scene, j, fixed)))",
+        "if not (fixed[i] or _stays(scene, j, fixed)))",
         "who touches a fixed circle at time 0 does not",
     ),
     Mutant(

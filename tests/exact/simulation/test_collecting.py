@@ -63,8 +63,8 @@ def test_one_that_is_off_or_looks_less_often_still_stays_so(first: int) -> None:
     assert gc.get_threshold() == (first, 11, 12)
 
 
-@pytest.mark.parametrize("name", ["exact", "double"])
-@pytest.mark.parametrize("scene", ["gas:n=6", "pinball", "lorentz", "stadium", "bounce", "cradle"])
+@pytest.mark.parametrize("name", ["exact", "double", "quad"])
+@pytest.mark.parametrize("scene", ["gas:n=6", "gas:n=70", "pinball", "lorentz", "stadium", "bounce", "cradle"])
 def test_no_part_of_a_run_is_left_in_a_circle(name: str, scene: str) -> None:
     built = catalogue.build(scene)
     engine(name).run(built, events=20)
