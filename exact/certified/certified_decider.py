@@ -286,7 +286,8 @@ class CertifiedMeetings:
                 low, high = ball.double_bounds(found)
                 return arrival._replace(low=low, high=high, certain=True, time=found)
             why = f"whether {self._judge.name(link)} hit, graze or miss, at a zero of a quartic, which no field holds"
-            spent += self._precision.units()
+            bits = 2 * self._state.bits  # so often the interval is halved with the next ones, before nothing is said
+            spent += self._precision.units() + bits * step_units(bits)
             if spent > self._work:
                 where = f"{self._precision.where()}, with {self._state.bits} bits"
                 raise Undecided(f"{why}, is not proved, {where}; {spent} units of work of {self._work} (--work)")
