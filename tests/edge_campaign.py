@@ -59,16 +59,18 @@ class OlderReferee(Referee):
         self.all = list(self.discs)
 
     def enter(self) -> None:
-        """Centres on a rim whose velocity points inward."""
+        """Centres on a rim whose velocity points inward; on two rims at once, both are entered."""
         for disc in list(self.discs):
+            entered = []
             for name, x, y, r in self.pockets:
                 dx, dy = x - disc.x, y - disc.y
                 inward = dx * disc.vx + dy * disc.vy
-                if abs(dx * dx + dy * dy - r * r) < sharp.SAME and inward > sharp.SAME and disc in self.discs:
-                    self.entries.append((self.now, disc.id, name))
-                    if self.capture:
-                        self.discs.remove(disc)
-                        disc.vx = disc.vy = mpf(0)
+                if abs(dx * dx + dy * dy - r * r) < sharp.SAME and inward > sharp.SAME:
+                    entered.append((self.now, disc.id, name))
+            self.entries += entered
+            if self.capture and entered:
+                self.discs.remove(disc)
+                disc.vx = disc.vy = mpf(0)
 
     def settle(self) -> None:
         """Contacts, then entries."""
