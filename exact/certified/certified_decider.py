@@ -28,7 +28,7 @@ from ..replay.contact import (
     is_pair,
     name_of,
     touching_at_start,
-)  # fmt: skip
+)
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.arc_meetings import arc_contact
