@@ -371,9 +371,12 @@ class _Judge:
 
 
 def _known_until(run: Trajectory) -> float:
-    """How far a run goes: where infinitely many collisions end it, these go on alone until all have happened."""
-    accumulates = run.stop.reason is StopReason.ACCUMULATION
-    return float(run.final_time if run.ending is None or not accumulates else run.ending)
+    """How far a run goes: where infinitely many collisions end it, these go on alone until all have happened.
+
+    So they do of a circle between two walls that close, until it has no room.
+    """
+    alone = run.stop.reason in (StopReason.ACCUMULATION, StopReason.CRUSHED)
+    return float(run.final_time if run.ending is None or not alone else run.ending)
 
 
 # ----------------------------------------

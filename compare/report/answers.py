@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
-from ...scenarios.trajectory import StopReason
+from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import UNKNOWING
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
@@ -20,6 +20,7 @@ from .sentences import (
     account_rows,
     all_of,
     counted,
+    ending_phrase,
     head_phrase,
     headline,
     listed,
@@ -48,6 +49,9 @@ MOST_SHARES = 3
 MOST_OUTCOMES = 3
 """Outcomes named at once."""
 
+
+ALIKE = (0.75, 1.5)
+"""Ratios of times, each measured once, between which they are called the same."""
 
 CHAOS_BITS, CALM_BITS = 10.0, 3.0
 """Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
@@ -154,7 +158,9 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
             return f"The {reference.engine} run itself stops {upto}{agreed}."
         if candidate.verdict == "agree":
             whole = "the one event" if events == 1 else f"all {events:,} events"
-            return f"Nowhere: {name} has {whole} of the {reference.engine} run." if events else NOTHING
+            nowhere = f"Nowhere: {name} has {whole} of the {reference.engine} run." if events else NOTHING
+            ending = ending_phrase(reference)
+            return f"{nowhere} {_capital(ending)}." if ending else nowhere
         if candidate.verdict == "unsettled":
             return (
                 f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
@@ -399,7 +405,7 @@ def _onward(comparison: Comparison) -> str:
 
 def _at_its_end(candidate: Candidate) -> bool:
     """Whether a run ended where no limit lets it go on."""
-    return candidate.trajectory.stop.reason in (StopReason.ACCUMULATION, StopReason.REST)
+    return candidate.trajectory.stop.reason in AT_AN_END
 
 
 def _instead(comparison: Comparison, candidate: Candidate) -> list[str]:
@@ -501,7 +507,7 @@ def cost_words(alternative: Alternative, candidate: Candidate) -> str:
         return ""
     if alternative.steps is not None:
         return f"{cost:.3g} times the steps"
-    if 0.75 < cost < 1.5:
+    if ALIKE[0] < cost < ALIKE[1]:
         return f"about the time of {candidate.engine}"
     return f"about {_one_digit(cost)} times the time of {candidate.engine}"
 
@@ -520,6 +526,8 @@ def _cheaper(comparison: Comparison, candidate: Candidate) -> str:
     mine, exact = candidate.processor, comparison.processor
     if not mine > 0 or not exact > 0 or not comparison.certain:
         return ""
+    if ALIKE[0] < exact / mine < ALIKE[1]:
+        return f", and {comparison.reference.engine} takes about its time"
     return f", and {comparison.reference.engine} takes about {_one_digit(exact / mine)} times its time"
 
 
