@@ -8,6 +8,7 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ...exact.exact_motion import motion_of
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import UNKNOWING
@@ -15,6 +16,7 @@ from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
+from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
     about,
     account_rows,
@@ -102,7 +104,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
         so_what(comparison, chosen),
         what_now(comparison, chosen, foreseen),
         command(comparison, chosen),
-        "docs/engines.md" if stopped(comparison, chosen) else read(chosen),
+        read(comparison, chosen),
     )
 
 
@@ -575,7 +577,12 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
             return shlex.join(["truebreak", "run", scene])
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--events", str(events)])
     if candidate.verdict == "agree":
-        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+        most = measurable(comparison)
+        if not most:  # nothing says how far it will be right, but coarser numbers may be right as well
+            coarser = ["run", scene] if candidate.engine == COARSER else ["compare", scene, "--engines", COARSER]
+            return shlex.join(["truebreak", *coarser, *limits])
+        some = [] if most == len(comparison.reference.events) else ["--events", str(most)]
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine, *some])
     if candidate.verdict == "undecided":
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
     if candidate.stepped:
@@ -585,12 +592,31 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
     return shlex.join(["truebreak", "minimise", scene, "--engine", candidate.engine, *limits])
 
 
-def read(candidate: Candidate) -> str:
+COARSER = "single"
+"""The engine of the fewest bits that takes every scene."""
+
+
+def measurable(comparison: Comparison) -> int:
+    """Over how many events of the reference the growth of errors can be measured: all of them, or up to where nearby
+    runs are not its image under one linear map."""
+    reference = comparison.reference
+    if motion_of(reference) is None or not reference.events:
+        return 0
+    try:
+        impacts(reference, len(reference.events))
+    except NoTangentMap as error:
+        return error.events
+    return len(reference.events)
+
+
+def read(comparison: Comparison, candidate: Candidate) -> str:
     """The page of the documentation to go on with."""
+    if stopped(comparison, candidate):
+        return "docs/engines.md"
     if candidate.lawless:
         return "docs/audit.md"
     if candidate.verdict == "agree":
-        return "docs/chaos.md"
+        return "docs/chaos.md" if measurable(comparison) else "docs/engines.md"
     if candidate.verdict != "diverged" or candidate.diagnosis is None:
         return "docs/engines.md"
     if candidate.diagnosis.name is CauseName["TIE"]:

@@ -228,12 +228,26 @@ def test_a_run_that_nothing_lets_go_on_is_not_to_be_run_further() -> None:
     assert "further" in found.what_now
 
 
-@pytest.mark.parametrize("name", ["stadium", "lemon", "gas"])
+@pytest.mark.parametrize("name", ["stadium", "lemon", "gas", "ghost", "corner", "bounce"])
 def test_the_command_to_copy_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     command = answers(compare(catalogue.build(name), ["double"])).command
     with pytest.raises(SystemExit) as stop:
         main(shlex.split(command)[1:])
     assert stop.value.code in (None, 0, 1), capsys.readouterr().err
+
+
+def test_growth_is_measured_only_where_it_can_be() -> None:
+    """Of an engine that agrees: beside walls that move, or where a hit is a graze, coarser numbers are run instead."""
+    for scene, wanted in [
+        (closing("1"), "truebreak compare closing.toml --engines single"),
+        (catalogue.build("ghost"), "truebreak compare ghost --engines single --until 35"),
+        (catalogue.build("bounce"), "truebreak chaos bounce --engines double"),
+    ]:
+        found = answers(compare(scene, ["double"], until=10 if scene.moving_walls else None))
+        assert (found.command, found.read.removeprefix("docs/")) == (
+            wanted,
+            "chaos.md" if " chaos " in wanted else "engines.md",
+        )
 
 
 def test_one_event_is_one() -> None:
@@ -256,6 +270,13 @@ def test_a_circle_that_both_runs_see_crushed_is_agreement_and_how_it_ends_is_sai
     assert answers(found).where.endswith(
         "It ends there: crushed: two walls that close leave no room for a circle: ball between still and piston at 8."
     )
+
+
+@pytest.mark.parametrize("engine", ["double", "single", "quad"])
+def test_a_circle_at_rest_in_both_runs_is_agreement(engine: str) -> None:
+    """Whichever clock says a little earlier that it is."""
+    rest = Scene([Circle(0, 5, id="ball")], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10), restitution=0)
+    assert compare(rest, [engine], until=10).verdict == "agree"
 
 
 def test_how_the_motion_ends_is_said_under_the_verdict() -> None:
