@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
-from fuzz.draft import PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, span, speed
+from fuzz.draft import PYTHAGOREAN, TRIPLES, Body, Draft, F, has_room, mass, reversal, span, speed
 from fuzz.kinds.contacts import cluster, graze_blow
 from fuzz.kinds.symmetry import mirrored, neighbours, onto_pair, ring
 from truebreak.scenarios import Quantity
@@ -290,7 +290,7 @@ def nearest(draw: Random) -> Draft:
     not. The numbers are too long for a field, so balls decide, whose clocks stand beside the instant.
     """
     thrust, time = draw.choice([1, F(7, 5), 3]), F(draw.randrange(1, 40), draw.choice([3, 7, 11]))
-    cosine, sine = draw.choice([(F(3, 5), F(4, 5)), (F(5, 13), F(12, 13)), (F(7, 25), F(24, 25)), (F(8, 17), F(15, 17))])
+    cosine, sine = draw.choice(TRIPLES)
     swift = thrust * 10 ** draw.randrange(6, 16)
     reach, ahead = F(5, 4), draw.choice([1, -1]) * swift / 2 ** (draw.choice([248, 506, 1020]) + draw.randrange(30))
     apart = reach - ahead**2 / (2 * reach) * (1 - F(1, 256))
