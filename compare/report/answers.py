@@ -16,6 +16,7 @@ from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
+from ..tangent.growth import error_growth
 from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
     about,
@@ -100,7 +101,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
     return Answers(
         chosen.engine,
         where(comparison, chosen),
-        why(comparison, chosen),
+        why(comparison, chosen, foreseen),
         so_what(comparison, chosen),
         what_now(comparison, chosen, foreseen),
         command(comparison, chosen),
@@ -224,8 +225,12 @@ def _times(*times: float | None) -> list[str]:
 # -- Why.
 
 
-def why(comparison: Comparison, candidate: Candidate) -> str:
-    """The largest shares of the account in words; for an engine that does not keep the law, what it does instead."""
+def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None = None) -> str:
+    """The largest shares of the account in words; for an engine that does not keep the law, what it does instead.
+
+    Args:
+        foreseen: with it also whether errors grow, of an engine that agrees, or where no margin is known.
+    """
     name, found = candidate.engine, candidate.diagnosis
     if candidate.unable:
         return f"{_capital(candidate.trajectory.stop.message)}."
@@ -237,13 +242,18 @@ def why(comparison: Comparison, candidate: Candidate) -> str:
         if candidate.verdict == "agree":
             if candidate.laws is None or candidate.laws.kept is None:
                 law = "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
-                return f"Every error of {name} stays too small to change an event.{law}"
-            return f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
+                small = f"Every error of {name} stays too small to change an event.{law}"
+            else:
+                small = f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
+            return " ".join(filter(None, [small, _errors_grow(comparison, candidate, foreseen)]))
+        if candidate.verdict == "diverged":
+            return " ".join(filter(None, ["Not looked into.", _errors_grow(comparison, candidate, foreseen)]))
         message = f"{_capital(candidate.trajectory.stop.message)}."
         return message if _at_its_end(candidate) else f"Not looked into. {message}"
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
-    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), _growth_words(candidate)]))
+    grown = _growth_words(candidate) or _errors_grow(comparison, candidate, foreseen)
+    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), grown]))
 
 
 def _share_words(candidate: Candidate) -> str:
@@ -320,6 +330,30 @@ def _chaotic(candidate: Candidate) -> bool:
     if margin is None or margin.growth is None or parted is None:
         return False
     return margin.growth * parted.expected_event >= CHAOS_BITS
+
+
+def _by_flight(time: float) -> float:
+    """Bits by which a displacement of a velocity grows into one of a place in free flight: that is no chaos."""
+    return math.log2(max(1.0, time)) if math.isfinite(time) else 0.0
+
+
+def _errors_grow(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None) -> str:
+    """How errors can grow to the end, or to a divergence without a margin, in the direction that grows most."""
+    reference, parted = comparison.reference, candidate.alignment.divergence
+    if foreseen is None or (parted is None and foreseen.reason):
+        return ""
+    events = foreseen.events if parted is None else parted.expected_event
+    growth = error_growth(reference, events) if events <= foreseen.events else None
+    if growth is None:
+        return ""
+    bits, last = growth * events, float(reference.events[events - 1].time)
+    if bits - _by_flight(last) >= CHAOS_BITS:
+        longer = parted is None and reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON)
+        beyond = "; a longer run may diverge" if longer else ""
+        return f"Errors can grow by {growth:.3g} bits an event, which is chaos{beyond}."
+    if bits - _by_flight(last) < CALM_BITS:
+        return "It is not chaos: errors hardly grow on the way."
+    return f"Errors can grow by {bits:.2g} bits on the way."
 
 
 # -- So what.
@@ -597,8 +631,7 @@ COARSER = "single"
 
 
 def measurable(comparison: Comparison) -> int:
-    """Over how many events of the reference the growth of errors can be measured: all of them, or up to where nearby
-    runs are not its image under one linear map."""
+    """Over how many events of the reference the growth of errors can be measured: those that have a tangent map."""
     reference = comparison.reference
     if motion_of(reference) is None or not reference.events:
         return 0
