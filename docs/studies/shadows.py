@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--engine", action="append", metavar="E", help="only this engine")
     options = parser.parse_args(arguments)
     print(
-        "| discs | engine | left the history at event | shadowed over all | least carried | median distance "
+        "| discs | engine | diverges at event | shadowed over all | least carried | median distance "
         "| blocked by |"
     )
     print("|---|---|---|---|---|---|---|")
