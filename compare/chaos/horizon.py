@@ -134,7 +134,7 @@ class Horizon:
         unit: log2 of its unit of error: of its last bit, or of its time step.
         expected: half of all engines in such a place have diverged by then.
         low, high: the band; it is to hold nine in ten of the departures.
-        by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that cannot be distinguished from zero.
+        by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that may be zero.
         seen: what happened; None if the engine was not run, or could not be.
     """
 
