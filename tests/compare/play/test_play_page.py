@@ -595,6 +595,23 @@ def test_arcs_are_drawn_dragged_and_run(page: PagePlayed) -> None:
     assert page.browser.messages == []
 
 
+def test_a_part_of_an_arc_is_sized_by_its_middle(page: PagePlayed) -> None:
+    """Its ends stay where they are seen from its centre, and what is run is what is drawn."""
+    disc, half = ["a", "0", "0", "1/2", "0", "1", "1"], ["bow", "0", "0", "3", "3", "0", "-3", "0"]
+    ring = ["ring", "0", "0", "6", None, None, None, None, 2]
+    page.open(packed({"n": "x", "events": 3, "c": [disc], "a": [ring, half]}))
+    room = 0.12 * 12 + 1e-9
+    shown = -6 - room, -6 - room, 12 + 2 * room, 12 + 2 * room
+    page.thing("bow")
+    page.drag(page.place(0, 3, shown), page.place(0, 4, shown))
+    sized = opened(page)["a"][1]
+    assert float(sized[3]) == pytest.approx(4, abs=0.1)
+    assert [*sized[:3], *sized[4:]] == [*half[:3], *half[4:]]
+    page.run()
+    first = page.browser.ask("data.runs[0].events[0][1]")
+    assert first == pytest.approx(float(sized[3]) - 0.5)  # straight up at speed 1, from the centre to the bow
+
+
 def test_an_arc_and_a_ring_are_added_and_a_stadium_is_picked(page: PagePlayed) -> None:
     page.press("add-arc")
     assert page.text("edited").startswith("arc a1 about (")
