@@ -157,7 +157,7 @@ FRAME = re.compile(r"([\d.]+)%\{transform:translate\(([-\d.]+)px,([-\d.]+)px")
 
 @pytest.mark.parametrize("name", ["gas", "gas-under-gravity", "bounce"])
 def test_a_small_picture_shows_the_exact_run(name: str) -> None:
-    """Each frame is where the exact run has it: at every event of a disc, between them under gravity, and at the end."""
+    """Each frame is where the exact run has it: at each event of a disc, between them under gravity, and at the end."""
     from catalogue import MOST_EVENTS, moving_picture
 
     ran = ExactEngine().run(catalogue.build(name), events=MOST_EVENTS)
