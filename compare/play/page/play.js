@@ -168,7 +168,7 @@ for (const kind of ["wall", "segment"]) {
     const [left, bottom, width, height] = editor.view;
     const at = (share, from, size) => rounded(from + share * size, editor.pixel);
     const y = kind === "wall" ? at(0.04, bottom, height) : editor.free(RADIUS())[1];
-    model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : {}) });
+    model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : { vx: "0", vy: "0" }) });
   });
 }
 // Open below, with its ends beside each other; or all round what is there.
