@@ -309,7 +309,7 @@ function tell(last) {
   say(verdict, last.verdict);
   const proved = last.exact.proved ? "every decision proved" : "not every decision proved";
   const cut = last.cut.length ? ` Left out, as the seconds were over: ${last.cut.join(", ")}.` : "";
-  say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} events, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
+  say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} event${last.exact.events === 1 ? "" : "s"}, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
   say($("home"), last.turned ? home(last) : "");
   $("after").hidden = false;
   $("checked").hidden = true;
