@@ -86,6 +86,18 @@ def test_the_report_is_twelve_lines_and_the_rest_comes_when_asked_for(
     assert "kind of error" not in "\n".join(lines)
 
 
+def test_the_engines_are_a_table_at_80_columns(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Headings give way before the table becomes a list, of which each engine takes six lines."""
+    monkeypatch.setenv("COLUMNS", "80")
+    print_comparison(compare(catalogue.build("cradle:e=9/10"), ["double", "interval", "pymunk"]))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    (heading,) = (line for line in lines if line.split()[:2] == ["engine", "verdict"])
+    assert {"agreed", "cause"} <= {*heading.split()}
+
+
 def test_who_agrees_gets_the_verdict_and_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
     print_comparison(compare(catalogue.build("cradle"), ["double"], events=6, causes=False))
     told = capsys.readouterr().out
