@@ -72,7 +72,7 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         )
         for c in scene.circles
     ]
-    walls = [Wall(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    walls = [type(w)(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
     segments = [
         Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
         for s in scene.segments

@@ -178,6 +178,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
         return f"it has no {'arcs' if scene.arcs else 'restitution'}, which certificates do not know yet"
     if scene.moving_walls:
         return "it has no walls that move, which certificates do not know yet"
+    if scene.other_walls:
+        return f"it has no wall of kind {scene.other_walls[0].kind!r}, which certificates do not know"
     if scene.gravity is not None:
         return "it has no gravity, which certificates do not know yet"
     roots: list[Quantity] = []
