@@ -216,7 +216,7 @@ class Scene:
         found = next((name for name, there in hindrances.items() if there), None)
         if self.other_walls and found:
             wall = self.other_walls[0]
-            raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave the one or the other out")
+            raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave one of them out")
 
     def _check_moving(self) -> None:
         """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""

@@ -215,9 +215,9 @@ class Wall:
         return self.height(x, y).sign()
 
     def is_met(self, gap: int) -> bool:
-        """Whether a circle that comes nearer is met at the next zero of the gap, by the gap's sign as its flight begins.
+        """Whether a circle that comes nearer is met, by the sign of its gap as its flight begins.
 
-        Above zero it always is. Of a plain wall nothing is ever at or below it but by rounding, and that is met at once.
+        Above zero it always is. At or below it, at a plain wall, is nothing but by rounding, which is met at once.
         """
         return True
 

@@ -14,7 +14,7 @@ from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Arc, Circle, Polygon, Segment, Wall
+from ...scenarios.things import Arc, Circle, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106

@@ -76,8 +76,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
     if trajectory.scene.moving_walls:
         raise CertificateError("the scene has walls that move, which certificates do not know yet")
-    if trajectory.scene.other_walls:
-        raise CertificateError(f"the scene has a wall of kind {trajectory.scene.other_walls[0].kind!r}, unknown to them")
+    if other := trajectory.scene.other_walls:
+        raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
     if trajectory.scene.gravity is not None:
         raise CertificateError("the scene has gravity, which certificates do not know yet")
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)

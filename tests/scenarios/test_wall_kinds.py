@@ -1,8 +1,9 @@
-"""Walls of kinds of their own: every engine runs them by what they say of themselves; what knows nothing of them says so."""
+"""Walls of kinds of their own: every engine runs them by what they say of themselves; others refuse them by name."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 from random import Random
 
 import pytest
@@ -44,7 +45,7 @@ def drawn(seed: int) -> Scene | None:
     circles: list[Circle] = []
     for _ in range(draw.randint(1, 3)):
         r = draw.choice(["1/2", "1", "3/4", 0])
-        x, y, vx, vy = (draw.randint(-5, 5) for _ in range(4))
+        x, y, vx, vy = (f"{draw.randint(-5000, 5000)}/1000" for _ in range(4))
         circles.append(Circle(x, y, vx=vx, vy=vy, r=r, point=r == 0, m=draw.choice([1, 1, 2])))
     try:
         return Scene(circles, walls, events=10)
@@ -56,21 +57,21 @@ SCENES = [scene for seed in range(60) if (scene := drawn(seed)) is not None]
 
 
 def passed(run: Trajectory) -> int:
-    """How often a circle has come through a valve: its side of it, as one event leaves it and as the next does."""
-    valves = run.scene.other_walls
-    before = {(c.id, v.id): v.height(c.x, c.y).sign() for c in run.scene.circles for v in valves}
-    count = 0
+    """How often a circle has come through a valve, by where one event leaves it and where the next does.
+
+    What was clear of it on its left is never behind it.
+    """
+    count, before = 0, dict[tuple[str, str], float]()
     for event in run.events:
         after = run.after(event.index)
         for c in run.scene.circles:
-            for v in valves:
-                state = after[str(c.id)]
+            for v in run.scene.other_walls:
+                state, key = after[str(c.id)], (str(c.id), str(v.id))
                 nx, ny = map(float, v.normal)
                 height = nx * (float(state.x) - float(v.x0)) + ny * (float(state.y) - float(v.y0))
-                side = 1 if height > 0 else -1
-                assert not (before[c.id, v.id] > 0 > side and height < -1e-6), "through it from the left"
-                count += before[c.id, v.id] < 0 < side
-                before[c.id, v.id] = side
+                was, before[key] = before.get(key, height), height
+                assert not (was > float(c.r) * hypot(nx, ny) and height < -1e-9)
+                count += was < 0 < height
     return count
 
 
@@ -88,8 +89,6 @@ def test_every_engine_has_the_exact_history(name: str) -> None:
         exact, other = ExactEngine().run(scene), tb.run(scene, engine=name)
         several += len(other.events)
         for one, two in zip(exact.events, other.events, strict=False):
-            if name != "sympy" and len(one.contacts) > 1:
-                break  # a tie, which rounding takes apart, and enclosures leave open
             assert one.contacts == two.contacts
             assert float(one.time) == pytest.approx(float(two.time))
     assert several > 40
@@ -121,7 +120,7 @@ def test_one_that_is_turned_back_within_it_goes_back() -> None:
 )  # fmt: skip
 def test_what_it_does_not_go_with_is_named(changes: dict[str, object], named: str) -> None:
     scene = Scene([Circle(2, 0)], [Valve(0, 0, 0, 1, id="v")])
-    with pytest.raises(SceneError, match=f"a valve does not go with {named}; leave the one or the other out"):
+    with pytest.raises(SceneError, match=f"a valve does not go with {named}; leave one of them out"):
         scene.with_changes(**changes)
 
 
@@ -136,13 +135,18 @@ def test_what_knows_nothing_of_it_says_so() -> None:
         shadow(scene, "double")
     engine: Engine = DoubleEngine()
     audit = tb.audit(engine.run(scene), engine)
-    assert (audit.kept, audit.sentence) == (None, "a wall of kind 'valve' is not audited")
+    assert (audit.kept, audit.sentence) == (
+        None,
+        "whether it keeps the law is not determined: a wall of kind 'valve' is not audited",
+    )
     assert floats_json(scene)["walls"][0]["kind"] == "valve"
     found = tb.comparison(scene, ["pymunk"])
     assert "does not follow 'wall kinds'" in (found.candidates[0].trajectory.stop.message)
 
 
 def test_a_kind_that_is_not_there_is_refused_with_those_that_are() -> None:
-    text = '[[circle]]\nid = "a"\nx = 3\ny = 0\nr = 1\n[[wall]]\nid = "v"\nx0 = 0\ny0 = 0\nx1 = 0\ny1 = 1\nkind = "door"'
+    text = (
+        '[[circle]]\nid = "a"\nx = 3\ny = 0\nr = 1\n[[wall]]\nid = "v"\nx0 = 0\ny0 = 0\nx1 = 0\ny1 = 1\nkind = "door"'
+    )
     with pytest.raises(SceneError, match=r"wall 'v': kind = 'door' is not known; choose wall$"):
         loads_toml(text)
