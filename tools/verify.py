@@ -502,8 +502,7 @@ class Checker:
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 refuse(not age and self.sign("height", c) < 1, f"{c}: its centre is on the line")
                 refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
-            elif age and not self.met[c]:
-                refuse(self.sign("speed", c) < 1, f"{c} stay so, or overlapped")
+            else: refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay so")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn

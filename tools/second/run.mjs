@@ -344,8 +344,8 @@ export class Run {
     if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
-    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) <= 0) {
-      refute(`${c.name} is at gap zero all the time, or comes from behind, and does not come to it`);
+    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
+      refute(`${c.name} is at gap zero all the time, and does not come to it`);
     }
     if (this.k && sign > 0) {
       if (c.kind !== 'pocket') refute(`${c.name} is at gap zero and parts`);
