@@ -473,10 +473,14 @@ class Checker:
     def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
     def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
         refuse(age is None, f"{c} meet in the end")
-        if self.ball.start(c) == age: return charge(500)
+        if (start := self.ball.start(c)) == age: return charge(500)
         for world in (self.few, self.ball):
-            if (sign := world.ask("gap", c, age).sign()) == 1: return
-        demand(sign, [1], f"{c} meet before it, or overlap")
+            if c in self.parted:  # the gap was zero: what is left of it over the time since
+                m = world.meeting(c, start)
+                gap = m.closing + m.closing + m.speed * world.wait(start, age)
+            else: gap = world.ask("gap", c, age)
+            if gap.sign() == 1: return
+        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows

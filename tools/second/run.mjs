@@ -90,6 +90,8 @@ export class Run {
     const k = this.knownAt.get(c.key);
     return k !== undefined && this.movers(c).every(i => this.turnedAt[i] <= k);
   }
+  /** Of a wall to which a circle is pulled: was it at gap zero where the flight starts? */
+  fromZero(c) { return this.parted(c) && this.flights[c.i].start === this.knownAt.get(c.key); }
   * contactsOf(i) {
     if (this.captured[i]) return;
     for (const c of this.scene.contactsOf(i)) {
@@ -154,8 +156,10 @@ export class Run {
   rises(c, mode) {
     if (mode === 'ever') refute(`${c.name} meet in the end`);
     if (this.flights[c.i].start === this.k) return;
-    const gap = this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} kept apart`);
-    if (gap <= 0) refute(`${c.name} meet, which is not told`);
+    const again = this.fromZero(c), wait = (A, w) => A.sub(this.now[w], this.startOf(c)[w]);
+    const over = (A, w, laws) => A.add(A.twice(laws.closing()), A.mul(laws.speed(), wait(A, w))); // the gap over the time
+    const gap = (A, w) => (again ? over(A, w, this.laws(c, A, w, true)) : this.laws(c, A, w).gap());
+    if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(`${c.name} meet, which is not told`);
   }
 
   /** As `apart`, of a face: it is not met; and, where a flight ends, it is not touched. */
@@ -311,7 +315,7 @@ export class Run {
     const { full } = this.scene, name = `the clock ${c.name}`;
     const law = f => (A, w) => f(this.laws(c, A, w, true), A);
     const laws = this.laws(c, full, 1, true), pulled = this.scene.falls(c);
-    if (pulled && this.parted(c) && this.flights[c.i].start === this.knownAt.get(c.key)) { // from zero to zero
+    if (pulled && this.fromZero(c)) { // and to zero
       const wait = full.div(full.twice(laws.closing()), full.neg(laws.speed())) ?? undecided(`when ${name} hits`);
       return this.scene.widen(full.add(this.startOf(c)[1], wait));
     }

@@ -130,7 +130,7 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
         ('if self.falls(c): demand(', "if 0: demand("), ("if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(", "if (0) refute("), from_within_the_floor,
     ),
     "what is pulled to a wall does not pass it": (
-        ('demand(sign, [1], f"{c} meet before it, or overlap")', "return"), ("if (gap <= 0) refute(`${c.name} meet, which is not told`);", ""), through_the_floor,
+        ('demand(gap.sign(), [1], f"{c} meet before it, or overlap")', "return"), ("if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(", "if (0) refute("), through_the_floor,
     ),
     "what is pulled to a wall comes to it": (
         ('refuse(age is None, f"{c} meet in the end")', "if age is None: return"), ("if (mode === 'ever') refute(`${c.name} meet in the end`);", "if (mode === 'ever') return;"), never_down,
