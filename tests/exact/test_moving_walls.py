@@ -403,7 +403,6 @@ def test_walls_pass_what_is_fixed():
 
 def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
     scene = closing()
-    run = ExactEngine().run(scene, events=2)
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "cannot be turned back, as walls go on; leave reverse_at out"),
         (lambda: scene.with_changes(reverse_after=1), "leave reverse_after out"),
@@ -412,7 +411,6 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
         (lambda: Impacts(Scene([Circle(0, 0)], restitution=0)), "restitution 0, of which no log is judged yet"),
         (lambda: check_start(scene), "walls that move"),
         (lambda: floats_json(scene), "walls that move"),
-        (lambda: certificate_of(run), "walls that move, which certificates do not know"),
         (
             lambda: reach_of(ExactEngine().run(scene, events=2), local_error(DoubleEngine(), None, 53)),
             "walls that move",

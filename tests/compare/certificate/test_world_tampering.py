@@ -40,7 +40,9 @@ def test_the_final_state_is_in_true_coordinates() -> None:
             continue  # the run ends later than its last instant
         mine = [final.time, *(x for c in final.circles for x in (c.x, c.y, c.vx, c.vy))]
         if world_samples()[name]["end"]["reason"] in ("horizon", "return", "events"):
-            assert [abs(Decimal(x) - Decimal(y.digits(30))) < Decimal(10) ** -16 for x, y in zip(rows, mine, strict=True)] == [True] * len(rows), name
+            assert [
+                abs(Decimal(x) - Decimal(y.digits(30))) < Decimal(10) ** -16 for x, y in zip(rows, mine, strict=True)
+            ] == [True] * len(rows), name
 
 
 @needs_node
@@ -64,7 +66,7 @@ def test_a_certificate_is_compared_with_the_world_that_is_meant() -> None:
 
 def test_what_stands_under_gravity_is_refused_by_name() -> None:
     run = ExactEngine().run(Scene([Circle(0, 4), Circle(50, 4, m="oo", id="peg")], BOX[:1], gravity=(0, -1)), events=2)
-    with pytest.raises(CertificateError, match="circle 'peg', which is fixed: .* zeros of quartics"):
+    with pytest.raises(CertificateError, match=r"circle 'peg', which is fixed: .* zeros of quartics"):
         certificate_of(run)
 
 
@@ -141,7 +143,9 @@ FAULTS = {
 @pytest.mark.parametrize("fault", FAULTS)
 def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
     first, second = FAULTS[fault]
-    forged = completed(from_within_the_floor(), lax(WORLD_CONDITIONS["nothing starts across a wall to which it is pulled"][0]))
+    forged = completed(
+        from_within_the_floor(), lax(WORLD_CONDITIONS["nothing starts across a wall to which it is pulled"][0])
+    )
     tried = {**world_samples(), "forged": forged}
     paths: list[Path] = []
     for number, told in enumerate(tried.values()):

@@ -41,13 +41,16 @@ def by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
         "along a wall": (Scene([Circle(-4, 5, vy=1), Circle(2, 3)], BOX, gravity=(0, -1)), {"events": EVENTS}),
         "what stays on": (Scene([Circle(0, 5, vx=1, vy=-1), Circle(3, 5, vx=-1)], BOX, restitution=0), {"events": 5}),
         "what stays on is struck": (
-            Scene([Circle(0, 5, vy=-1), Circle(0, 8, vy=-1), Circle(-4, "3/2", vx=1)], BOX, restitution=0), {"events": 5},
+            Scene([Circle(0, 5, vy=-1), Circle(0, 8, vy=-1), Circle(-4, "3/2", vx=1)], BOX, restitution=0),
+            {"events": 5},
         ),
         "two on one": (
             Scene([Circle(-3, 0, vx=1), Circle(0, 0), Circle(3, 0, vx=-1)], restitution="1/2"), {"events": 3},
         ),
         "a lift": (Scene(pair, [*lifts, *BOX[1:3]]), {"events": EVENTS}),
-        "a lift under gravity": (Scene(pair, [*lifts, *BOX[1:3]], gravity=DOWN, restitution="9/10"), {"events": EVENTS}),
+        "a lift under gravity": (
+            Scene(pair, [*lifts, *BOX[1:3]], gravity=DOWN, restitution="9/10"), {"events": EVENTS},
+        ),
         "away with it": (Scene([Circle(0, 1, vx="1/9", vy="1/10"), Circle(4, 3, vx=-1)], lifts), {"events": 4}),
         "a wall that is caught": (Scene([Circle(3, 5, vx=-2)], [Wall(-5, 0, -4, 1, id="w", vx=-1)]), {}),
         "roots": (Scene([Circle(0, 5, vx=1)], BOX, gravity=("sqrt(2)/4", -1), restitution="sqrt(3)/2"), {"events": 5}),
