@@ -535,6 +535,8 @@ class Nearby:
         if j >= grown.count:
             nx, ny, side, _ = self.side(i, j)
             closing = self.wall(i, j)[1]
+            if not closing:
+                return np.full(columns.shape[2], math.inf)
             normal = np.array([side * nx, side * ny])
             return -(normal @ self.between(columns, i, j, meeting - time)) / closing
         d, v = self.relative(i, j)

@@ -137,7 +137,7 @@ class ErrorWalk:
         self.near = Nearby(self.grown)
         self.found = Reach(0, None, 0, [], [], [])
         self.linear: int | None = None
-        self.done = 0
+        self.done, self.come = 0, -1
 
     def goes_on(self, run: Trajectory, local: LocalError) -> bool:
         """Whether what is done is the beginning of a longer run's walk; if so, that run is taken on."""
@@ -166,21 +166,27 @@ class ErrorWalk:
                 self.found.time.append(late)
                 self._note_states(index)
             else:
-                return self._ended(index, limit)
+                first = self._earliest(limit, float(event.time)) if self.come == index else limit
+                return self._ended(index if first is None else first.event, first)
             self.last |= dict.fromkeys((name for pair in event.contacts for name in pair), index)
             self.done = index + 1
-        return self._ended(len(run.events), self._after_the_last())
+        limit = self._after_the_last()
+        return self._ended(len(run.events) if limit is None else limit.event, limit)
 
     def _ended(self, events: int, limit: OutOfReach | None) -> Reach:
         linear = events if self.linear is None else min(self.linear, events)
-        return Reach(events, limit, linear, self.found.position, self.found.velocity, self.found.time)
+        found = self.found
+        return Reach(events, limit, linear, found.position[:events], found.velocity[:events], found.time[:events])
 
     def _hindrance(self, index: int) -> OutOfReach | None:
         """What errors are not carried through: a tie, a reversal, a circle out of play."""
         run, time = self.run, float(self.run.events[index].time)
         if self._tied(index) and not self.grown.in_rounds:
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
-            known = self._decided(index) is None and self.linear is None
+            decided = self._decided(index)
+            if decided is not None and decided.time < time:  # on the way there
+                return decided
+            known = decided is None and self.linear is None
             return OutOfReach(index, time, told, tie=True, late=self._lateness(index) if known else None)
         if run.reversal is not None and run.reversal.after <= index:
             return OutOfReach(index, time, "the velocities are reversed before it, and errors are carried no farther")
@@ -224,6 +230,7 @@ class ErrorWalk:
         """The first of the decisions by an event that is out of reach."""
         event = self.run.events[index]
         self.grown.come_to(index)
+        self.come = index
         time, columns = float(event.time), self.grown.at(float(event.time))
         tied = {frozenset(pair) for pair in self.grown.met(index)}
         for i, j in self._flown_together(index):
@@ -261,14 +268,22 @@ class ErrorWalk:
         gap = abs(float(d[0] * v[1] - d[1] * v[0])) / math.sqrt(square) - reach
         if own is None:
             return self._hit(index, columns, body, other, near, -gap, time)
-        if gap < 0:
-            return self._order(index, columns, body, other, time, own) if near > time else None
+        if gap < 0 and near > time:
+            return self._order(index, columns, body, other, time, own)
         room = self.near.across(columns, body, other, near, time)
         sooner = math.sqrt(2 * reach * 2 * room / square) if reach else 0.0
         since = max(float(self.grown.since[body]), float(self.grown.since[other]))
         if since < near and near - sooner < time:
-            return self._told(index, time, body, other, "whether {} passes {}", gap, room)
+            return self._passed(index, body, other, gap, room, near - sooner)
         return None
+
+    def _passed(self, index: int, i: int, j: int, gap: float, room: float, first: float) -> OutOfReach | None:
+        """That one passes another, told by an event: nothing is required from when they may first have met."""
+        events = self.run.events
+        while index and float(events[index - 1].time) > first - self.local.lateness:
+            index -= 1
+        time = max(first, float(events[index - 1].time)) if index else first
+        return self._told(index, time, i, j, "whether {} passes {}", gap, room)
 
     def _on_part(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
         """That a circle meets a face between its ends, or an end beside its faces: the normal turns otherwise there."""
@@ -366,23 +381,25 @@ class ErrorWalk:
         run, grown = self.run, self.grown
         end = float(run.final_time)
         quiet = run.stop.reason is StopReason.QUIET
-        if run.stop.reason is StopReason.EVENTS or (run.reversal is not None and not quiet):
+        if run.reversal is not None and not quiet:
             return None
         columns = grown.at(end)
         grown.position[: len(run.scene.circles)] = run.at(run.final_time).array()[:, :2]
-        for i in range(grown.count):
-            for j in range(i + 1, len(self.names)):
-                if j >= grown.count:
-                    moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
-                    if quiet and grown.weights[i] and abs(moved) <= turned:
-                        return self._drift(end, i, j, abs(moved), turned)
-                    continue
-                if not (grown.weights[i] or grown.weights[j]):
-                    continue
-                found = self._passing(columns, i, j, end, quiet)
-                if found is not None:
-                    return found
-        return None
+        for i in range(grown.count) if quiet else ():
+            for j in range(grown.count, len(self.names)):
+                moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
+                if grown.weights[i] and abs(moved) <= turned:
+                    return self._earliest(self._drift(end, i, j, abs(moved), turned), end, quiet)
+        return self._earliest(None, end, quiet)
+
+    def _earliest(self, limit: OutOfReach | None, time: float, quiet: bool = False) -> OutOfReach | None:
+        """The earliest that is out of reach: what has been found, or that two pass each other, on flights under way."""
+        columns, weights, count = self.grown.at(time), self.grown.weights, self.grown.count
+        found = [] if limit is None else [limit]
+        pairs = ((i, j) for i in range(count) for j in range(i + 1, count) if weights[i] or weights[j])
+        passing = (self._passing(columns, i, j, time, quiet) for i, j in pairs)
+        found.extend(passed for passed in passing if passed is not None)
+        return min(found, key=lambda one: one.event, default=None)
 
     def _passing(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
         d, v = self.near.relative(i, j)
@@ -396,8 +413,8 @@ class ErrorWalk:
         if near <= since or (near > end and not quiet):
             return None
         gap = abs(float(d[0] * v[1] - d[1] * v[0])) / speed - float(self.grown.radii[i] + self.grown.radii[j])
-        room = self.near.across(columns, i, j, near, end)
-        return self._told(len(self.run.events), end, i, j, "whether {} passes {}", gap, room)
+        room, reach = self.near.across(columns, i, j, near, end), float(self.grown.radii[i] + self.grown.radii[j])
+        return self._passed(len(self.run.events), i, j, gap, room, near - math.sqrt(4 * reach * room) / speed)
 
     def _drift(self, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
         what = f"whether {self.names[i]} and {self.names[j]} never meet, by their relative speed"
