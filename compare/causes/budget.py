@@ -26,12 +26,14 @@ from .continuation import (
     CORRECTION,
     FLIGHTS,
     IMPACTS,
+    INTEGRATOR,
     KINDS,
     LATENESS,
     MERGED,
     OVERLAP,
     SEVERAL,
     SOLVER,
+    THRESHOLD,
     Continuation,
     NoContinuation,
 )
@@ -94,10 +96,12 @@ OF_EVENTS: tuple[Group, ...] = (
 
 OF_STEPS: tuple[Group, ...] = (
     (CauseName["FLIGHTS"], (FLIGHTS,)),
+    (CauseName["INTEGRATOR"], (INTEGRATOR,)),
     (CauseName["LATENESS"], (LATENESS,)),
     (CauseName["OVERLAP"], (OVERLAP,)),
     (CauseName["IMPACTS"], (IMPACTS,)),
     (CauseName["SOLVER"], (SOLVER,)),
+    (CauseName["THRESHOLD"], (THRESHOLD,)),
     (CauseName["SEVERAL"], (SEVERAL,)),
     (CauseName["MERGED"], (MERGED,)),
     (CauseName["CORRECTION"], (CORRECTION,)),

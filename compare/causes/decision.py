@@ -12,15 +12,17 @@ from flint import arb
 from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_discriminant, pair_gap
 from ...exact.numbers import ball
+from ...exact.replay.contact import WallFall
 from ...exact.replay.parts import NearestPart, PartsNear
-from ...floating.knots import DoubleMotion
+from ...exact.replay.wall_flights import fall_of
+from ...floating.knots import DoubleMotion, SteppedFall
 from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
 from ...scenarios.surfaces import ThingParts, parts_of
 from ...scenarios.things import Circle
 from ..alignment.instants import Kind, instants
 from ..tangent.flight_aside import RoundSide, out_of, stretches
 from ..tangent.flight_aside import middle as _middle
-from .given_scene import RoundedState, nearest
+from .given_scene import FlightBalls, RoundedState, fallen, nearest
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Contact, State, Trajectory
@@ -206,12 +208,22 @@ def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event:
 # -- how one run has it
 
 
-FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
-"""t, x, y, vx, vy of a flight, in balls."""
+def last_step(motion: SteppedFall, begin: float, until: float) -> float | None:
+    """The end of the last step before a time, of those that a flight has had since it began; None if it had none.
+
+    >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], 9.0, (0.0, -4.0), 0.5)
+    >>> last_step(motion, 0.0, 1.75), last_step(motion, 0.0, 1.5), last_step(motion, 1.0, 1.5)
+    (1.5, 1.0, None)
+    """
+    steps = math.ceil((min(until, motion.end) - begin) / motion.dt) - 1
+    at = begin + steps * motion.dt
+    return at if steps > 0 and begin < at < until else None
 
 
 class RunReader:
     """Reads flights and decisions off one run.
+
+    Under gravity, and where walls move, numbers are those of the frame that falls with the scene as the run has it.
 
     Args:
         run: the run.
@@ -268,8 +280,13 @@ class RunReader:
             self._states[key] = self.run.at(time) if index is None or key == -2 else self.run.after(index)
         state = self._states[key][name]
         if self._until and isinstance(self.run.motion, DoubleMotion):
-            knots = self.run.motion.knots[self.places[name]]
+            motion, k = self.run.motion, self.places[name]
+            knots = motion.knots[k]
             last = max((n for n, knot in enumerate(knots) if float(time) < knot[0] < self._until), default=None)
+            if isinstance(motion, SteppedFall):  # no step has it where the exact law does
+                at = last_step(motion, float(time) if last is None else knots[last][0], self._until)
+                if at is not None:
+                    return OwnFlight(*map(real, (at, *motion.state(at)[k])))
             if last is not None:
                 return OwnFlight(*map(real, knots[last][:5]))
         return OwnFlight(time, state.x, state.y, state.vx, state.vy)
@@ -314,7 +331,8 @@ class RunReader:
             if flight is None:
                 return None
             t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
-            self._numbers[key] = t, x, y, vx, vy
+            with ball.precision(2 * bits):
+                self._numbers[key] = fallen(self.things(bits).falling, (t, x, y, vx, vy))
         return self._numbers[key]
 
     def _relative(self, pairing: Pairing, bits: int, end: int | None = None) -> Relative | None:
@@ -344,17 +362,32 @@ class RunReader:
             return False
         return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
 
-    def _wall(self, pairing: Pairing, bits: int, face: int | None = None) -> tuple[arb, arb, arb, arb] | None:
-        """t, the gap to a wall, or to a face, the approach to it, and the length of its normal."""
+    def _wall(self, pairing: Pairing, bits: int, face: int | None = None) -> tuple[arb, WallFall[arb], arb] | None:
+        """t, the gap to a wall, or to a face, the approach to it, half of the pull, and the length of the normal."""
         flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
         t, x, y, vx, vy = flight
         circle, things = self.places[pairing.body], self.things(bits)
-        wall = self.places[pairing.partner] - len(self.scene.circles) if face is None else face
-        x0, y0, nx, ny, _, length = things.line(circle, wall)
-        gap = law.wall_gap(x, y, x0, y0, nx, ny, things.bodies[circle].r * length)
-        return t, gap, law.wall_approach(vx, vy, nx, ny), length
+        wall = self._place_of_wall(pairing) if face is None else face
+        line = things.line(circle, wall)
+        offset = things.bodies[circle].r * line.length
+        if things.falling is None:
+            gap = law.wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, offset)
+            return t, WallFall(gap, law.wall_approach(vx, vy, line.nx, line.ny), arb(0)), line.length
+        drift = things.drifts.get(wall)
+        return t, fall_of(things.falling, (x, y, vx, vy, t), line, offset, drift, things.zero), line.length
+
+    def _place_of_wall(self, pairing: Pairing) -> int:
+        return self.places[pairing.partner] - len(self.scene.circles)
+
+    def pull(self, pairing: Pairing) -> int:
+        """Whether gravity pulls a circle to a wall (-1), away from it (1), or neither."""
+        return self.things(FIRST_BITS).sides.pull(self.places[pairing.body], self._place_of_wall(pairing))
+
+    def decides_by_speed(self, pairing: Pairing) -> bool:
+        """Whether the number that decides a hit is a speed, and no distance: see `least_gap`."""
+        return self.is_wall(pairing) and self.pull(pairing) <= 0
 
     def things(self, bits: int) -> RoundedState:
         """Radii and walls as the run has them."""
@@ -374,9 +407,8 @@ class RunReader:
             return min(self._part_times(pairing, parts, bits, leaving=False), key=_middle, default=None)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            if told is None or ball.sign_of(told[2]) != -1:
-                return None
-            return told[0] + law.wall_hit_time(told[1], told[2])
+            wait = None if told is None else wall_wait(told[1], self.pull(pairing))
+            return None if told is None or wait is None else told[0] + wait
         relative = self._relative(pairing, bits)
         return None if relative is None else _meeting_time(relative)
 
@@ -395,7 +427,7 @@ class RunReader:
         for face in parts.faces:
             told = self._wall(pairing, bits, face)
             assert told is not None
-            _, gap, approach, length = told
+            _, (gap, approach, _), length = told
             behind = _middle(gap + things.bodies[circle].r * length) < 0.0
             if ball.sign_of(approach) != (1 if leaving else -1) or (behind and not leaving):
                 continue
@@ -484,7 +516,11 @@ class RunReader:
             leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
             return float(enter), float(leave)
         if enter is None or self.is_wall(pairing):
-            return None if enter is None else (float(enter), math.inf)
+            told = None if enter is None or self.pull(pairing) <= 0 else self._wall(pairing, FIRST_BITS)
+            if told is None:
+                return None if enter is None else (float(enter), math.inf)
+            _, (gap, approach, half), _ = told
+            return float(enter), float(enter + ball.root(law.fall_discriminant(gap, approach, half)) / half)
         relative = self._relative(pairing, FIRST_BITS)
         assert relative is not None
         _, dx, dy, vx, vy, reach = relative
@@ -505,7 +541,9 @@ class RunReader:
             wall = self._wall(pairing, bits)
             if wall is None:
                 return False
-            _, gap, approach, _ = wall
+            _, (gap, approach, _), _ = wall
+            if (pull := self.pull(pairing)) != 0:
+                return pull > 0 and ball.sign_of(approach) in (0, 1)
         else:
             relative = self._relative(pairing, bits)
             if relative is None:
@@ -517,8 +555,9 @@ class RunReader:
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.
 
-        For a wall, which every approaching circle hits, the speed at which the circle leaves it. For a thing of faces
-        and ends, how far aside of it the flight passes (`_beside`).
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it; of one to which it
+        is pulled, at which it comes there. For a thing of faces and ends, how far aside of it the flight passes
+        (`_beside`).
         """
         parts = self._parts_of(pairing)
         if parts is not None:
@@ -533,7 +572,7 @@ class RunReader:
             return self._beside(pairing, parts, bits)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            return None if told is None else told[2] / told[3]
+            return None if told is None else _wall_margin(told[1], self.pull(pairing)) / told[2]
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -551,7 +590,7 @@ class RunReader:
             return None if near is None else near.gap
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
+            return None if told is None else law.sag(*told[1], time - told[0]) / told[2]
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -559,12 +598,16 @@ class RunReader:
         x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
+    def _exact(self, flight: OwnFlight | None) -> ExactFlight | None:
+        """`exact_flight` of the run's scene; its gravity has to be the scene's."""
+        return None if self.scene.gravity is not None and self._rounds_to is not None else exact_flight(
+            flight, self.scene.gravity
+        )
+
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
         if end is not None:
-            own = exact_flight(
-                self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing))
-            )
+            own = self._exact(self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing)))
             circle, there = self.scene.circles[self.places[pairing.body]], self.scene.circles[end]
             if own is None or self._rounds_to is not None:
                 return False
@@ -572,7 +615,7 @@ class RunReader:
             return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
-        exact = [flight for flight in map(exact_flight, flights) if flight is not None]
+        exact = [flight for flight in map(self._exact, flights) if flight is not None]
         if len(exact) < 2:
             return False
         radii = [
@@ -582,6 +625,38 @@ class RunReader:
         ]
         apart = apart_at(*exact)
         return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
+
+
+def wall_wait(fall: WallFall[arb], pull: int) -> arb | None:
+    """How long it takes a circle to meet a wall; None if it does not, or if that is not known.
+
+    Args:
+        pull: see `Sides.pull`.
+    """
+    gap, approach, half = fall
+    nears = ball.sign_of(approach) == -1
+    if not pull:
+        return law.wall_hit_time(gap, approach) if nears else None
+    square = law.fall_discriminant(gap, approach, half)
+    if ball.sign_of(square) in (None, -1) or (pull > 0 and not nears):
+        return None
+    root = ball.root(square)
+    return law.fall_time(gap, approach, root) if nears else law.fall_time_back(approach, half, root)
+
+
+def _wall_margin(fall: WallFall[arb], pull: int) -> arb:
+    """Whether a circle comes to a wall, as a number that is negative if it does, times the length of the normal.
+
+    Of a wall that it is not pulled to or from, how fast it goes away from it; of one to which it is pulled, the speed
+    at which it comes there; of one from which it is pulled, how near it comes.
+    """
+    gap, approach, half = fall
+    if not pull:
+        return approach
+    square = law.fall_discriminant(gap, approach, half)
+    if pull < 0:
+        return -ball.root(square)
+    return gap if ball.sign_of(approach) in (0, 1) else -square / (4 * half)
 
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
@@ -618,10 +693,23 @@ LONGEST_TEXT = 400
 tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
 
 
-def exact_flight(flight: OwnFlight | None) -> ExactFlight | None:
-    """A flight in exact numbers, where they are short."""
+def exact_flight(
+    flight: OwnFlight | None, gravity: tuple[Quantity, Quantity] | None = None
+) -> ExactFlight | None:
+    """A flight in exact numbers, where they are short; under gravity that of the frame that falls.
+
+    >>> flight = OwnFlight(*map(Quantity.of, (2, 0, 5, 1, -8)))
+    >>> [number.text() for number in exact_flight(flight, (Quantity.of(0), Quantity.of(-4)))]
+    ['2', '0', '13', '1', '0']
+    """
     values = [] if flight is None else [short_quantity(value) for value in flight]
-    return None if None in values or len(values) < 5 else cast("ExactFlight", tuple(values))
+    if None in values or len(values) < 5:
+        return None
+    found = cast("ExactFlight", tuple(values))
+    if gravity is None:
+        return found
+    (t, x, y, vx, vy), (gx, gy) = found, gravity
+    return t, x - gx * t * t / 2, y - gy * t * t / 2, vx - gx * t, vy - gy * t
 
 
 def short_quantity(value: Real) -> Quantity | None:

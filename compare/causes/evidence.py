@@ -573,6 +573,8 @@ def _what(lab: Laboratory, cause: CauseName) -> str:
         "IMPACTS": f"rounding in {lab.name}'s impulses",
         "ARITHMETIC": f"{lab.name}'s own rounding",
         "OWN": f"what {lab.name}'s own steps miss",
+        "INTEGRATOR": f"the way in which {lab.name} falls by steps",
+        "THRESHOLD": f"what bounces below the speed at which {lab.name} lets anything bounce lack",
         "LATENESS": "an impulse after the contact, at the end of a step,",
         "OVERLAP": "a line of centres that overlap has turned",
         "STEPS": f"what {lab.name}'s steps miss",
