@@ -13,37 +13,22 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
-from ...exact.laws.formulas import (
-    advance,
-    damped,
-    fall_speed,
-    pair_approach,
-    pair_discriminant,
-    pair_gap,
-    pair_hit_time,
-    pair_impulse,
-    pair_last_time,
-    pair_strength,
-    wall_approach,
-    wall_bounce,
-    wall_gap,
-    wall_hit_time,
-)
+from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_arc, is_flat, is_pair
+from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
-from ...exact.replay.wall_flights import fall_of
 from ...floating.knots import SteppedFall
 from ...scenarios.numbers.quantity import Quantity
-from ..audit.transcript import ReportedFlight as OwnRow
 from ..audit.transcript import Fall, ReportedInstant, Transcript
-from .decision import DecidingNumber, Pairing, RunReader, last_step, wall_wait
-from .given_scene import FlightBalls, RoundedState, fallen
+from ..audit.transcript import ReportedFlight as OwnRow
+from .decision import DecidingNumber, Pairing, RunReader
+from .free_flights import FlightBalls, Row, Rows, added, bounce, fallen, flown, last_step, less, plus, row_of
+from .given_scene import RoundedState
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -55,12 +40,6 @@ BITS, BITS_AN_EVENT = 320, 2
 
 MOST_UNITS = 60_000_000
 """Work that one continuation may take, about a minute; beyond it there is none."""
-
-Row: TypeAlias = FlightBalls
-"""t, x, y, vx, vy of one circle from its last contact on; under gravity in the frame that falls (`fallen`)."""
-
-Rows: TypeAlias = dict[int, Row]
-"""Circles by place."""
 
 
 class NoContinuation(Exception):
@@ -124,7 +103,7 @@ class Stretch:
             for kind in kinds:
                 for k, row in self.defects.get(kind, {}).items():
                     if not all(number.is_zero() for number in row):
-                        found[k] = _plus(found[k], row, None) if k in found else row
+                        found[k] = plus(found[k], row, None) if k in found else row
         return self._sums[kinds]
 
 
@@ -210,8 +189,8 @@ class Continuation:
             raise NoContinuation(f"{len(links):,} contacts lead to it, too many to be carried out again")
         with ball.precision(self.bits):
             self._exact, self._given = RoundedState(self.scene, None), RoundedState(self.scene, bits)
-            self.start = {k: _row(body.flight) for k, body in self._exact.bodies.items()}
-            self.entered = {k: _row(body.flight) for k, body in self._given.bodies.items()}
+            self.start = {k: row_of(body.flight) for k, body in self._exact.bodies.items()}
+            self.entered = {k: row_of(body.flight) for k, body in self._given.bodies.items()}
             transcript = Transcript(self.own, encloses=True)
             self._fall = transcript.fall if transcript.fall is not None and transcript.fall.step else None
             self.first = {k: self._told(row) for k, row in enumerate(transcript.first())}
@@ -408,7 +387,8 @@ class Continuation:
         at = last_step(motion, float(row[0].mid()), self._until)
         if at is None:
             return []
-        told = fallen(self._given.falling, (arb(at), *map(arb, motion.state(at)[k])))
+        x, y, vx, vy = map(arb, motion.state(at)[k])
+        told = fallen(self._given.falling, (arb(at), x, y, vx, vy))
         return [Stretch(event, (k,), (), (), {k: row}, {k: told}, changes=1)]
 
     # -- the exact law, and what the engine's run adds to it
@@ -435,19 +415,19 @@ class Continuation:
                         if state.falling is not None:  # v = V + g t turns to -v = W + g t
                             vx, vy = vx - 4 * state.falling.hx * t, vy - 4 * state.falling.hy * t
                         state.bodies[k].flight = Flight(x, y, vx, vy, t, t, None, state.steps_done)
-            mine.update({k: _row(state.bodies[k].flight) for k in link.pushed})
+            mine.update({k: row_of(state.bodies[k].flight) for k in link.pushed})
         return {k: mine[k] for k in stretch.bodies}
 
     def _find_defects(self, stretch: Stretch) -> None:
         """The engine's own numbers after a stretch, less what the exact law makes of its own numbers before."""
         state, before, after = self._given, stretch.before, stretch.after
         if not stretch.links:
-            moved: Rows = {k: _flown(before[k], after[k][0]) for k in stretch.bodies}
+            moved: Rows = {k: flown(before[k], after[k][0]) for k in stretch.bodies}
             if self._fall is not None:
                 meant: Rows = {k: self._fallen_by_steps(before[k], after[k][0], self._fall) for k in stretch.bodies}
-                stretch.defects[INTEGRATOR] = _less(meant, moved)
+                stretch.defects[INTEGRATOR] = less(meant, moved)
                 moved = meant
-            left = _less({k: after[k] for k in stretch.bodies}, moved)
+            left = less({k: after[k] for k in stretch.bodies}, moved)
             begins = stretch is self.stretches[0]
             stretch.defects[FLIGHTS if begins or self._is_rounding(stretch, left) else CORRECTION] = left
             return
@@ -458,26 +438,26 @@ class Continuation:
             now = after[stretch.bodies[0]][0]
             before = {k: self._fallen_by_steps(row, now, self._fall) for k, row in before.items()}
             by_steps = self._law(state, stretch, before)
-            stretch.defects[INTEGRATOR] = _less(by_steps, exact)
+            stretch.defects[INTEGRATOR] = less(by_steps, exact)
         if others or link.turns or not stretch.at_once:
-            stretch.defects[MERGED] = _less({k: after[k] for k in stretch.bodies}, by_steps)
+            stretch.defects[MERGED] = less({k: after[k] for k in stretch.bodies}, by_steps)
             return
         there: Rows = {k: (*after[k][:3], *before[k][3:]) for k in stretch.bodies}
         there.update({k: before[k] for k in stretch.beside})
-        flown = self._law(state, stretch, there)
-        late: Rows = {k: (*after[k][:3], *flown[k][3:]) for k in stretch.bodies}
+        met = self._law(state, stretch, there)
+        late: Rows = {k: (*after[k][:3], *met[k][3:]) for k in stretch.bodies}
         at_once = self._law(state, stretch, there, here=True)
         pushed: Rows = {k: (*after[k][:3], *at_once[k][3:]) for k in stretch.bodies}
-        stretch.defects[FLIGHTS] = _less(flown, by_steps)
+        stretch.defects[FLIGHTS] = less(met, by_steps)
         if link.single is not None and is_flat(link.single):  # whose normal nothing turns: it falls for longer
             late = pushed
-        stretch.defects[LATENESS] = _less(late, flown)
-        stretch.defects[OVERLAP] = _less(pushed, late)
+        stretch.defects[LATENESS] = less(late, met)
+        stretch.defects[OVERLAP] = less(pushed, late)
         if self._fall is not None and link.single is not None and is_flat(link.single):
             gained = self._bounced_before_gain(state, link.single, pushed, self._fall)
-            stretch.defects[INTEGRATOR] = _sum(stretch.defects[INTEGRATOR], _less(gained, pushed))
+            stretch.defects[INTEGRATOR] = added(stretch.defects[INTEGRATOR], less(gained, pushed))
             pushed = gained
-        left = _less({k: after[k] for k in stretch.bodies}, pushed)
+        left = less({k: after[k] for k in stretch.bodies}, pushed)
         kind = IMPACTS if self._is_rounding(stretch, left) else SOLVER
         if kind is SOLVER and link.single is not None and self._is_slow(state, there, pushed):
             kind = THRESHOLD
@@ -485,7 +465,7 @@ class Continuation:
 
     def _fallen_by_steps(self, row: Row, time: arb, fall: Fall) -> Row:
         """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""
-        (t, x, y, vx, vy), span = _flown(row, time), time - row[0]
+        (t, x, y, vx, vy), span = flown(row, time), time - row[0]
         way, gain = fall.fallen(span)
         way, gain = way - span * span / 2, gain - span
         return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
@@ -564,7 +544,7 @@ class Continuation:
         """
         with ball.precision(self.bits):
             state = self._exact.towards(self._given, input_share)
-            first = {k: _row(body.flight) for k, body in state.bodies.items()}
+            first = {k: row_of(body.flight) for k, body in state.bodies.items()}
             return self._carried(state, first, 0, None, shares)
 
     def _carried(
@@ -586,8 +566,8 @@ class Continuation:
             if place < last:
                 for kinds, scale in added.items():
                     for k, defect in stretch.of(kinds).items():
-                        own = flying[k] if stretch.links else _flown(flying[k], stretch.after[k][0])
-                        flying[k] = _plus(own, defect, scale)
+                        own = flying[k] if stretch.links else flown(flying[k], stretch.after[k][0])
+                        flying[k] = plus(own, defect, scale)
             if not all(flying[k][1].is_finite() for k in stretch.bodies):
                 return None
             if not place:
@@ -661,116 +641,3 @@ class _Carried(RunReader):
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """No zero is proved of carried flights."""
         return False
-
-
-def _bounce_off_arc(state: ReplayState[arb], link: AtArc, row: Row, here: bool) -> Rows:
-    """See `bounce`: a hollow side is met at the later zero of the gap."""
-    a, b = link.ends(state)
-    t, x, y, vx, vy = row
-    dx, dy, reach = b.flight.x - x, b.flight.y - y, a.r + b.r
-    wait = t - t
-    if here:
-        reach = (dx * dx + dy * dy).sqrt()
-    else:
-        root, approach = pair_discriminant(dx, dy, -vx, -vy, reach).sqrt(), pair_approach(dx, dy, -vx, -vy)
-        if link.hollow:
-            wait = pair_last_time(approach, root, vx * vx + vy * vy)
-        else:
-            wait = pair_hit_time(pair_gap(dx, dy, reach), approach, root)
-        dx, dy = advance(dx, -vx, wait), advance(dy, -vy, wait)
-    jx, jy = pair_impulse(dx, dy, -vx, -vy, reach, a.w, b.w)
-    if state.share is not None:
-        jx, jy = jx * state.share, jy * state.share
-    return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - a.w * jx, vy - a.w * jy)}
-
-
-def _off_falling_wall(state: ReplayState[arb], link: AtWall, row: Row, here: bool) -> Row:
-    """See `bounce`: of a wall that falls in the frame that does, or moves, whose speed the circle's is relative to."""
-    assert state.falling is not None
-    (t, x, y, vx, vy), line = row, state.line(link.circle, link.wall)
-    offset = state.bodies[link.circle].r * line.length
-    fall = fall_of(state.falling, (x, y, vx, vy, t), line, offset, state.drifts.get(link.wall), state.zero)
-    wait = arb(0) if here else wall_wait(fall, state.sides.pull(link.circle, link.wall))
-    if wait is None:  # it does not come there
-        wait = arb("nan")
-    share = arb(1) if state.share is None else state.share
-    change = 2 * share * fall_speed(fall.approach, fall.half, wait) / line.nn
-    return (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - change * line.nx, vy - change * line.ny)
-
-
-def _row(flight: Flight[arb]) -> Row:
-    """t, x, y, vx, vy."""
-    return flight.t, flight.x, flight.y, flight.vx, flight.vy
-
-
-def _flown(row: Row, time: arb) -> Row:
-    t, x, y, vx, vy = row
-    if t is time:
-        return row
-    late = time - t
-    return time, advance(x, vx, late), advance(y, vy, late), vx, vy
-
-
-def _less(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
-    return {k: tuple(a - b for a, b in zip(row, others[k], strict=True)) for k, row in rows.items()}  # pyright: ignore[reportReturnType]
-
-
-def _sum(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
-    return {**rows, **{k: _plus(rows[k], row, None) if k in rows else row for k, row in others.items()}}
-
-
-def _plus(row: Row, other: Row, scale: arb | None) -> Row:
-    t, x, y, vx, vy = row
-    dt, dx, dy, ux, uy = other
-    if scale is not None:
-        return t + scale * dt, x + scale * dx, y + scale * dy, vx + scale * ux, vy + scale * uy
-    return t + dt, x + dx, y + dy, vx + ux, vy + uy
-
-
-def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: bool = False) -> Rows:
-    """The bounce of two circles, or of a circle and a wall or an arc, where they touch first in free flight.
-
-    It leaves 1 + e times the approach, with the state's restitution e; a wall may fall in the state's frame, or move.
-
-    Args:
-        state: has the radii, the masses, the walls and the arcs, and where fixed circles are.
-        rows: the flights of those that can move.
-        here: where they are now, along their line of centres, however long it is.
-    """
-    if is_flat(link):
-        t, x, y, vx, vy = rows[link.circle]
-        line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
-        wait = t - t
-        if state.falling is not None:
-            return {link.circle: _off_falling_wall(state, link, rows[link.circle], here)}
-        if not here:
-            gap = wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, r * line.length)
-            wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))
-        left = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
-        if state.share is not None:
-            left = damped(vx, left[0], state.share), damped(vy, left[1], state.share)
-        return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
-    if is_arc(link):
-        return _bounce_off_arc(state, link, rows[link.circle], here)
-    assert is_pair(link)
-    a, b = link.ends(state)
-    one, other = (rows[k] if k in rows else _row(state.bodies[k].flight) for k in link)
-    later = one[0] if link.b not in rows else other[0]
-    (_, ax, ay, avx, avy), (_, bx, by, bvx, bvy) = _flown(one, later), _flown(other, later)
-    dx, dy, vx, vy, reach = bx - ax, by - ay, bvx - avx, bvy - avy, a.r + b.r
-    if here:
-        jx, jy = pair_impulse(dx, dy, vx, vy, (dx * dx + dy * dy).sqrt(), a.w, b.w)
-    else:
-        root = pair_discriminant(dx, dy, vx, vy, reach).sqrt()
-        wait = pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
-        later = later + wait
-        strength = pair_strength(root, reach, a.w, b.w)
-        jx, jy = strength * advance(dx, vx, wait), strength * advance(dy, vy, wait)
-    if state.share is not None:
-        jx, jy = jx * state.share, jy * state.share
-    found: Rows = {}
-    for k, row, body, sign in ((link.a, one, a, -1), (link.b, other, b, 1)):
-        if k in rows:
-            t, x, y, ux, uy = _flown(row, later)
-            found[k] = t, x, y, ux + sign * body.w * jx, uy + sign * body.w * jy
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flint import arb
 
@@ -16,13 +16,24 @@ from ...exact.replay.contact import WallFall
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...exact.replay.wall_flights import fall_of
 from ...floating.knots import DoubleMotion, SteppedFall
-from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
+from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.surfaces import ThingParts, parts_of
-from ...scenarios.things import Circle
 from ..alignment.instants import Kind, instants
 from ..tangent.flight_aside import RoundSide, out_of, stretches
 from ..tangent.flight_aside import middle as _middle
-from .given_scene import FlightBalls, RoundedState, fallen, nearest
+from .free_flights import (
+    FlightBalls,
+    OwnFlight,
+    apart_at,
+    exact_flight,
+    fallen,
+    is_zero,
+    last_step,
+    resting,
+    wall_margin,
+    wall_wait,
+)
+from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Contact, State, Trajectory
@@ -36,16 +47,6 @@ if TYPE_CHECKING:
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""
-
-
-class OwnFlight(NamedTuple):
-    """One circle from its last meeting on: x, y, vx, vy at time t, in the engine's own numbers."""
-
-    t: Real
-    x: Real
-    y: Real
-    vx: Real
-    vy: Real
 
 
 @dataclass(frozen=True)
@@ -208,18 +209,6 @@ def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event:
 # -- how one run has it
 
 
-def last_step(motion: SteppedFall, begin: float, until: float) -> float | None:
-    """The end of the last step before a time, of those that a flight has had since it began; None if it had none.
-
-    >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], 9.0, (0.0, -4.0), 0.5)
-    >>> last_step(motion, 0.0, 1.75), last_step(motion, 0.0, 1.5), last_step(motion, 1.0, 1.5)
-    (1.5, 1.0, None)
-    """
-    steps = math.ceil((min(until, motion.end) - begin) / motion.dt) - 1
-    at = begin + steps * motion.dt
-    return at if steps > 0 and begin < at < until else None
-
-
 class RunReader:
     """Reads flights and decisions off one run.
 
@@ -369,7 +358,7 @@ class RunReader:
             return None
         t, x, y, vx, vy = flight
         circle, things = self.places[pairing.body], self.things(bits)
-        wall = self._place_of_wall(pairing) if face is None else face
+        wall = self.places[pairing.partner] - len(self.scene.circles) if face is None else face
         line = things.line(circle, wall)
         offset = things.bodies[circle].r * line.length
         if things.falling is None:
@@ -377,17 +366,6 @@ class RunReader:
             return t, WallFall(gap, law.wall_approach(vx, vy, line.nx, line.ny), arb(0)), line.length
         drift = things.drifts.get(wall)
         return t, fall_of(things.falling, (x, y, vx, vy, t), line, offset, drift, things.zero), line.length
-
-    def _place_of_wall(self, pairing: Pairing) -> int:
-        return self.places[pairing.partner] - len(self.scene.circles)
-
-    def pull(self, pairing: Pairing) -> int:
-        """Whether gravity pulls a circle to a wall (-1), away from it (1), or neither."""
-        return self.things(FIRST_BITS).sides.pull(self.places[pairing.body], self._place_of_wall(pairing))
-
-    def decides_by_speed(self, pairing: Pairing) -> bool:
-        """Whether the number that decides a hit is a speed, and no distance: see `least_gap`."""
-        return self.is_wall(pairing) and self.pull(pairing) <= 0
 
     def things(self, bits: int) -> RoundedState:
         """Radii and walls as the run has them."""
@@ -407,7 +385,7 @@ class RunReader:
             return min(self._part_times(pairing, parts, bits, leaving=False), key=_middle, default=None)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            wait = None if told is None else wall_wait(told[1], self.pull(pairing))
+            wait = None if told is None else wall_wait(told[1], pull_of(self, pairing))
             return None if told is None or wait is None else told[0] + wait
         relative = self._relative(pairing, bits)
         return None if relative is None else _meeting_time(relative)
@@ -516,8 +494,8 @@ class RunReader:
             leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
             return float(enter), float(leave)
         if enter is None or self.is_wall(pairing):
-            told = None if enter is None or self.pull(pairing) <= 0 else self._wall(pairing, FIRST_BITS)
-            if told is None:
+            told = self._wall(pairing, FIRST_BITS) if enter is not None and pull_of(self, pairing) > 0 else None
+            if told is None or enter is None:
                 return None if enter is None else (float(enter), math.inf)
             _, (gap, approach, half), _ = told
             return float(enter), float(enter + ball.root(law.fall_discriminant(gap, approach, half)) / half)
@@ -542,7 +520,7 @@ class RunReader:
             if wall is None:
                 return False
             _, (gap, approach, _), _ = wall
-            if (pull := self.pull(pairing)) != 0:
+            if (pull := pull_of(self, pairing)) != 0:
                 return pull > 0 and ball.sign_of(approach) in (0, 1)
         else:
             relative = self._relative(pairing, bits)
@@ -572,7 +550,7 @@ class RunReader:
             return self._beside(pairing, parts, bits)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            return None if told is None else _wall_margin(told[1], self.pull(pairing)) / told[2]
+            return None if told is None else wall_margin(told[1], pull_of(self, pairing)) / told[2]
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -598,16 +576,14 @@ class RunReader:
         x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
-    def _exact(self, flight: OwnFlight | None) -> ExactFlight | None:
-        """`exact_flight` of the run's scene; its gravity has to be the scene's."""
-        return None if self.scene.gravity is not None and self._rounds_to is not None else exact_flight(
-            flight, self.scene.gravity
-        )
-
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
+        gravity = self.scene.gravity
+        if gravity is not None and self._rounds_to is not None:  # it falls otherwise
+            return False
         if end is not None:
-            own = self._exact(self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing)))
+            anchor = pairing.anchors.get(pairing.body)
+            own = exact_flight(self.flight(pairing.body, anchor, turned=self._turned(pairing)), gravity)
             circle, there = self.scene.circles[self.places[pairing.body]], self.scene.circles[end]
             if own is None or self._rounds_to is not None:
                 return False
@@ -615,7 +591,7 @@ class RunReader:
             return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
-        exact = [flight for flight in map(self._exact, flights) if flight is not None]
+        exact = [own for own in (exact_flight(flight, gravity) for flight in flights) if own is not None]
         if len(exact) < 2:
             return False
         radii = [
@@ -627,36 +603,15 @@ class RunReader:
         return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
 
 
-def wall_wait(fall: WallFall[arb], pull: int) -> arb | None:
-    """How long it takes a circle to meet a wall; None if it does not, or if that is not known.
-
-    Args:
-        pull: see `Sides.pull`.
-    """
-    gap, approach, half = fall
-    nears = ball.sign_of(approach) == -1
-    if not pull:
-        return law.wall_hit_time(gap, approach) if nears else None
-    square = law.fall_discriminant(gap, approach, half)
-    if ball.sign_of(square) in (None, -1) or (pull > 0 and not nears):
-        return None
-    root = ball.root(square)
-    return law.fall_time(gap, approach, root) if nears else law.fall_time_back(approach, half, root)
+def pull_of(reader: RunReader, pairing: Pairing) -> int:
+    """Whether gravity pulls a circle to a wall (-1), away from it (1), or neither."""
+    wall = reader.places[pairing.partner] - len(reader.scene.circles)
+    return reader.things(FIRST_BITS).sides.pull(reader.places[pairing.body], wall)
 
 
-def _wall_margin(fall: WallFall[arb], pull: int) -> arb:
-    """Whether a circle comes to a wall, as a number that is negative if it does, times the length of the normal.
-
-    Of a wall that it is not pulled to or from, how fast it goes away from it; of one to which it is pulled, the speed
-    at which it comes there; of one from which it is pulled, how near it comes.
-    """
-    gap, approach, half = fall
-    if not pull:
-        return approach
-    square = law.fall_discriminant(gap, approach, half)
-    if pull < 0:
-        return -ball.root(square)
-    return gap if ball.sign_of(approach) in (0, 1) else -square / (4 * half)
+def decides_by_speed(reader: RunReader, pairing: Pairing) -> bool:
+    """Whether the number that decides a hit is a speed, and no distance: see `RunReader.least_gap`."""
+    return reader.is_wall(pairing) and pull_of(reader, pairing) <= 0
 
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
@@ -681,60 +636,3 @@ def _meeting_time(relative: Relative) -> arb | None:
     if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
         return None
     return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
-
-
-# -- zeros that are proved
-
-ExactFlight: TypeAlias = tuple[Quantity, Quantity, Quantity, Quantity, Quantity]
-"""t, x, y, vx, vy of a flight."""
-
-LONGEST_TEXT = 400
-"""Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`
-tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
-
-
-def exact_flight(
-    flight: OwnFlight | None, gravity: tuple[Quantity, Quantity] | None = None
-) -> ExactFlight | None:
-    """A flight in exact numbers, where they are short; under gravity that of the frame that falls.
-
-    >>> flight = OwnFlight(*map(Quantity.of, (2, 0, 5, 1, -8)))
-    >>> [number.text() for number in exact_flight(flight, (Quantity.of(0), Quantity.of(-4)))]
-    ['2', '0', '13', '1', '0']
-    """
-    values = [] if flight is None else [short_quantity(value) for value in flight]
-    if None in values or len(values) < 5:
-        return None
-    found = cast("ExactFlight", tuple(values))
-    if gravity is None:
-        return found
-    (t, x, y, vx, vy), (gx, gy) = found, gravity
-    return t, x - gx * t * t / 2, y - gy * t * t / 2, vx - gx * t, vy - gy * t
-
-
-def short_quantity(value: Real) -> Quantity | None:
-    """A number as a `Quantity`, if it is exact and short."""
-    text = real(value).text()
-    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
-
-
-def resting(circle: Circle) -> ExactFlight:
-    """The flight of what never moves."""
-    return ZERO, circle.x, circle.y, ZERO, ZERO
-
-
-def apart_at(one: ExactFlight, other: ExactFlight) -> tuple[Quantity, Quantity, Quantity, Quantity]:
-    """d and v from one to the other, at the later of the times from which they fly."""
-    (s, *a), (t, *b) = one, other
-    later = s if (s - t).sign() >= 0 else t
-    ax, ay = advance(a[0], a[2], later - s), advance(a[1], a[3], later - s)
-    bx, by = advance(b[0], b[2], later - t), advance(b[1], b[3], later - t)
-    return bx - ax, by - ay, b[2] - a[2], b[3] - a[3]
-
-
-def is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
-    """Whether a formula is proved to give zero."""
-    try:
-        return formula(*numbers).sign() == 0
-    except ValueError:
-        return False

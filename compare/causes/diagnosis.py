@@ -63,7 +63,9 @@ CAUSES: dict[str, Cause] = {
     "OVERLAP": Cause("overlap", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "SOLVER": Cause("inexact impulses", rank=SHARE_RANK, head="Inexact impulses changed what happened", family="STEPS"),
     "THRESHOLD": Cause(
-        "restitution threshold", rank=SHARE_RANK, head="A speed below which nothing bounces changed what happened",
+        "restitution threshold",
+        rank=SHARE_RANK,
+        head="A speed below which nothing bounces changed what happened",
         family="STEPS",
     ),
     "SEVERAL": Cause(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 from flint import arb
 
@@ -20,9 +20,6 @@ from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
 """Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
-
-FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
-"""t, x, y, vx, vy of a flight."""
 
 LEAST_SINGLE = -149
 """log2 of the least single above zero."""
@@ -111,14 +108,6 @@ def _double(value: Quantity) -> float:
         return float(value)
     except OverflowError:
         raise SceneError(f"{value.text()[:40]}: is beyond the doubles") from None
-
-
-def fallen(falling: Gravity[arb] | None, row: FlightBalls) -> FlightBalls:
-    """t, x, y, vx, vy of a circle in the frame that falls, in which it flies straight: X = x - g t^2/2, V = v - g t."""
-    if falling is None:
-        return row
-    (t, x, y, vx, vy), (hx, hy, _) = row, falling
-    return t, x - hx * t * t, y - hy * t * t, vx - 2 * hx * t, vy - 2 * hy * t
 
 
 class RoundedState(ReplayState[arb]):

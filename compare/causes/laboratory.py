@@ -18,7 +18,7 @@ from ..audit.audit import allowances
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
-from .decision import DecidingNumber, Pairing, RunReader, answer, decisions
+from .decision import DecidingNumber, Pairing, RunReader, answer, decides_by_speed, decisions
 from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed
 from .given_scene import rounded
 
@@ -241,7 +241,7 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
     if found.name is CauseName["PHANTOM"]:
         pass
     elif lab.decision is not None and lab.margin is not None:
-        if lab.decision.kind == "hit" and lab.truth.decides_by_speed(lab.decision.first):
+        if lab.decision.kind == "hit" and decides_by_speed(lab.truth, lab.decision.first):
             speed = ball.double_bounds(lab.margin)
         elif lab.decision.kind == "hit":
             distance = ball.double_bounds(lab.margin)

@@ -16,8 +16,8 @@ from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
 from ..foreign.guard import wider_of
-from .decision import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 from .diagnosis import CauseName, Diagnosis, Experiment
+from .free_flights import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide

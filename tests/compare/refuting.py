@@ -497,7 +497,16 @@ def falls() -> Iterator[Job]:
     for seed in range(60):
         for name in (*names, "rounded:bits=12"):
             yield Job(f"fallen {seed}", fallen(seed), name, 40)
-    for spec in ("bounce", "drop-pair", "wedge", "wedge:slope=2", "falling-line", "gas-under-gravity", "cooling", "beads"):
+    for spec in (
+        "bounce",
+        "drop-pair",
+        "wedge",
+        "wedge:slope=2",
+        "falling-line",
+        "gas-under-gravity",
+        "cooling",
+        "beads",
+    ):
         for name in names:
             yield Job(spec, catalogue.build(spec), name, 60 if name.startswith("pymunk") else 150)
 
