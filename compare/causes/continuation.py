@@ -448,7 +448,7 @@ class Continuation:
         late: Rows = {k: (*after[k][:3], *met[k][3:]) for k in stretch.bodies}
         at_once = self._law(state, stretch, there, here=True)
         pushed: Rows = {k: (*after[k][:3], *at_once[k][3:]) for k in stretch.bodies}
-        stretch.defects[FLIGHTS] = less(met, by_steps)
+        stretch.defects[CORRECTION if self._is_displaced(there, before) else FLIGHTS] = less(met, by_steps)
         if link.single is not None and is_flat(link.single):  # whose normal nothing turns: it falls for longer
             late = pushed
         stretch.defects[LATENESS] = less(late, met)
@@ -462,6 +462,20 @@ class Continuation:
         if kind is SOLVER and link.single is not None and self._is_slow(state, there, pushed):
             kind = THRESHOLD
         stretch.defects[kind if link.single else SEVERAL] = left
+
+    def _is_displaced(self, there: Rows, before: Rows) -> bool:
+        """Whether an engine of steps has put a circle elsewhere than its flight leads, by more than rounding."""
+        if self._unit is None:
+            return False
+        for k, row in there.items():
+            old, new = self._risen(flown(before[k], row[0])), self._risen(row)
+            speed = math.hypot(float(old[3]), float(old[4]))
+            far = math.hypot(float(old[1]), float(old[2])) + speed * abs(float(row[0]))
+            if math.hypot(*(float((a - b).mid()) for a, b in zip(new[1:3], old[1:3], strict=True))) > (
+                ROUNDED * self._unit * far
+            ):
+                return True
+        return False
 
     def _fallen_by_steps(self, row: Row, time: arb, fall: Fall) -> Row:
         """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""

@@ -399,11 +399,11 @@ class OwnState:
         speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
         room = max(ALIKE, ALIKE_UNITS * 2.0**-lab.bits) * speed
         final = exact.after(done) if done >= 0 else exact.at(0)
-        there = {
+        now = {
             name: _at_last(self.scene, float(final[name].vx), float(final[name].vy), float(final.time))
             for name in self.left
         }
-        return all(math.dist(there[name], velocity) <= room for name, velocity in self.left.items())
+        return all(math.dist(now[name], velocity) <= room for name, velocity in self.left.items())
 
 
 def _at_last(scene: Scene, vx: float, vy: float, since: float) -> tuple[float, float]:
@@ -487,10 +487,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         ]
     if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
         parts.append(account.own)
-    # where the rounded scene alone does not lead to the decision, sizes say nothing of what each kind does alone
-    grown = any(part.cause is CauseName["INPUT"] and part.alone is None and part.size for part in parts)
     for part in parts:
-        flips, earlier, free, does = _alone(lab, part, grown), None, "", False
+        flips, earlier, free, does = _alone(lab, part, account.along), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _by_its_contacts_alone(lab):
                 if lab.given is None:

@@ -377,7 +377,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                 yield Refutation(
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
                 )
-            for key in close:
+            decided = any(exact[key] * own[key] <= 0 for key in close)  # it is of one of them
+            for key in () if decided else close:
                 alike = key == "time between" or both[key] * said.displacement > 0  # else it is no more than as large
                 if exact[key] * own[key] > 0 and len(both) == len(close) and alike:
                     yield Refutation(
