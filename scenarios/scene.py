@@ -399,26 +399,21 @@ class Scene:
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
-        counts = {
-            "circle": len(self.circles),
-            "wall": len(self.walls),
-            "segment": len(self.segments),
-            "polygon": len(self.polygons),
-            "arc": len(self.arcs),
-            "pocket": len(self.pockets),
-        }
-        told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
-        table = html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
+        table = html_table(f"{self.name}: {self.made_of}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
         return shown(table, self, lambda: scene_picture(self, standalone=True), f"{self.name} at time 0")
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""
+        return f"{self.name}: {self.made_of}"
+
+    @property
+    def made_of(self) -> str:
+        """Of how many things it is made: "10 circles, 4 walls"."""
         kinds = (
             *(("circle", self.circles), ("wall", self.walls), ("segment", self.segments)),
             *(("polygon", self.polygons), ("arc", self.arcs), ("pocket", self.pockets)),
         )
-        made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
-        return f"{self.name}: {', '.join(made)}"
+        return ", ".join(f"{len(things):,} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things)
 
     @property
     def digest(self) -> str:
