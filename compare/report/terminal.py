@@ -245,7 +245,7 @@ def engines_table(comparison: Comparison, *, close: bool = False) -> TextTable:
         )
     shown = [k for k in range(len(HEADINGS)) if any(row[k] for row in rows)]
     headings = [HEADINGS[k] for k in shown]
-    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause", "position error"}), close=close)
+    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}), close=close)
     for row in rows:
         table.add_row(*(row[k] for k in shown))
     return table
