@@ -383,8 +383,6 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
-    if reference.scene.segments or reference.scene.polygons:
-        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
     if reference.scene.arcs:
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet at arcs")
     stands = reference.scene.gravity is None and not reference.scene.moving_walls

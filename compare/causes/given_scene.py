@@ -15,7 +15,7 @@ from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Arc, Circle, Polygon, Segment, Wall
+from ...scenarios.things import Arc, Circle, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
@@ -74,7 +74,7 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         for c in scene.circles
     ]
     walls = [
-        Wall(
+        type(w)(
             *(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id,
             **{"vx": nearest(w.vx, bits), "vy": nearest(w.vy, bits)} if w.moves else {},
         )
