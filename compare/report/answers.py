@@ -16,14 +16,16 @@ from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
-from ..tangent.growth import error_growth
 from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
+    CALM_BITS,
+    CHAOS_BITS,
     about,
     account_rows,
     all_of,
     counted,
     ending_phrase,
+    growth_phrase,
     head_phrase,
     headline,
     listed,
@@ -55,9 +57,6 @@ MOST_OUTCOMES = 3
 
 ALIKE = (0.75, 1.5)
 """Ratios of times, each measured once, between which they are called the same."""
-
-CHAOS_BITS, CALM_BITS = 10.0, 3.0
-"""Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
 
 
 @dataclass(frozen=True)
@@ -245,14 +244,14 @@ def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None 
                 small = f"Every error of {name} stays too small to change an event.{law}"
             else:
                 small = f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
-            return " ".join(filter(None, [small, _errors_grow(comparison, candidate, foreseen)]))
+            return " ".join(filter(None, [small, growth_phrase(comparison, candidate, foreseen)]))
         if candidate.verdict == "diverged":
-            return " ".join(filter(None, ["Not looked into.", _errors_grow(comparison, candidate, foreseen)]))
+            return " ".join(filter(None, ["Not looked into.", growth_phrase(comparison, candidate, foreseen)]))
         message = f"{_capital(candidate.trajectory.stop.message)}."
         return message if _at_its_end(candidate) else f"Not looked into. {message}"
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
-    grown = _growth_words(candidate) or _errors_grow(comparison, candidate, foreseen)
+    grown = _growth_words(candidate) or growth_phrase(comparison, candidate, foreseen)
     return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), grown]))
 
 
@@ -330,30 +329,6 @@ def _chaotic(candidate: Candidate) -> bool:
     if margin is None or margin.growth is None or parted is None:
         return False
     return margin.growth * parted.expected_event >= CHAOS_BITS
-
-
-def _by_flight(time: float) -> float:
-    """Bits by which a displacement of a velocity grows into one of a place in free flight: that is no chaos."""
-    return math.log2(max(1.0, time)) if math.isfinite(time) else 0.0
-
-
-def _errors_grow(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None) -> str:
-    """How errors can grow to the end, or to a divergence without a margin, in the direction that grows most."""
-    reference, parted = comparison.reference, candidate.alignment.divergence
-    if foreseen is None or (parted is None and foreseen.reason):
-        return ""
-    events = foreseen.events if parted is None else parted.expected_event
-    growth = error_growth(reference, events) if events <= foreseen.events else None
-    if growth is None:
-        return ""
-    bits, last = growth * events, float(reference.events[events - 1].time)
-    if bits - _by_flight(last) >= CHAOS_BITS:
-        longer = parted is None and reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON)
-        beyond = "; a longer run may diverge" if longer else ""
-        return f"Errors can grow by {growth:.3g} bits an event, which is chaos{beyond}."
-    if bits - _by_flight(last) < CALM_BITS:
-        return "It is not chaos: errors hardly grow on the way."
-    return f"Errors can grow by {bits:.2g} bits on the way."
 
 
 # -- So what.
