@@ -60,7 +60,7 @@ def differs(scene: Scene) -> str:
         names = {tuple(pair) for pair in theirs.contacts}
         if not mine.approaching <= names <= mine.touching:
             return f"event {theirs.index}: {names}, not {mine.approaching}"
-    if AT_END in run.stop.message:  # refused by name, whatever comes of it
+    if AT_END in run.stop.message or ALONG in run.stop.message:  # refused by name, whatever comes of it
         return ""
     if "no normal" in run.stop.message or told.blunt is not None:
         return "" if "no normal" in run.stop.message and told.blunt is not None else "a corner"
