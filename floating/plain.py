@@ -30,7 +30,7 @@ from ..exact.replay.contact import (
 )
 from ..exact.replay.round_falls import told_wait
 from ..exact.replay.state import ReplayState, Step
-from ..exact.simulation.arc_meetings import arc_contact, predict_falls
+from ..exact.simulation.arc_meetings import arc_contact, face_contact, fall_to_face, predict_falls
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -215,6 +215,10 @@ class PlainPegs(Predictor[M]):
         """See `Predictor.predict`."""
         predict_falls(self, moved, standing, gone, self._walls_of)
 
+    def face(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
+        """See `Predictor.face`."""
+        fall_to_face(self, a, wall, standing, rounded=True)
+
     def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""
         link = link_of(a, peg)
@@ -321,6 +325,8 @@ class PlainMeetings(Generic[M]):
         """
         if is_arc(link):
             return self._meeting_arc(link)
+        if is_flat(link) and link.wall in self._predictor.faces and self._state.scene.gravity is not None:
+            return self._meeting_fallen_face(link, self._pull(link))
         if is_flat(link) and (pull := self._pull(link)):
             return self._meeting_fallen(link, pull)
         approach = self._ask(Approach(link))
@@ -380,6 +386,42 @@ class PlainMeetings(Generic[M]):
         except ZeroDivisionError:
             return None
         return clock + wait, disc == 0
+
+    def _meeting_fallen_face(self, link: AtWall, pull: int) -> tuple[M, bool] | None:
+        """As `_meeting_face`, under gravity; what is put into it for all of its way up comes to it where it turns."""
+        state, approach, gap = self._state, self._ask(Approach(link)), self._ask(Gap(link))
+        moment, disc = Moment(link), 1
+        if gap <= 0 and self._is_in_face(link, gap, None):
+            if approach < 0 or (approach == 0 and pull < 0):
+                return link.later(state).flight.t, False
+            if approach == 0 and pull == 0 == gap:
+                self.slides.append(link)
+            if approach == 0 or pull >= 0:
+                return None
+            if self._ask(Arrives(link)) < 0:
+                moment = Moment(link, graze=True)
+                if not self._is_in_face(link, gap, moment):
+                    return None
+                clock, wait = moment.wait(state)
+                return clock + wait, False
+        found = face_contact(link, pull, self._ask)
+        if found is None or found < 0:
+            return None
+        disc = found
+        try:
+            clock, wait = Moment(link, disc == 0).wait(state)
+        except ZeroDivisionError:
+            return None
+        return clock + wait, disc == 0
+
+    def _is_in_face(self, link: AtWall, gap: int, moment: Moment | None) -> bool:
+        """Whether a circle whose gap to a face is not above 0 was put there by rounding: its centre is not through,
+        and between the ends, now or at a time."""
+        state = self._state
+        if any(self._ask(Beside(link, far, moment)) <= 0 for far in (False, True)):
+            return False
+        through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
+        return gap == 0 or self._sign(through) > 0
 
     def _meeting_face(self, link: AtWall, approach: int) -> tuple[M, bool] | None:
         """As `_meeting`, of a face; what rounding has put into it is on its side, between its ends, and not through."""

@@ -16,7 +16,7 @@ from ..replay.contact import AtArc, Body, Link, Pair, is_pair, name_of
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
-from ..simulation.arc_meetings import ArcSides, Predicting, predict_falls
+from ..simulation.arc_meetings import ArcSides, Predicting, fall_to_face, predict_falls
 from ..simulation.prediction import ArrivalQueue
 from .filtered import (
     ACCURATE_BITS,
@@ -190,6 +190,12 @@ class PegPredictor(FilteredPredictor):
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`."""
         predict_falls(self, moved, standing, gone, self._walls_of)
+
+    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """See `Predictor.meet_faces`."""
+        self.prepare()
+        for k in self.faces:
+            fall_to_face(self, a, k, standing, rounded=False)
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""
