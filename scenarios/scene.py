@@ -58,7 +58,8 @@ class Scene:
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
             restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
-            beside pockets or arcs, and beside a reversal where something round or with ends stands; for a circle that two walls crush at time 0.
+            beside pockets or arcs, and beside a reversal where a circle is fixed or something has ends; for a circle
+            that two walls crush at time 0.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id

@@ -14,7 +14,7 @@ from ..log_symmetry import FixedProjections, LogSymmetry, Past, Retrace
 from ..numbers import ball
 from ..numbers.ball import Known
 from ..numbers.system import BudgetSpent, Undecided
-from ..question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
+from ..question import Approach, Arrives, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..replay.contact import (
     AtWall,
     Body,
@@ -31,7 +31,7 @@ from ..replay.contact import (
 )
 from ..replay.refinable import Projection, RefinableState
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
-from ..simulation.arc_meetings import arc_contact, face_contact
+from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
 from ..simulation.prediction import Arrival, ArrivalQueue
 from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
@@ -240,11 +240,9 @@ class CertifiedMeetings:
         if is_pair(link) and self._state.balls.on_peg(link):
             return self._settled_fall(arrival, link)
         if is_arc(link):
-            disc = arc_contact(link, lambda question: self._judge.decide(question).sign, final=True)
-        elif is_flat(link) and self._is_fallen_face(link):
-            disc = face_contact(link, self._pull(link), self._sign)
-            if disc is None:
-                disc = face_contact(link, self._pull(link), lambda question: self._judge.decide(question).sign)
+            disc = arc_contact(link, self._decided, final=True)
+        elif isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+            disc = self.predictor.face_settled(link, self._sign, self._decided)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
         else:
@@ -338,22 +336,8 @@ class CertifiedMeetings:
         else:
             self.predictor.push(self._meeting(link, 1), link)
 
-    def _is_fallen_face(self, link: AtWall) -> bool:
-        """Whether a contact is with a face, under gravity."""
-        return link.wall in self.predictor.faces and self._state.scene.gravity is not None
-
-    def _unsure_fallen_face(self, link: AtWall) -> None:
-        """As `_unsure_face`, under gravity; where it pulls along the line a circle may slide along that."""
-        pull = self._pull(link)
-        if not pull and self._sign(Approach(link)) in (0, None) and self._sign(Gap(link)) in (0, None):
-            if self._judge.decide(Gap(link)).sign == 0 and self._judge.decide(Approach(link)).sign == 0:
-                self.predictor.slides.append(link)
-                return
-        found = face_contact(link, pull, self._sign)
-        if found == -1 and self._sign(Gap(link)) == 0 and self._sign(Approach(link)) == -1:
-            if all(self._sign(Beside(link, far, None)) == 1 for far in (False, True)):
-                self._overlap(link)
-        self._push(link, found)
+    def _decided(self, question: Question) -> int:
+        return self._judge.decide(question).sign
 
     def _overlap(self, link: Link) -> NoReturn:
         who, when = self._judge.name(link), self._precision.where()
@@ -384,8 +368,8 @@ class CertifiedMeetings:
         if isinstance(self.predictor, PegPredictor) and self._state.balls.on_peg(link):
             return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
-        if is_flat(link) and self._is_fallen_face(link):
-            return self._unsure_fallen_face(link)
+        if isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+            return self._push(link, self.predictor.face_unsure(link, self._sign, self._decided, self._overlap))
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:
                 self._overlap(link)

@@ -75,9 +75,7 @@ def fall_of(
     return WallFall(sag(gap, zero, half, t), fall_speed(approach, half, t), half)
 
 
-def along_of(
-    falling: Gravity[N], place: tuple[N, N], line: SeenWall[N], clock: N, zero: N
-) -> tuple[N, N, N]:
+def along_of(falling: Gravity[N], place: tuple[N, N], line: SeenWall[N], clock: N, zero: N) -> tuple[N, N, N]:
     """Where along a face a circle that falls is at its clock, how fast that grows, and half of gravity along it.
 
     Args:
