@@ -9,13 +9,15 @@ inner side of one, so that both sides are looked at here too.
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 from gravity_referee import Body, TieMet, falling_zeros, number
 from mpmath import mpf, sqrt, workdps
 from peg_referee import DIGITS, NotForThis, PegReferee
 
 from truebreak.scenarios import Scene
 
-Bar = tuple[str, mpf, mpf, mpf, mpf, mpf]
+Bar: TypeAlias = tuple[str, Any, Any, Any, Any, Any]
 """Whose it is, from where to where, and its half thickness."""
 
 
@@ -32,7 +34,7 @@ class FaceReferee(PegReferee):
                 corners = [(number(x), number(y)) for x, y in polygon.points]
                 for (x0, y0), (x1, y1) in zip(corners, [*corners[1:], corners[0]], strict=True):
                     self.bars.append((str(polygon.id), x0, y0, x1, y1, number(polygon.r)))
-            ends: dict[tuple[mpf, mpf], tuple[str, mpf]] = {}
+            ends: dict[tuple[Any, Any], tuple[str, Any]] = {}
             for name, x0, y0, x1, y1, r in self.bars:
                 for place in ((x0, y0), (x1, y1)):
                     if place not in ends or ends[place][1] < r:
