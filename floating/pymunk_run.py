@@ -32,7 +32,7 @@ from ..scenarios.trajectory import (
 )
 from .knots import DoubleKnot, DoubleMotion, SteppedFall
 from .pocket_entries import entries, last_entry
-from .pymunk_space import PymunkSpace
+from .pymunk_space import PymunkSpace, elasticity_of
 
 # -- What is kept of a run in pymunk: an event a step with impulses, a knot for each body that it touched.
 
@@ -317,9 +317,11 @@ class Run:
         )
 
     def parameters(self) -> dict[str, Any]:
-        """The engine's; under gravity with that of the scene."""
+        """The engine's, with the gravity of the scene, and with the elasticity that makes up its restitution."""
         told = self.engine.parameters
-        return told if self.scene.gravity is None else {**told, "gravity": tuple(self.world.space.gravity)}
+        if self.scene.gravity is not None:
+            told = {**told, "gravity": tuple(self.world.space.gravity)}
+        return told if self.scene.elastic else {**told, "elasticity": elasticity_of(self.scene)}
 
     def motion(self, final: float) -> DoubleMotion:
         """Straight flight between knots, and between steps under gravity."""

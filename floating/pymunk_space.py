@@ -196,7 +196,7 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
                 places[shape] = index
     except OverflowError:
         raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
-    elasticity = ELASTICITY * math.sqrt(scene.restitution)
+    elasticity = elasticity_of(scene)
     for shape in places:
         shape.elasticity = elasticity
         shape.friction = FRICTION
@@ -205,6 +205,11 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
     joints = _joints(scene, bars)
     return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, joints, speed)
+
+
+def elasticity_of(scene: Scene) -> float:
+    """What each shape is given: Chipmunk takes the product of the two for the restitution of a contact."""
+    return ELASTICITY * math.sqrt(scene.restitution)
 
 
 def _joints(scene: Scene, bars: Sequence[tuple[float, float, float, float]]) -> dict[tuple[float, float], int]:

@@ -126,6 +126,7 @@ class Scene:
             gravity=gravity,
         )
         self._check_things()
+        self._check_kinds()
         touching = check_apart(self.circles, self.walls)
         if self.moving_walls:
             self._check_moving()
@@ -205,6 +206,19 @@ class Scene:
                     "polygons, and nothing else yet: leave the one or the other out"
                 )
 
+    def _check_kinds(self) -> None:
+        """Refuses what walls of other kinds are not known to be right with."""
+        hindrances = {
+            "gravity": self.gravity is not None,
+            "reverse_after": self.reverse_after is not None,
+            "reverse_at": self.reverse_at is not None,
+            "walls that move": self.moving_walls,
+        }
+        found = next((name for name, there in hindrances.items() if there), None)
+        if self.other_walls and found:
+            wall = self.other_walls[0]
+            raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave one of them out")
+
     def _check_moving(self) -> None:
         """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
         wall = next(wall for wall in self.walls if wall.moves)
@@ -223,6 +237,11 @@ class Scene:
     def moving_walls(self) -> bool:
         """Whether a wall moves."""
         return any(wall.moves for wall in self.walls)
+
+    @kept
+    def other_walls(self) -> tuple[Wall, ...]:
+        """The walls of kinds of their own, added to `WALL_KINDS`."""
+        return tuple(wall for wall in self.walls if wall.kind != Wall.kind and not wall.is_face)
 
     @kept
     def closing(self) -> tuple[Squeeze, ...]:
@@ -340,6 +359,7 @@ class Scene:
         for name in ("_hash", "surfaces", "pegs"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
+        twin._check_kinds()
         if twin.moving_walls:
             twin._check_moving()
         return twin
@@ -370,6 +390,8 @@ class Scene:
         if self.walls:
             data["wall"] = [_texts(w, ("x0", "y0", "x1", "y1")) for w in self.walls]
             for wall, row in zip(self.walls, data["wall"], strict=True):
+                if wall.kind != Wall.kind:
+                    row["kind"] = wall.kind
                 row.update({key: value.text() for key in ("vx", "vy") if (value := getattr(wall, key)).sign()})
         if self.segments:
             data["segment"] = [_texts(s, ("x0", "y0", "x1", "y1", "r")) for s in self.segments]
@@ -400,26 +422,21 @@ class Scene:
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
-        counts = {
-            "circle": len(self.circles),
-            "wall": len(self.walls),
-            "segment": len(self.segments),
-            "polygon": len(self.polygons),
-            "arc": len(self.arcs),
-            "pocket": len(self.pockets),
-        }
-        told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
-        table = html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
+        table = html_table(f"{self.name}: {self.made_of}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
         return shown(table, self, lambda: scene_picture(self, standalone=True), f"{self.name} at time 0")
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""
+        return f"{self.name}: {self.made_of}"
+
+    @property
+    def made_of(self) -> str:
+        """Of how many things it is made: "10 circles, 4 walls"."""
         kinds = (
             *(("circle", self.circles), ("wall", self.walls), ("segment", self.segments)),
             *(("polygon", self.polygons), ("arc", self.arcs), ("pocket", self.pockets)),
         )
-        made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
-        return f"{self.name}: {', '.join(made)}"
+        return ", ".join(f"{len(things):,} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things)
 
     @property
     def digest(self) -> str:

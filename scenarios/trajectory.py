@@ -184,6 +184,10 @@ class StopReason(Enum):
     INTERRUPTED = "interrupted"
 
 
+AT_AN_END = frozenset((StopReason.REST, StopReason.ACCUMULATION, StopReason.CRUSHED))
+"""Reasons that lie in the motion, though time goes on: no limit lets a run go on from there."""
+
+
 @dataclass(frozen=True)
 class Stop:
     """The reason for the end of a run, with the particulars."""

@@ -21,6 +21,7 @@ QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r",
           "segments": "x0 y0 x1 y1 length r"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
+            "restitution", "gravity", "vx", "vy",  # those of a circle are asked for where read
             "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
@@ -32,7 +33,9 @@ def shape(own, all):  # what the parts of a certificate are, and how they are sp
     told = each(CONTACT.replace(r"\]", rf",{any}\]"), "++")
     zeros, rounds = each(rf"\[{QUESTION},{CONTACT},{HOW}(?:,{CONTACT})?\]"), f"(?:{pushes}|{told})"
     scene = {"capture": "true|false", "reverse_after": COUNT, "reverse_at": own, "roots": each(own)}
+    scene |= {"restitution": own, "gravity": each(own, "{2}")}
     for kind, names in THINGS.items(): scene[kind] = {"id": ANY} | dict.fromkeys(names.split(), own)
+    scene["walls"] |= {"vx": own, "vy": own}
     return {"format": ANY, "writer": ANY, "bits": COUNT, "roots": each(any),
             "scene": scene | {"tie_policy": POLICY},
             "isometries": {"matrix": each(any, "{4}"), "shift": each(any, "{2}"), "map": map},
@@ -56,6 +59,7 @@ BROKEN = LookupError, TypeError, ValueError, AttributeError, ArithmeticError, Re
 def refuse(wrong, text, fault=Refuted): demand(bool(wrong), [False], text, fault)
 def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
     if sign not in wanted: raise (Unsettled if sign is None else fault)(text)
+    return sign
 class cost: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
 def charge(units, room=0):  # before they are spent
     cost.work, cost.room = cost.work + units, cost.room + room
@@ -119,6 +123,7 @@ def enclosed(form):  # as a ball
                 / whole(x.denominator) for ks, x in form.items()), whole(0))
 def sign_of(form): return enclosed(form).sign() if (sign := form.sign()) is None else sign
 NONE, ONE, UNTOLD = Sum(), Sum({frozenset(): Fraction(1)}), Sum({None: float("nan")})
+HALF = Sum({frozenset(): Fraction(1, 2)})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def spent(long): return 4 * long + (long**2 >> 12)  # on two fractions of so many bits
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
@@ -147,8 +152,11 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
 class Space:
     """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle (ends
     come last), wall j - n (faces come last), or pocket -1 - j. What is computed of it is kept."""
-    def __init__(self, n, things, sides, limits, of):
+    def __init__(self, n, things, sides, limits, world, of):
         self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
+        e, pull, drift = world  # the restitution, half the gravity, the walls that move
+        self.loss, self.pull = of(e), [*map(of, pull)]
+        self.drift = {k: [*map(of, v)] for k, v in drift.items()}
         self.things = {k: [*map(of, row)] for k, row in things.items()}
         self.flights = {k: Flight(*row[:4], 0, {}) for k, row in self.things.items()}
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
@@ -166,6 +174,13 @@ class Space:
     def less(self, x, y): return x.at(self.bits) - y.at(self.bits)
     def wait(self, start, age): return self.less(self.times[age], self.times[start])
     def start(self, c): return max(self.flights[k].age for k in c if k < self.n)
+    def fallen(self, age):  # how far the frame has fallen in which flights are straight; how fast
+        time = self.times[age].at(self.bits)
+        pull = [x * time for x in self.at(*self.pull)]  # half of what pulls, times the time
+        return [x * time for x in pull] + [x + x for x in pull]
+    def true(self, i, age):  # where a circle is, and its velocity, in the frame of the scene
+        row = self.put(i, age)[:4]
+        return [x + y for x, y in zip(row, self.fallen(age), strict=True)] if self.pull else row
     def meeting(self, c, age):  # of two at an instant
         (i, j), (x, y, vx, vy, *_) = c, self.put(c[0], age)
         if j < self.n:
@@ -174,9 +189,20 @@ class Space:
             return Nearing(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
         u, v, p, q, size, more, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
-        (wall := Facing(d, (vx, vy), none, {i: d})).place = x - u, y - v
+        x, y, time = x - u, y - v, self.times[age].at(self.bits)
+        if self.pull:
+            p, q, u, v = self.fallen(age)
+            x, y, vx, vy = x + p, y + q, vx + u, vy + v
+        if j in self.drift:
+            p, q = self.at(*self.drift[j])
+            x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q
+        (wall := Facing(d, (vx, vy), none, {i: d})).place = x, y
         gap = wall.height - (r + more) * size
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
+        if self.pull:
+            p, q = self.at(*self.pull)
+            wall.speed = d[0] * (p + p) + d[1] * (q + q)
+            wall.disc = wall.disc - wall.speed * wall.gap
         return wall
     def rough(self, k, age):  # a flight or a wall in whole numbers; how large, and how far off
         kept, key = self.flights[k].seen, (age if k < self.n else 0, self.bits, 0)
@@ -185,26 +211,28 @@ class Space:
             far, fast = abs(x.m) + abs(y.m) + abs(r.m), abs(vx.m) + abs(vy.m)
             kept[key] = *(z.m for z in row), far, x.r + y.r + r.r, fast, vx.r + vy.r
         return kept[key]
-    def hit(self, c):  # when the gap of two falls through zero
+    def hit(self, c, again):  # when the gap of two falls through zero, perhaps from zero
         if self.read is Sum: return UNTOLD
         m = self.meeting(c, start := self.start(c))
-        return self.times[start].at(self.bits) + m.gap / (m.disc.sqrt() - m.closing)
+        wait = -(m.closing + m.closing) / m.speed if again else m.gap / (m.disc.sqrt() - m.closing)
+        return self.times[start].at(self.bits) + wait
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
         for k in range(len(rows)):  # all rows lose their first number
             top = [x / rows[k][0] for x in rows[k][1:]]
             rows = [top if row is rows[k] else
                     [x - row[0] * t for x, t in zip(row[1:], top, strict=True)] for row in rows]
         return [y for y, in rows]
-    def blow(self, age, push, coming, s):  # a round with impulses s, if untold by G s = -2u
+    def blow(self, age, push, coming, s):  # a round with impulses s, if untold G s = -(1 + e) u
         met, _ = {c: self.meeting(c, age) for c in coming}, charge(2_000 * len(push) ** 2)
-        self.before = {c: m.closing for c, m in met.items()}
+        loss = self.loss.at(self.bits)
+        self.before = {c: m.closing * loss for c, m in met.items()}
         def effect(a, b):  # an entry of G
             both = ((self.things[i][5].at(self.bits), *a[i], *b[i]) for i in a if i in b)
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none.at(self.bits))
         if s: s = [*map(self.of, s)]
         elif self.read is Sum: s = [UNTOLD] * len(push)
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
-                               -(met[c].closing + met[c].closing)] for c in push])
+                               -(met[c].closing + self.before[c])] for c in push])
         for c, j in zip(push, s, strict=True):
             for i, (x, y) in met[c].arms.items():
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
@@ -212,11 +240,15 @@ class Space:
         return s
     def ask(self, question, c, age):  # the number that a witness may show to be zero
         if question in self.limits: return self.less(self.limits[question], self.times[age])
-        if question == "slack": return self.before[c] + self.meeting(c, age).closing  # 2u + G s
+        if question == "slack": return self.before[c] + self.meeting(c, age).closing  # e u + u'
         return getattr(self.meeting(c, age), question)
     def redirect(self, circles, age, factor):  # their velocities times a factor
         for i, (x, y, vx, vy, *_) in [(i, self.put(i, age)) for i in circles]:
-            self.flights[i] = Flight(x, y, vx * self.of(factor), vy * self.of(factor), age, {})
+            vx, vy = vx * self.of(factor), vy * self.of(factor)
+            if self.pull:  # -v is -V - 2 g t of V = v - g t
+                *_, u, v = self.fallen(age)
+                vx, vy = vx - (u + u), vy - (v + v)
+            self.flights[i] = Flight(x, y, vx, vy, age, {})
 def ends_of(segments):  # as fixed circles; where ends are at one place, they are one: the largest
     found = {}
     for x, y, u, v, _, r in segments:
@@ -258,12 +290,23 @@ class Checker:
         circles, walls, pockets, segments = (
             [[number(row[name]) for name in THINGS[kind].split()] for row in scene.get(kind, ())]
             for kind in THINGS)
+        loss, pull = number(scene.get("restitution", "1")), [*map(number, scene.get("gravity", ()))]
+        pull = pull if any(pull) else []
+        drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
+                                            for row in scene.get("walls", ())) if any(v)}
+        refuse(pull and (pockets or segments or not all(row[5] for row in circles)),
+               "under gravity it has more than walls and circles that fall", Malformed)
+        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),
+               "a run that cannot be turned back is", Malformed)
+        for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
+        self.bounced = 1 if loss else 0  # the sign of what has pushed
         circles, sides = circles + ends_of(segments), ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5))
         faces = [[row[k] for k in side] for row, side in product(segments, sides)]
         lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
                  for x, y, u, v, length, *thick in walls + faces]
         first, n = n, len(circles)  # the first end, if there is one
         self.n, self.faces = n, range(n + len(walls), n + len(lines))
+        self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
         self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
         self.movable = {i for i, row in enumerate(circles) if row[5]}
@@ -281,8 +324,14 @@ class Checker:
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
                  for i in self.movable for k, (x, y, p, q, *_) in enumerate(lines[:len(walls)], n)}
         for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
+        self.bends = {c: 0 for c in sides if pull or c[1] in self.drift}  # signs of their speeds
+        for c in self.bends if pull else ():
+            p, q = self.things[c[1]][2:4]
+            sign = sign_of(p * pull[0] + q * pull[1])
+            self.bends[c] = sides[c] * demand(sign, [-1, 0, 1], f"whether {c} are pulled together")
         sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
-        self.worlds = [Space(n, self.things, sides, limits, of) for of in (enclosed, Sum)]
+        self.laws = laws = loss, [x * HALF for x in pull], self.drift
+        self.worlds = [Space(n, self.things, sides, limits, laws, of) for of in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
         self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], set()
@@ -301,7 +350,12 @@ class Checker:
             if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
                 zeros += [ONE] * (i not in self.faces or j not in self.faces)
                 zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
-            elif i >= self.n: zeros += [vx * wy - vy * wx, x * wx + y * wy]
+            elif i >= self.n:
+                zeros += [vx * wy - vy * wx, x * wx + y * wy]
+                ways = [(self.pull, self.pull)] if self.pull else []
+                ways += [[self.drift.get(k, (NONE, NONE)) for k in (i, j)]] if self.drift else []
+                zeros += [(a * x + b * y - u) * wx + (d * x + e * y - v) * wy
+                          for (x, y), (u, v) in ways]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
         for x in zeros: demand(sign_of(x), [0], "an isometry maps otherwise")
@@ -325,14 +379,14 @@ class Checker:
         if how == "back":
             back = question == "gap" or (question == "until" and self.end["reason"] == "return")
             slides = other in self.met and other[1] in self.faces and not self.met[other]
-            back = back and self.out and not slides
+            back = back and self.way and self.out and not slides
             return back and other in self.met and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept, first = self.mapped(g), question == "closing" and not self.rows
         alike = other in self.met and self.image(images, c) == other
         if alike and (question == "gap" or first > abs(self.met[other])):
             return all(k in kept for k in c if 0 <= k < self.n)
-        if j >= self.n and question == "closing":
+        if j >= self.n and question == "closing" and c not in self.bends:
             nx, ny = self.things[j][2:4]
             return images.get(i) == i in kept and not (a * nx + b * ny + nx or d * nx + e * ny + ny)
         unturned = question in ("closing", "speed") and not any((a - ONE, b, d, e - ONE))
@@ -377,6 +431,14 @@ class Checker:
         (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
         far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
         charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
+        if c in self.bends:
+            m = world.meeting(c, at)
+            closing = m.closing if turn > 0 else -m.closing
+            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
+            safe = rise in (0, 1) or sign == -1
+            if gap == 1 and not safe and span[1:]:
+                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
+            return gap, safe, rise == -1 and sign == 1
         slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
         off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
         if wall := c[1] >= self.n:
@@ -393,6 +455,7 @@ class Checker:
         falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
         return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
+        if self.falls(c): return self.rises(c, age)
         if c in self.parted: return charge(500)
         if c[1] in self.faces: return self.passes(c, age, last)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
@@ -407,6 +470,17 @@ class Checker:
         for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
             if self.zero(x, c, start): return
         raise Unsettled(f"whether {c} meet before it")
+    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
+    def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
+        refuse(age is None, f"{c} meet in the end")
+        if (start := self.ball.start(c)) == age: return charge(500)
+        for world in (self.few, self.ball):
+            if c in self.parted:  # the gap was zero: what is left of it over the time since
+                m = world.meeting(c, start)
+                gap = m.closing + m.closing + m.speed * world.wait(start, age)
+            else: gap = world.ask("gap", c, age)
+            if gap.sign() == 1: return
+        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
@@ -419,7 +493,8 @@ class Checker:
         refuse(told and (turn or not age), "it has a time already")
         refuse(len({*met} & self.meets) < len(met) * (1 + turn), f"{met} cannot meet")
         for w in self.worlds if age else ():
-            w.times.append(w.times[-1] if turn else w.of(told[0]) if told else w.hit(met[0]))
+            w.times.append(w.times[-1] if turn else w.of(told[0]) if told
+                           else w.hit(met[0], met[0] in self.parted and self.falls(met[0])))
         self.said(self.ball.times[age], entry["time"])
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
@@ -436,6 +511,8 @@ class Checker:
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn
         self.known = turned if turn else self.lasting | self.met
+        for c in () if age else self.bends.keys() - self.met.keys():
+            if self.falls(c): demand(self.ball.ask("gap", c, 0).sign(), [1], f"{c} overlap")
         if turn: self.settle(self.movable)
         for w in self.worlds if turn else ():
             w.redirect(self.movable, age, -ONE)
@@ -476,7 +553,8 @@ class Checker:
                 for rows, part in ((self.rows, coming), (pushes, push)):
                     for i in {i for c in part for i in c} & self.movable:
                         rows.setdefault(i, []).append({c for c in part if i in c})
-                known |= {c: self.sign("closing", c) for c in sorted(group) if hit & {*c}}
+                known |= {c: self.bounced if c in push else self.sign("closing", c)
+                          for c in sorted(group) if hit & {*c}}
         enter = sorted(c for c in known if c[1] < 0 and known[c] < 0)
         refuse(rounds, "none push in a round")
         refuse(enter != sorted(map(tuple, entry.get("enter", ()))), f"{enter} enter")
@@ -512,7 +590,7 @@ class Checker:
         for c in self.meets: self.clear(c, None if reason == "quiet" else self.age, last=True)
         self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in enumerate(self.told["final"]["circles"]):
-            for k, text in enumerate(row): self.said(self.ball.put(i, self.age)[k], text)
+            for x, text in zip(self.ball.true(i, self.age), row, strict=True): self.said(x, text)
         scene = self.told["scene"]
         kinds = [kind for kind in THINGS if kind in scene or kind != "segments"]
         many = [f"{len(scene.get(kind, ()))} {kind}" for kind in kinds]

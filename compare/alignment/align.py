@@ -43,6 +43,9 @@ VERDICTS: tuple[Verdict, ...] = ("diverged", "unsettled", "undecided", "agree")
 UNKNOWING = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
 """Stops after which an engine would not go on, whatever the limits."""
 
+NAMED = (StopReason.REST, StopReason.ACCUMULATION, StopReason.CRUSHED)
+"""Stops at which the flights end: nor does an engine go on after these."""
+
 
 SAME_BITS = 1024
 """Bits to which a time is compared with the end of a span: an event on the end itself agrees with it to any number."""
@@ -362,8 +365,13 @@ class _Judge:
     def uncovered(self, first: Divergence | None) -> list[float]:
         """Where the candidate does not come to the end of what is compared: how far settles what may lie near that."""
         end = self.span.time if first is None else min(first.time, self.span.time)
-        over = self.candidate.stop.reason is StopReason.QUIET
+        over = self.candidate.stop.reason is StopReason.QUIET or (first is None and self._at_rest())
         return [] if over or _known_until(self.candidate) >= end else [self.patience.latest(end)]
+
+    def _at_rest(self) -> bool:
+        """Whether both runs end with a circle at rest, after as many events; clocks may differ by rounding."""
+        reasons = {run.stop.reason for run in (self.reference, self.candidate)}
+        return reasons == {StopReason.REST} and len(self.reference.events) == len(self.candidate.events)
 
     def earlier(self, event: int) -> list[float]:
         """How far the candidate tells whether it lacks events before the one known, which may lie past the span."""
@@ -371,9 +379,12 @@ class _Judge:
 
 
 def _known_until(run: Trajectory) -> float:
-    """How far a run goes: where infinitely many collisions end it, these go on alone until all have happened."""
-    accumulates = run.stop.reason is StopReason.ACCUMULATION
-    return float(run.final_time if run.ending is None or not accumulates else run.ending)
+    """How far a run goes: where infinitely many collisions end it, these go on alone until all have happened.
+
+    So they do of a circle between two walls that close, until it has no room.
+    """
+    alone = run.stop.reason in (StopReason.ACCUMULATION, StopReason.CRUSHED)
+    return float(run.final_time if run.ending is None or not alone else run.ending)
 
 
 # ----------------------------------------

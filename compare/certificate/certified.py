@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...scenarios.things import Circle, Pocket, Segment, Wall
     from ...scenarios.trajectory import Trajectory
 
-KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1", "pockets": "x y r", "segments": "x0 y0 x1 y1 r"}
+KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1 vx vy", "pockets": "x y r", "segments": "x0 y0 x1 y1 r"}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")
 
 
@@ -174,12 +174,10 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     >>> difference(block, other), difference(block, Scene([Circle(0, 0, vx=1), Circle(5, 0)]))
     (None, "circle 'c2': x is 1*r1, not 5")
     """
-    if scene.arcs or not scene.elastic:
-        return f"it has no {'arcs' if scene.arcs else 'restitution'}, which certificates do not know yet"
-    if scene.moving_walls:
-        return "it has no walls that move, which certificates do not know yet"
-    if scene.gravity is not None:
-        return "it has no gravity, which certificates do not know yet"
+    if scene.other_walls:
+        return f"it has no wall of kind {scene.other_walls[0].kind!r}, which certificates do not know"
+    if scene.arcs:
+        return "it has no arcs, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())
@@ -196,14 +194,17 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                 return f"{name} is not {str(thing.id)!r}"
             for key in KEYS[kind].split():
                 value: Quantity = getattr(thing, key)
-                if not _same(row[key], value, roots):
-                    return f"{name}: {key} is {row[key]}, not {value}"
+                if not _same(row.get(key, "0"), value, roots):
+                    return f"{name}: {key} is {row.get(key, '0')}, not {value}"
             if kind == "circles":
                 mass = getattr(thing, "m")  # noqa: B009 (only circles have one)
                 if not _same(row["w"], ZERO if isinstance(mass, str) else Quantity.of(1) / mass, roots):
                     return f"{name}: w is {row['w']}, and not one over the mass {mass}"
-    if not scene.elastic:
-        return f"it has no restitution, which is {scene.restitution}"
+    if not _same(block.get("restitution", "1"), scene.restitution, roots):
+        return f"its restitution is {block.get('restitution', '1')}, not {scene.restitution}"
+    pull = scene.gravity or (ZERO, ZERO)
+    if not all(_same(text, part, roots) for text, part in zip(block.get("gravity", "00"), pull, strict=True)):
+        return f"its gravity is {block.get('gravity', 'none')}, not {[str(part) for part in pull]}"
     policy = {"sequential": "sequential:order=scene"}
     ours, theirs = str(scene.tie_policy), str(block["tie_policy"])
     if policy.get(ours, ours) != policy.get(theirs, theirs):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from .tower import ONE, ZERO, Exact, text_of
@@ -20,9 +20,19 @@ class Isometries:
         things: circles, walls and pockets by index, in exact numbers, as the checker reads them.
         n: how many of them are circles.
         faces: which of them are faces of segments, the last of the walls.
+        drift: the velocities of walls that move, by index.
+        pull: gravity.
     """
 
-    def __init__(self, things: dict[int, list[Exact]], n: int, faces: range) -> None:
+    def __init__(
+        self,
+        things: dict[int, list[Exact]],
+        n: int,
+        faces: range,
+        drift: Mapping[int, Vector],
+        pull: Vector | None,
+    ) -> None:
+        self.drift, self.pull = drift, pull
         self.circles, self.n = [things[i] for i in range(n)], n
         self.walls = [row[:4] for k, row in things.items() if k >= n]
         self.pockets = [[things[k][0], things[k][1], things[k][4]] for k in sorted(things, reverse=True) if k < 0]
@@ -58,6 +68,14 @@ class Isometries:
         elif j >= 0:
             yield self._told((ONE, ZERO, ZERO, ONE), i, j)
 
+    def _as_fast(self, m: int, image: int, matrix: Matrix) -> bool:
+        """Whether a wall and its image stay mapped as time goes on: both as they move, and as the frame falls."""
+        a, b, d, e = matrix
+        ways = [(self.pull, self.pull)] if self.pull else []
+        ways += [(self.drift.get(self.n + m, (ZERO, ZERO)), self.drift.get(self.n + image, (ZERO, ZERO)))]
+        _, _, nx, ny = self.walls[image]
+        return not any((a * x + b * y - u) * nx + (d * x + e * y - v) * ny for (x, y), (u, v) in ways)
+
     def _speed(self, i: int) -> Vector:
         return self.circles[i][2], self.circles[i][3]
 
@@ -90,6 +108,8 @@ class Isometries:
         for m, (x, y, nx, ny) in enumerate(self.walls):
             if m < self._first:
                 image = self._wall_of.get(_key(_line(*moved(x, y), *turned(nx, ny))))
+                if image is not None and not self._as_fast(m, image, matrix):
+                    image = None
             else:
                 (x, y), (u, v) = moved(x, y), moved(x + ny, y - nx)
                 key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first]]

@@ -81,11 +81,11 @@ class Remembering(Space):
             self.met[c] = kept = (*asked, super().meeting(c, age))
         return kept[3]
 
-    def hit(self, c: Contact) -> Any:
+    def hit(self, c: Contact, again: bool) -> Any:
         """As in any world; asked again, it is the same number."""
         asked = (c, len(self.times), self.start(c))
         if self.last[0] != asked:
-            self.last = asked, super().hit(c)
+            self.last = asked, super().hit(c, again)
         return self.last[1]
 
 
@@ -119,10 +119,13 @@ class Prover(Checker):
         self.history: list[dict[int, Any]] = []
         self.cleared: set[Contact] = set()
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
-        self.likely = Isometries(self.things_exact, self.n, self.faces)
+        drift = {k: (Exact.of(x), Exact.of(y)) for k, (x, y) in self.drift.items()}
+        pull = [Exact.of(x) for x in self.pull]
+        self.likely = Isometries(self.things_exact, self.n, self.faces, drift, (pull[0], pull[1]) if pull else None)
         told = self.form
-        self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
-        balls = Remembering(self.n, self.things, told.sides, told.limits, enclosed)
+        of = (told.sides, told.limits, self.laws)
+        self.form = Recorded(self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
+        balls = Remembering(self.n, self.things, *of, enclosed)
         balls.flights, balls.times = self.few.flights, self.few.times  # those that `few` reads with few bits
         self.ball = balls
         self.worlds = self.ball, self.form
@@ -147,7 +150,7 @@ class Prover(Checker):
         final: dict[str, Any] = self.told["final"]
         final["time"] = self.decimal(self.ball.times[self.age])
         for i in range(len(final["circles"])):
-            final["circles"][i] = [self.decimal(value) for value in self.ball.put(i, self.age)[:4]]
+            final["circles"][i] = [self.decimal(value) for value in self.ball.true(i, self.age)]
         times = cast(list[Lazy], self.form.times)
         for age, entry in enumerate(self.told["instants"]):
             if age and times[age].told and "turn" not in entry:
@@ -223,13 +226,13 @@ class Prover(Checker):
                 del w.times[-1]
             return
         wanted = sorted(contacts or {(i, j) for i, j in map(tuple, entry["enter"])})
-        near = [c for c in wanted if c not in self.lasting and c not in self.parted]
-        hits = [(self.ball.hit(c), c) for c in near if len(near) == 1 or self._hits(c)]
+        near = [c for c in wanted if c not in self.lasting and (c not in self.parted or self.falls(c))]
+        hits = [(self.ball.hit(c, self._again(c)), c) for c in near if len(near) == 1 or self._hits(c)]
         if not hits:
             raise Unsettled("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
         self.ball.times.append(time)
-        self.form.times.append(self.form.hit(clock))
+        self.form.times.append(self.form.hit(clock, self._again(clock)))
         self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < len(self.told["scene"]["circles"])}
         tried = {clock}
@@ -245,7 +248,7 @@ class Prover(Checker):
         while todo:
             for c in self.of[todo.pop()]:
                 linked = c in self.lasting or c in self.met
-                if not linked and c not in tried and c not in self.parted:
+                if not linked and c not in tried and not self._left(c):
                     tried.add(c)
                     linked = self._try(entry, c)
                 if linked:
@@ -257,8 +260,18 @@ class Prover(Checker):
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
 
+    def _again(self, c: Contact) -> bool:
+        """Whether a contact's gap is zero where the flight starts, and falls to zero once more."""
+        return c in self.parted and bool(self.falls(c))
+
+    def _left(self, c: Contact) -> bool:
+        """Whether a contact was at gap zero on these flights, and does not come to it again."""
+        return c in self.parted and not self.falls(c)
+
     def _hits(self, c: Contact) -> bool:
         """Whether the gap of two falls through zero on their flights; few bits mostly tell."""
+        if self.falls(c):  # sooner or later
+            return True
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
             signs = [m.closing.sign(), m.disc.sign()]
@@ -285,12 +298,12 @@ class Prover(Checker):
 
     def _try(self, entry: dict[str, Any], c: Contact, leaving: bool = False) -> bool:
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
-        if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
+        if c in self.lasting or c in self.met or c not in self.meets or (self._left(c) and not leaving):
             return False
         if c[1] in self.faces:
             if self.other(c) in self.parted:
                 return False
-        elif self._apart(c):
+        elif not self.falls(c) and self._apart(c):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)

@@ -193,6 +193,10 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         weight = ZERO if isinstance(circle.m, str) else ONE / exact_number(circle.m)
         circles.append({**row(circle, ("x", "y", "r", "vx", "vy")), "w": text_of(weight)})
     told: dict[str, Any] = {"tie_policy": str(scene.tie_policy)}
+    if not scene.elastic:
+        told["restitution"] = text_of(exact_number(scene.restitution))
+    if scene.gravity is not None:
+        told["gravity"] = [text_of(exact_number(part)) for part in scene.gravity]
     if scene.reverse_after is not None:
         told["reverse_after"] = scene.reverse_after
     if scene.reverse_at is not None:
@@ -200,7 +204,11 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     told["circles"] = circles
     if scene.walls:
         told["walls"] = [
-            {**row(wall, ("x0", "y0", "x1", "y1")), "length": text_of(_length(wall))} for wall in scene.walls
+            {
+                **row(wall, ("x0", "y0", "x1", "y1", *(("vx", "vy") if wall.moves else ()))),
+                "length": text_of(_length(wall)),
+            }
+            for wall in scene.walls
         ]
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]

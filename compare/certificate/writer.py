@@ -72,12 +72,19 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError("the scene has arcs, which certificates do not know yet")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
-    if not trajectory.scene.elastic:
-        raise CertificateError("the scene has a restitution below 1, which certificates do not know yet")
-    if trajectory.scene.moving_walls:
-        raise CertificateError("the scene has walls that move, which certificates do not know yet")
-    if trajectory.scene.gravity is not None:
-        raise CertificateError("the scene has gravity, which certificates do not know yet")
+    if other := trajectory.scene.other_walls:
+        raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
+    if trajectory.scene.pegs:
+        raise CertificateError(
+            f"the scene has gravity and circle {trajectory.scene.ids[min(trajectory.scene.pegs)]!r}, which is fixed: "
+            "meetings of such are zeros of quartics, which certificates do not know; leave it out"
+        )
+    if trajectory.scene.surfaces.pegs:
+        scene = trajectory.scene
+        raise CertificateError(
+            f"the scene has gravity and {(*scene.segments, *scene.polygons)[0].id!r}, which has ends: meetings with ends "
+            "are zeros of quartics, which certificates do not know; leave it out"
+        )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")

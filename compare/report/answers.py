@@ -8,18 +8,21 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ...exact.exact_motion import motion_of
 from ...scenarios.errors import SceneError
-from ...scenarios.trajectory import StopReason
+from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import UNKNOWING
 from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
+from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
     about,
     account_rows,
     all_of,
     counted,
+    ending_phrase,
     head_phrase,
     headline,
     listed,
@@ -48,6 +51,9 @@ MOST_SHARES = 3
 MOST_OUTCOMES = 3
 """Outcomes named at once."""
 
+
+ALIKE = (0.75, 1.5)
+"""Ratios of times, each measured once, between which they are called the same."""
 
 CHAOS_BITS, CALM_BITS = 10.0, 3.0
 """Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
@@ -98,7 +104,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
         so_what(comparison, chosen),
         what_now(comparison, chosen, foreseen),
         command(comparison, chosen),
-        "docs/engines.md" if stopped(comparison, chosen) else read(chosen),
+        read(comparison, chosen),
     )
 
 
@@ -154,7 +160,9 @@ def where(comparison: Comparison, candidate: Candidate) -> str:
             return f"The {reference.engine} run itself stops {upto}{agreed}."
         if candidate.verdict == "agree":
             whole = "the one event" if events == 1 else f"all {events:,} events"
-            return f"Nowhere: {name} has {whole} of the {reference.engine} run." if events else NOTHING
+            nowhere = f"Nowhere: {name} has {whole} of the {reference.engine} run." if events else NOTHING
+            ending = ending_phrase(reference)
+            return f"{nowhere} {_capital(ending)}." if ending else nowhere
         if candidate.verdict == "unsettled":
             return (
                 f"Not settled: {counted(candidate.alignment.agreed, 'event')} agree, and {name} is not known further."
@@ -399,7 +407,7 @@ def _onward(comparison: Comparison) -> str:
 
 def _at_its_end(candidate: Candidate) -> bool:
     """Whether a run ended where no limit lets it go on."""
-    return candidate.trajectory.stop.reason in (StopReason.ACCUMULATION, StopReason.REST)
+    return candidate.trajectory.stop.reason in AT_AN_END
 
 
 def _instead(comparison: Comparison, candidate: Candidate) -> list[str]:
@@ -501,7 +509,7 @@ def cost_words(alternative: Alternative, candidate: Candidate) -> str:
         return ""
     if alternative.steps is not None:
         return f"{cost:.3g} times the steps"
-    if 0.75 < cost < 1.5:
+    if ALIKE[0] < cost < ALIKE[1]:
         return f"about the time of {candidate.engine}"
     return f"about {_one_digit(cost)} times the time of {candidate.engine}"
 
@@ -520,6 +528,8 @@ def _cheaper(comparison: Comparison, candidate: Candidate) -> str:
     mine, exact = candidate.processor, comparison.processor
     if not mine > 0 or not exact > 0 or not comparison.certain:
         return ""
+    if ALIKE[0] < exact / mine < ALIKE[1]:
+        return f", and {comparison.reference.engine} takes about its time"
     return f", and {comparison.reference.engine} takes about {_one_digit(exact / mine)} times its time"
 
 
@@ -567,7 +577,12 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
             return shlex.join(["truebreak", "run", scene])
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--events", str(events)])
     if candidate.verdict == "agree":
-        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine])
+        most = measurable(comparison)
+        if not most:  # nothing says how far it will be right, but coarser numbers may be right as well
+            coarser = ["run", scene] if candidate.engine == COARSER else ["compare", scene, "--engines", COARSER]
+            return shlex.join(["truebreak", *coarser, *limits])
+        some = [] if most == len(comparison.reference.events) else ["--events", str(most)]
+        return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine, *some])
     if candidate.verdict == "undecided":
         return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
     if candidate.stepped:
@@ -577,12 +592,31 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
     return shlex.join(["truebreak", "minimise", scene, "--engine", candidate.engine, *limits])
 
 
-def read(candidate: Candidate) -> str:
+COARSER = "single"
+"""The engine of the fewest bits that takes every scene."""
+
+
+def measurable(comparison: Comparison) -> int:
+    """Over how many events of the reference the growth of errors can be measured: all of them, or up to where nearby
+    runs are not its image under one linear map."""
+    reference = comparison.reference
+    if motion_of(reference) is None or not reference.events:
+        return 0
+    try:
+        impacts(reference, len(reference.events))
+    except NoTangentMap as error:
+        return error.events
+    return len(reference.events)
+
+
+def read(comparison: Comparison, candidate: Candidate) -> str:
     """The page of the documentation to go on with."""
+    if stopped(comparison, candidate):
+        return "docs/engines.md"
     if candidate.lawless:
         return "docs/audit.md"
     if candidate.verdict == "agree":
-        return "docs/chaos.md"
+        return "docs/chaos.md" if measurable(comparison) else "docs/engines.md"
     if candidate.verdict != "diverged" or candidate.diagnosis is None:
         return "docs/engines.md"
     if candidate.diagnosis.name is CauseName["TIE"]:

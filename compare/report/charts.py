@@ -114,7 +114,7 @@ def errors_shown(comparison: Comparison, candidate: Candidate) -> Separation:
 
 
 def error_words(comparison: Comparison, candidate: Candidate) -> str:
-    """The largest position error; where it grows for ever, up to when it was taken.
+    """The largest position error; where it grows for ever, up to when it was taken; a dash where nothing ran.
 
     >>> from truebreak.compare import compare
     >>> from truebreak.scenarios import catalogue
@@ -122,6 +122,8 @@ def error_words(comparison: Comparison, candidate: Candidate) -> str:
     >>> error_words(found, found.candidates[0])
     '0.17 by t = 1.25, growing'
     """
+    if candidate.unable:
+        return short(None)
     errors, measured = errors_shown(comparison, candidate), candidate.separation.maximum
     if errors is candidate.separation or not errors.final > 2 * measured:
         return short(measured)

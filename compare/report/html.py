@@ -32,9 +32,13 @@ from .sentences import (
 from .terminal import side_by_side
 
 if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
     from ..candidate import Candidate
     from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
+
+
+CANNOT_RUN = "cannot run this scene"
 
 
 def foreseen_phrase(found: Foreseen | None, number: int) -> str:
@@ -302,7 +306,8 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         scene=comparison.scene,
         grounds=_facts(comparison),
         rows=[
-            _row(comparison, number, candidate) | {"foreseen": foreseen_phrase(horizons, number)}
+            _row(comparison, number, candidate)
+            | {"foreseen": CANNOT_RUN if candidate.unable else foreseen_phrase(horizons, number)}
             for number, candidate in enumerate(comparison.candidates)
         ],
         bands=bands,
@@ -340,11 +345,8 @@ def _drawn(comparison: Comparison) -> bool:
 
 def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     reference, scene = comparison.reference, comparison.scene
-    things = [counted(len(scene.circles), "circle"), counted(len(scene.walls), "wall")]
-    if scene.pockets:
-        things.append(counted(len(scene.pockets), "pocket"))
     facts = [
-        ("Scene", ", ".join(things)),
+        ("World", world_phrase(scene)),
         ("Reference", f"{reference.engine}, {counted(len(reference.events), 'event')}"),
         ("Compared", f"{span_phrase(comparison)}; {ended_phrase(reference)}"),
         ("Proof", proof_phrase(comparison)),
@@ -352,6 +354,22 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     if comparison.certificate is not None:
         facts.append(("Certificate", comparison.certificate.summary))
     return facts + [("Note", note) for note in reference.notes]
+
+
+def world_phrase(scene: Scene) -> str:
+    """What a scene is made of, and what acts in it beside collisions.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> world_phrase(catalogue.build("bounce"))
+    '1 circle, 1 wall; gravity (0, -10), restitution 9/10'
+    """
+    moving = sum(wall.moves for wall in scene.walls)
+    acts = [
+        f"gravity ({', '.join(part.brief() for part in scene.gravity)})" if scene.gravity is not None else "",
+        f"restitution {scene.restitution.brief()}" if not scene.elastic else "",
+        f"{counted(moving, 'wall')} that move{'s' * (moving == 1)}" if moving else "",
+    ]
+    return "; ".join(filter(None, [scene.made_of, ", ".join(filter(None, acts))]))
 
 
 def _warnings(comparison: Comparison) -> list[str]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...scenarios.trajectory import StopReason
+from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import UNKNOWING, VERDICTS
 from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
@@ -89,7 +89,7 @@ def further_phrase(candidate: Candidate) -> str | None:
     if wanted is None:
         return None
     name, end = candidate.engine, f"t = {float(run.final_time):.9g}"
-    if run.stop.reason in (StopReason.ACCUMULATION, StopReason.REST):
+    if run.stop.reason in AT_AN_END:
         return f"{name} ends at {end}: {run.stop.message}"
     if math.isinf(wanted):
         return f"{name} is known up to {end} only: record it until nothing is left to happen, and say so at its end"
@@ -309,6 +309,17 @@ def span_phrase(comparison: Comparison) -> str:
     if math.isfinite(comparison.span):
         return f"to time {comparison.span:.9g}"
     return "for all time"
+
+
+def ending_phrase(run: Trajectory) -> str:
+    """How the motion itself ends a run, though time goes on; empty where it does not.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import catalogue
+    >>> ending_phrase(ExactEngine().run(catalogue.build("bounce")))
+    'it ends there: infinitely many collisions in finite time: ball and floor by 19'
+    """
+    return f"it ends there: {run.stop.message}" if run.stop.reason in AT_AN_END else ""
 
 
 def ended_phrase(run: Trajectory) -> str:

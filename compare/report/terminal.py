@@ -22,6 +22,7 @@ from .sentences import (
     counted,
     divergence_phrase,
     ended_phrase,
+    ending_phrase,
     headline,
     law_phrase,
     listed,
@@ -164,7 +165,8 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
     """
     out, reference = console(), comparison.reference
     say(out, first_line(comparison), f"bold {COLOURS[tone(comparison)]}")
-    ended = f" ({ended_phrase(reference)})" if verbose else ""
+    ending = ending_phrase(reference)
+    ended = f"; {ending}" if ending else f" ({ended_phrase(reference)})" if verbose else ""
     say(
         out,
         f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
@@ -237,7 +239,7 @@ def engines_table(comparison: Comparison, *, close: bool = False) -> TextTable:
                 f"event {divergence.event:,}" if divergence else "",
                 str(candidate.diagnosis) if candidate.diagnosis else "",
                 f"{candidate.alignment.reordered:,}" if candidate.alignment.reordered else "",
-                short(candidate.separation.maximum),
+                "" if candidate.unable else short(candidate.separation.maximum),
                 _miss(candidate.return_miss),
             ]
         )

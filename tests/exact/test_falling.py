@@ -275,15 +275,16 @@ def test_what_is_round_and_fixed_is_refused_under_gravity(things, named):
 
 def test_what_does_not_know_gravity_refuses_it_by_name():
     scene = GRIDS[1]
-    with pytest.raises(CertificateError, match="has gravity, which certificates do not know yet"):
-        certificate_of(ExactEngine().run(scene, events=3))
+    peg = Scene([*scene.circles, Circle(40, 5, m="oo", id="peg")], gravity=scene.gravity)
+    with pytest.raises(CertificateError, match="gravity and circle 'peg', which is fixed"):
+        certificate_of(ExactEngine().run(peg, events=1))
     with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
         shadow(scene, events=3)
     with pytest.raises(SceneError, match="has gravity, of which no log is judged yet"):
         Impacts(scene)
     found = compare(scene, [PymunkEngine(dt=1 / 4)], events=12)
     assert found.candidates[0].alignment.divergence is not None
-    assert found.candidates[0].diagnosis.experiments[0].result == "causes are not looked for yet in scenes with gravity"
+    assert found.candidates[0].diagnosis.closed
 
 
 def test_a_run_goes_on_under_gravity_as_one_run_would_have():

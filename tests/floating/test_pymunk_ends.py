@@ -145,6 +145,14 @@ def test_all_settings_are_told() -> None:
     assert {"collision_slop", "collision_bias", "collision_persistence", "elasticity"} <= told.keys()
 
 
+def test_the_elasticity_that_makes_up_the_restitution_is_told() -> None:
+    """Chipmunk takes the product of the two shapes' for a contact."""
+    scene = Scene([Circle(0, 0, 1, vx=1), Circle(4, 0, 1)], restitution="9/10")
+    told = PymunkEngine().run(scene, until=4)
+    assert told.parameters["elasticity"] ** 2 == pytest.approx(0.9, rel=1e-15)
+    assert float(told.final["c1"].vx) == pytest.approx(0.05, abs=1e-9)
+
+
 def failing(error: BaseException) -> Callable[..., None]:
     def fail(*_: object) -> None:
         raise error

@@ -55,6 +55,7 @@ CRUEL: dict[str, Maker] = {
     "home": brinks.home,
     "strayed": brinks.strayed,
     "late": brinks.late,
+    "nearest": brinks.nearest,
     "alike": alike.alike,
     "abreast": alike.abreast,
     "lanes": alike.lanes,

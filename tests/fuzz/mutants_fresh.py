@@ -808,10 +808,6 @@ NUMBERS = (
         "        if late is None:\n            return pair_approach(",
         "        if True:\n            return pair_approach(",
         "whether two come nearer is decided at the clock, not at the instant",
-        why_it_survives=(
-            "the clock is off by the last bit of a time; it shows only where a gap, no zero, is below the square of"
-            " what a circle flies meanwhile: 2,570 scenes, of which 1,070 were made for it, show nothing"
-        ),
     ),
     Mutant(
         "late_not_mixed", BALLS,

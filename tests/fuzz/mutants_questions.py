@@ -241,7 +241,10 @@ CERTIFIED = (
         "                    return t + wait",
         "                return t + wait",
         "a time that may be past is taken as it is",
-        why_it_survives="the ball holds the time all the same, only wider: what it leaves open is asked with more bits",
+        why_it_survives=(
+            "the ball that is returned holds the time in both cases, and a decision drawn from an enclosure is right or"
+            " open: with the fault more is open, and asked with more bits"
+        ),
     ),
     Mutant(
         "unsure_parting_met",

@@ -23,8 +23,10 @@ from flint import arb, fmpz  # type: ignore[attr-defined]
 from fuzz.table import Blow, Doubt, Endless, Entry, Row, Table, TooLong
 from truebreak.scenarios import Quantity, Scene
 
-PLAIN, FINE = 768, 2048
-"""First bits for a scene of plain numbers, and for one with a number of many digits: a deliberate flaw."""
+PLAIN, FINE, FINEST = 768, 2048, 8192
+"""First bits for a scene of plain numbers, and for one with a number of over 40 bits, a deliberate flaw, or of so many
+that its flaw would not be seen otherwise."""
+LONG, LONGEST = 40, 1500
 MOST_BITS = 16_384
 MOST_EVENTS = 60
 """A scene with more events before its limit is none for the fuzz: a circle may rattle 10**40 times in a narrow gap."""
@@ -178,10 +180,11 @@ def first_bits(scene: Scene, until: Quantity | None = None) -> int:
     things = [(c.x, c.y, c.r, c.vx, c.vy, c.m) for c in scene.circles]
     things += [(w.x0, w.y0, w.x1, w.y1) for w in scene.walls] + [(p.x, p.y, p.r) for p in scene.pockets]
     numbers = [q for row in things for q in row] + [scene.reverse_at, until]
-    return FINE if any(isinstance(q, Quantity) and _long(q) for q in numbers) else PLAIN
+    longest = max((_length(q) for q in numbers if isinstance(q, Quantity)), default=0)
+    return FINEST if longest > LONGEST else FINE if longest > LONG else PLAIN
 
 
-def _long(quantity: Quantity) -> bool:
+def _length(quantity: Quantity) -> int:
     if quantity.rational is not None:
-        return quantity.rational.q.bit_length() > 40
-    return any(_long(argument) for argument in quantity.args)
+        return quantity.rational.q.bit_length()
+    return max((_length(argument) for argument in quantity.args), default=0)

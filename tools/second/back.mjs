@@ -34,7 +34,7 @@ export class WayBack {
     if (!same) this.retraced = false;
   }
 
-  /** Were both known at the last instant that is not undone? */
+  /** Were both known at the last instant that is not undone? To be asked on the way back. */
   knew(a, b) {
     const last = this.kept.at(-1);
     return Boolean(this.retraced && last && last.known.has(a) && last.known.has(b));

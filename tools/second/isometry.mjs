@@ -1,5 +1,6 @@
 // Isometries, and which circles they map with their past.
 import { malformed, refute, undecided } from './base.mjs';
+import { ZERO } from './exact.mjs';
 
 export class Isometry {
   /**
@@ -72,6 +73,14 @@ export class Isometry {
           return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);
         }, what);
         zero((A, w) => across(A, w, this.image(A, w, [A.sub(p.x1[w], p.x0[w]), A.sub(p.y1[w], p.y0[w])])), what);
+        const still = scene.number(ZERO), ways = [[p.way, q.way], [scene.gravity, scene.gravity]];
+        for (const [own, other] of ways.filter(way => way[0] || way[1])) { // and that as time goes on
+          zero((A, w) => {
+            const to = [0, 1].map(k => (other ? other[k] : still)[w]);
+            const moved = this.image(A, w, [0, 1].map(k => (own ? own[k] : still)[w]));
+            return across(A, w, moved.map((x, k) => A.sub(x, to[k])));
+          }, what);
+        }
         continue;
       }
       const p = kind === 'circle' ? circles[i] : pockets[-1 - i], q = kind === 'circle' ? circles[j] : pockets[-1 - j];
@@ -128,7 +137,7 @@ export class Isometry {
     const { scene } = this;
     const isZero = law => scene.worlds[2].sign(law(scene.worlds[2], 2)) === 0;
     if (c.kind === 'wall') {
-      if (question !== 'closing' || this.map.get(c.i) !== c.i || struck.has(c.i)) return false;
+      if (question !== 'closing' || scene.steered(c) || this.map.get(c.i) !== c.i || struck.has(c.i)) return false;
       const { n } = scene.walls[c.j - scene.n]; // turned or not: -n goes to n then
       return [0, 1].every(k => isZero((A, w) => A.add(this.image(A, w, [n[0][w], n[1][w]])[k], n[k][w])));
     }

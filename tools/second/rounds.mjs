@@ -72,7 +72,7 @@ export class Rounds {
     this.pushes.push(contacts);
     this.note(block.map(x => x.c));
     for (const x of group) {
-      if (pushing.has(x)) x.sign = 1; // G s = -2u: its closing speed was turned round
+      if (pushing.has(x)) x.sign = this.scene.bounced; // G s = -(1 + e) u: its closing speed is -e u now
       else if (run.movers(x.c).some(i => moved.has(i))) {
         x.sign = run.signed((A, w) => run.laws(x.c, A, w).closing(), 'closing', x.c, `whether ${x.c.name} approaches`);
       }
@@ -104,9 +104,9 @@ export class Rounds {
     return sum ?? this.run.zero[w];
   }
 
-  /** 2u + G s of a contact */
+  /** (1 + e) u + G s of a contact */
   residual(A, w, c, contacts, impulses) {
-    let sum = A.twice(this.run.laws(c, A, w).closing());
+    let sum = A.mul(this.scene.factor[w], this.run.laws(c, A, w).closing());
     for (const [b, other] of contacts.entries()) {
       if (this.run.movers(c).some(i => this.run.movers(other).includes(i))) {
         sum = A.add(sum, A.mul(this.coupling(A, w, c, other), impulses[b][w]));
@@ -126,11 +126,11 @@ export class Rounds {
     return impulses;
   }
 
-  /** G s = -2u, by elimination in intervals. */
+  /** G s = -(1 + e) u, by elimination in intervals. */
   solved(contacts) {
     const A = this.scene.full, m = contacts.length, stuck = () => undecided('whether the impulses are determined');
     const rows = contacts.map(a => [...contacts.map(b => this.coupling(A, 1, a, b)),
-      A.neg(A.twice(this.run.laws(a, A, 1).closing()))]);
+      A.neg(A.mul(this.scene.factor[1], this.run.laws(a, A, 1).closing()))]);
     for (let k = 0; k < m; k++) for (let r = k + 1; r < m; r++) {
       if (A.sign(rows[r][k]) === 0) continue;
       const factor = A.div(rows[r][k], rows[k][k]) ?? stuck();

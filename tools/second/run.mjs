@@ -72,7 +72,8 @@ export class Run {
       if (!atStart) return this.here(i, w);
       return other && other.start > h.start ? this.moved(h, A, w, A.sub(other.t[w], h.t[w])) : h.p.map(x => x[w]);
     };
-    return this.scene.laws(c, A, w, place(f, g, c.i), velocity(f), place(g, f, c.j), velocity(g));
+    const time = () => (atStart ? this.startOf(c) : this.now)[w]; // of walls alone
+    return this.scene.laws(c, A, w, place(f, g, c.i), velocity(f), place(g, f, c.j), velocity(g), c.kind === 'wall' ? time() : null);
   }
   /** The later start of the flights of a contact. */
   startOf(c) {
@@ -89,6 +90,8 @@ export class Run {
     const k = this.knownAt.get(c.key);
     return k !== undefined && this.movers(c).every(i => this.turnedAt[i] <= k);
   }
+  /** Of a wall to which a circle is pulled: was it at gap zero where the flight starts? */
+  fromZero(c) { return this.parted(c) && this.flights[c.i].start === this.knownAt.get(c.key); }
   * contactsOf(i) {
     if (this.captured[i]) return;
     for (const c of this.scene.contactsOf(i)) {
@@ -110,6 +113,7 @@ export class Run {
    * @param {'flight' | 'end' | 'ever'} mode
    */
   apart(c, mode) {
+    if (this.scene.falls(c)) { this.rises(c, mode); return; }
     if (this.parted(c)) return;
     if (c.face) { this.passes(c, mode); return; }
     const start = name => (A, w) => this.laws(c, A, w, true)[name]();
@@ -146,6 +150,16 @@ export class Run {
       }
     }
     undecided(what);
+  }
+
+  /** As `apart`, of a wall to which the circle is pulled: its gap was not negative, and is concave. */
+  rises(c, mode) {
+    if (mode === 'ever') refute(`${c.name} meet in the end`);
+    if (this.flights[c.i].start === this.k) return;
+    const again = this.fromZero(c), wait = (A, w) => A.sub(this.now[w], this.startOf(c)[w]);
+    const over = (A, w, laws) => A.add(A.twice(laws.closing()), A.mul(laws.speed(), wait(A, w))); // the gap over the time
+    const gap = (A, w) => (again ? over(A, w, this.laws(c, A, w, true)) : this.laws(c, A, w).gap());
+    if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(`${c.name} meet, which is not told`);
   }
 
   /** As `apart`, of a face: it is not met; and, where a flight ends, it is not touched. */
@@ -231,11 +245,15 @@ export class Run {
     // 4: what is known; the time and the ends
     /** @type {Map<number, Known>} */ const known = new Map(this.met.map(x => [x.c.key, x]));
     for (const x of this.left.values()) if (turn || (x.lasted && (!x.c.face || this.within(x.c)))) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
+    if (k === 0) for (const i of this.moving()) for (const c of this.contactsOf(i)) {
+      if (!scene.falls(c) || known.has(c.key)) continue;
+      if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(`${c.name} overlap at time 0`);
+    }
     if (turn) {
       this.endFlights(this.flights.keys(), known);
       this.turnTime = this.now;
       for (const i of this.moving()) {
-        this.flights[i].v = this.flights[i].v.map(x => x.map((y, w) => scene.worlds[w].neg(y)));
+        this.flights[i].v = this.flights[i].v.map((x, a) => this.turned(x, a));
         this.turnedAt[i] = k;
       }
     }
@@ -261,8 +279,8 @@ export class Run {
       this.knownAt.set(x.c.key, k);
       if (this.movers(x.c).some(i => this.captured[i])) { known.delete(x.c.key); continue; }
       if (x.lasted && !this.movers(x.c).some(i => rounds.pushed.has(i))) continue;
-      x.lasted = x.sign === 0 && (x.c.kind === 'wall' || this.signed((A, w) => this.laws(x.c, A, w).speed(), 'speed', x.c,
-        `whether the two of ${x.c.name} move as one`) === 0);
+      x.lasted = x.sign === 0 && this.signed((A, w) => this.laws(x.c, A, w).speed(), 'speed', x.c,
+        `whether the two of ${x.c.name} move as one`) === 0;
     }
     this.left = known;
 
@@ -274,6 +292,13 @@ export class Run {
       if (!this.turnTime) this.back.keep(pushes, rounds.keys);
       else if (this.back.retraced) this.back.undo(pushes);
     }
+  }
+
+  /** A component of a velocity, turned round: -V - 2 g t where flights are straight, as v = V + g t turns into -v. */
+  turned(x, a) {
+    const { worlds, gravity } = this.scene;
+    const fall = gravity && worlds.map((A, w) => A.twice(A.mul(gravity[a][w], this.now[w])));
+    return x.map((y, w) => (fall ? worlds[w].sub(worlds[w].neg(y), fall[w]) : worlds[w].neg(y)));
   }
 
   moving() { return this.flights.map((_, i) => i).filter(i => !this.fixed[i] && !this.captured[i]); }
@@ -289,11 +314,16 @@ export class Run {
   clock(c) {
     const { full } = this.scene, name = `the clock ${c.name}`;
     const law = f => (A, w) => f(this.laws(c, A, w, true), A);
+    const laws = this.laws(c, full, 1, true), pulled = this.scene.falls(c);
+    if (pulled && this.fromZero(c)) { // and to zero
+      const wait = full.div(full.twice(laws.closing()), full.neg(laws.speed())) ?? undecided(`when ${name} hits`);
+      return this.scene.widen(full.add(this.startOf(c)[1], wait));
+    }
     const disc = this.known(law(l => l.disc()), `whether ${name} hits`);
-    if (disc <= 0 || (c.kind === 'wall' && this.known(law(l => l.closing()), `whether ${name} hits`) > 0)) refute(`${name} does not hit`);
-    const laws = this.laws(c, full, 1, true);
+    const leaves = () => c.kind === 'wall' && !pulled && this.known(law(l => l.closing()), `whether ${name} hits`) > 0;
+    if (disc <= 0 || leaves()) refute(`${name} does not hit`);
     if (laws.disc().lo <= 0n) undecided(`when ${name} hits`); // known in exact numbers only
-    const root = c.kind === 'wall' ? full.neg(laws.closing()) : full.sqrt(laws.disc());
+    const root = c.kind === 'wall' && !this.scene.steered(c) ? full.neg(laws.closing()) : full.sqrt(laws.disc());
     const time = full.div(laws.gap(), full.sub(root, laws.closing())) ?? undecided(`when ${name} hits`);
     return this.scene.widen(full.add(this.startOf(c)[1], time));
   }

@@ -1,7 +1,7 @@
 // The scene in several worlds, its contacts, and the laws: gap, closing, speed, discriminant.
 import { malformed, refute, undecided } from './base.mjs';
 import { IntervalWorld } from './interval.mjs';
-import { ZERO } from './exact.mjs';
+import { ZERO, fraction } from './exact.mjs';
 
 /**
  * A contact of the scene. `key` orders contacts as pairs of whole numbers.
@@ -33,7 +33,10 @@ export class Scene {
     const all = o => Object.fromEntries(Object.entries(o).map(([k, v]) => [k, k === 'id' ? v : this.number(v)]));
     this.circles = scene.circles.map(all);
     this.walls = scene.walls.map(all);
+    this.physics(scene);
     this.pockets = scene.pockets.map(all);
+    this.half = this.number(fraction(1n, 2n));
+    this.physics(scene);
     this.segments(scene.segments);
     this.n = this.circles.length;
     this.size = this.n + this.walls.length;
@@ -49,6 +52,28 @@ export class Scene {
       this.seen.set(e, this.worlds.map(world => world.of(e)));
     }
     return this.seen.get(e);
+  }
+
+  /** Restitution, gravity, the velocities of walls; and what is a scene with them. */
+  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments }) {
+    const one = fraction(1n), zero = e => this.exact.sign(e) === 0;
+    this.restitution = this.number(restitution ?? one);
+    this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
+    this.gravity = gravity && !gravity.every(zero) ? gravity.map(x => this.number(x)) : null;
+    for (const wall of this.walls) {
+      const way = [wall.vx ?? this.number(ZERO), wall.vy ?? this.number(ZERO)];
+      wall.way = way.every(x => zero(x[2])) ? null : way;
+    }
+    const elastic = zero(this.exact.sub(this.restitution[2], one)), turned = reverse_at || reverse_after;
+    if (turned && (!elastic || this.walls.some(x => x.way))) malformed('no scene: a run that cannot be turned back is');
+    if (!this.gravity) return;
+    const falls = this.circles.every(c => !zero(c.w[2]));
+    if (!falls || pockets.length || segments.length) malformed('no scene: under gravity there is more than walls and circles that fall');
+  }
+  /** How far the frame has fallen at a time in which flights are straight, and how fast it is, in the world w. */
+  fallen(A, w, time) {
+    const speed = this.gravity.map(g => A.mul(g[w], time));
+    return { by: speed.map(x => A.mul(A.mul(x, time), this.half[w])), speed };
   }
 
   /** A number known in the full world, and perhaps in the exact one. */
@@ -116,6 +141,8 @@ export class Scene {
       demand((A, w) => A.sub(A.add(A.square(wall.n[0][w]), A.square(wall.n[1][w])), A.square(wall.length[w])), [0],
         `the length of wall ${k} is the distance of its points`);
     }
+    this.bounced = demand(this.restitution, [0, 1], 'the restitution is not negative'); // the sign of what has pushed
+    demand((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n))), this.factor[w]), [0, 1], 'the restitution is at most 1');
     for (const wall of this.walls) {
       if (!wall.face) wall.side = this.circles.map((c, i) => {
         if (c.fixed) return 0;
@@ -123,8 +150,20 @@ export class Scene {
           A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))));
         return (side ?? undecided(`whether circle ${i} is on wall ${wall.id}`)) || refute(`the centre of circle ${i} is on wall ${wall.id}`);
       });
+      /** Does gravity part a circle on the left from it (1), pull it there (-1), or neither? */
+      wall.pulls = this.gravity ? this.sign((A, w) => A.add(A.mul(wall.n[0][w], this.gravity[0][w]), A.mul(wall.n[1][w], this.gravity[1][w])))
+        ?? undecided(`whether gravity pulls along wall ${wall.id}`) : 0;
     }
   }
+
+  /** Is it of a wall to which its circle is pulled? */
+  falls(c) {
+    if (c.kind !== 'wall' || c.face) return false;
+    const { pulls, side } = this.walls[c.j - this.n];
+    return pulls * side[c.i] < 0;
+  }
+  /** Is it of a wall from which the gap does not change as from one that rests? */
+  steered(c) { return c.kind === 'wall' && Boolean(this.gravity || this.walls[c.j - this.n].way); }
 
   /** The contact [i, j], or null if the scene has none such. @returns {Contact | null} */
   contact(i, j) {
@@ -157,16 +196,29 @@ export class Scene {
   }
 
   /**
-   * The laws for a contact whose first circle is at p with velocity u, the second (if it is one) at q with v.
+   * The laws for a contact whose first circle is at p with velocity u, the second (if it is one) at q with v, at a time.
    * @param {Contact} c
    */
-  laws(c, A, w, p, u, q, v) {
+  laws(c, A, w, p, u, q, v, time) {
     const minus = (a, b) => [A.sub(a[0], b[0]), A.sub(a[1], b[1])];
     const dot = (a, b) => A.add(A.mul(a[0], b[0]), A.mul(a[1], b[1]));
     const radius = this.circles[c.i].r[w];
     if (c.kind === 'wall') {
       const wall = this.walls[c.j - this.n], n = this.normal(c, A, w);
-      const closing = () => dot(n, u), place = minus(p, [wall.x0[w], wall.y0[w]]), height = () => dot(n, place);
+      let place = minus(p, [wall.x0[w], wall.y0[w]]), way = u;
+      const plus = (a, b) => [A.add(a[0], b[0]), A.add(a[1], b[1])];
+      if (this.gravity) { // the wall flies up, seen from where flights are straight
+        const { by, speed } = this.fallen(A, w, time);
+        place = plus(place, by);
+        way = plus(way, speed);
+      }
+      if (wall.way) {
+        const own = wall.way.map(x => x[w]);
+        place = minus(place, own.map(x => A.mul(x, time)));
+        way = minus(way, own);
+      }
+      const closing = () => dot(n, way), height = () => dot(n, place);
+      const speed = () => (this.gravity ? dot(n, this.gravity.map(x => x[w])) : A.zero ?? ZERO);
       const reach = wall.face ? A.add(radius, wall.thick[w]) : radius;
       const gap = () => A.twice(A.sub(height(), A.mul(reach, wall.length[w])));
       // along a face: of the centre's foot, from its first point, the same as it moves, and how long the face is
@@ -183,8 +235,8 @@ export class Scene {
         direction: () => n,
         gap,
         closing,
-        speed: () => A.zero ?? ZERO,
-        disc: () => A.square(closing()),
+        speed,
+        disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),
       };
     }
     const pocket = c.kind === 'pocket' && this.pockets[-1 - c.j];

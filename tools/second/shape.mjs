@@ -92,6 +92,7 @@ export function readCertificate(json, work) {
     return { simultaneous: Boolean(parts[1]), seed: parts[2] === undefined ? null : BigInt(parts[2]) };
   };
   const four = read => (v, where) => tuple(v, where, 4).map(x => read(x, where));
+  const two = read => (v, where) => tuple(v, where, 2).map(x => read(x, where));
 
   const c = record(json, 'the certificate', {
     format: text,
@@ -100,15 +101,16 @@ export function readCertificate(json, work) {
     scene: of({
       'roots?': v => v, tie_policy: policy,
       'reverse_after?': (v, where) => whole(v, where, 1), 'reverse_at?': ofScene,
+      'restitution?': ofScene, 'gravity?': two(ofScene),
       'capture?': (v, where) => typeof v === 'boolean' ? v : malformed(`${where} is neither true nor false`),
       circles: listOf(of({ id: text, ...numbers('x y r vx vy w') }), 1),
-      'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length') })),
+      'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length vx? vy?') })),
       'pockets?': listOf(of({ id: text, ...numbers('x y r') })),
       'segments?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length r') })),
     }),
     isometries: listOf(of({
       matrix: four(number),
-      shift: (v, where) => tuple(v, where, 2).map(x => number(x, where)),
+      shift: two(number),
       map: listOf((v, where) => tuple(v, where, 2).map(x => whole(x, where))),
     })),
     bits: (v, where) => whole(v, where, 1),

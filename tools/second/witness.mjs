@@ -15,6 +15,7 @@ export function witness(run, question, c, what, first = false) {
     run.work.charge(20 * run.met.length);
     const other = z.other === null ? run.met[0] : run.met.find(x => x.c.i === z.other[0] && x.c.j === z.other[1]);
     if (z.how === 'back') {
+      if (!run.turnTime) continue;
       const asked = c ?? run.scene.contact(...z.contact);
       if (question !== 'gap' && (question !== 'until' || run.certificate.end.reason !== 'return')) continue;
       if (asked && other && !(other.c.face && other.sign === 0) && run.back.knew(asked.key, other.c.key)) return;

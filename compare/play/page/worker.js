@@ -10,7 +10,8 @@ from truebreak.compare.play.messages import answer, engines_here
 def ask(text, tell):
     answer(json.loads(text), lambda one: tell(json.dumps(one, allow_nan=False)))
 `;
-const WARM = { circle: [{ id: "a", x: "0", y: "0", r: "1", vx: "1" }, { id: "b", x: "4", y: "1", r: "1" }] };
+// Two collisions so close in time that doubles take them for one: what a run, and what its divergence, imports is used.
+const WARM = { circle: [["a", "-3", "1"], ["b", "0", "0"], ["c", "3.00000000000000000001", "-1"]].map(([id, x, vx]) => ({ id, x, y: "0", r: "1", vx })) };
 
 const say = (words, share) => postMessage({ kind: "loading", words, share });
 
@@ -27,7 +28,7 @@ async function started() {
   python.runPython(ASK);
   const ask = python.globals.get("ask");
   say("Starting the engines.", 0.8);
-  ask(JSON.stringify({ kind: "run", scene: WARM, events: 3 }), () => {}); // what is imported at the first run, is now
+  ask(JSON.stringify({ kind: "run", scene: WARM, events: 10, why: true }), () => {}); // what is imported at the first run, is now
   postMessage({ kind: "ready", engines: python.globals.get("engines_here")().toJs() });
   return ask;
 }

@@ -213,6 +213,8 @@ def run_again(told: Told) -> Told:
         pockets=things(Pocket, "pockets"),
         segments=things(Segment, "segments"),
         capture=scene.get("capture", False),
+        restitution=exact_text(scene.get("restitution", "1"), roots),
+        gravity=[exact_text(part, roots) for part in scene["gravity"]] if "gravity" in scene else None,
     )
     until = exact_text(end["until"], roots) if end["reason"] == "horizon" else None
     count = sum(bool(rounds(part)) for part in told["instants"])

@@ -20,8 +20,9 @@ from truebreak.compare.picture import instant_of, moment_frames, states_at
 from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line, why
 from truebreak.compare.report.documents import comparison_json
 from truebreak.compare.report.sentences import verdict_sentence
+from truebreak.compare.report.terminal import print_comparison
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, catalogue
+from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import Stop
 
 TEXT = re.compile(r"<[^>]*>")
@@ -227,7 +228,7 @@ def test_a_run_that_nothing_lets_go_on_is_not_to_be_run_further() -> None:
     assert "further" in found.what_now
 
 
-@pytest.mark.parametrize("name", ["stadium", "lemon", "gas"])
+@pytest.mark.parametrize("name", ["stadium", "lemon", "gas", "ghost", "corner", "bounce"])
 def test_the_command_to_copy_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     command = answers(compare(catalogue.build(name), ["double"])).command
     with pytest.raises(SystemExit) as stop:
@@ -235,9 +236,84 @@ def test_the_command_to_copy_runs(name: str, capsys: pytest.CaptureFixture[str])
     assert stop.value.code in (None, 0, 1), capsys.readouterr().err
 
 
+def test_growth_is_measured_only_where_it_can_be() -> None:
+    """Of an engine that agrees: beside walls that move, or where a hit is a graze, coarser numbers are run instead."""
+    for scene, wanted in [
+        (closing("1"), "truebreak compare closing.toml --engines single"),
+        (catalogue.build("ghost"), "truebreak compare ghost --engines single --until 35"),
+        (catalogue.build("bounce"), "truebreak chaos bounce --engines double"),
+    ]:
+        found = answers(compare(scene, ["double"], until=10 if scene.moving_walls else None))
+        assert (found.command, found.read.removeprefix("docs/")) == (
+            wanted,
+            "chaos.md" if " chaos " in wanted else "engines.md",
+        )
+
+
 def test_one_event_is_one() -> None:
     found = answers(compare(catalogue.build("ghost"), ["double"]))
     assert found.where == "Nowhere: double has the one event of the exact run."
+
+
+def closing(e: str) -> Scene:
+    """A disc between a wall that stands and one that comes, which leave no room at 8."""
+    walls = [Wall(-5, 0, -5, 1, id="still"), Wall(5, 0, 5, 1, id="piston", vx=-1)]
+    walls += [Wall(0, -2, 1, -2, id="low"), Wall(0, 2, 1, 2, id="high")]
+    return Scene([Circle(0, "1/3", vx=2, vy="1/7", id="ball")], walls, restitution=e, name="closing")
+
+
+@pytest.mark.parametrize("e", ["1", "1/2"])
+def test_a_circle_that_both_runs_see_crushed_is_agreement_and_how_it_ends_is_said(e: str) -> None:
+    """The engine's last bounce before it may be an ulp before the exact one: what comes is bounces alone, until 8."""
+    found = compare(closing(e), ["double"], until=10)
+    assert found.verdict == "agree"
+    assert answers(found).where.endswith(
+        "It ends there: crushed: two walls that close leave no room for a circle: ball between still and piston at 8."
+    )
+
+
+@pytest.mark.parametrize("engine", ["double", "single", "quad"])
+def test_a_circle_at_rest_in_both_runs_is_agreement(engine: str) -> None:
+    """Whichever clock says a little earlier that it is."""
+    rest = Scene([Circle(0, 5, id="ball")], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10), restitution=0)
+    assert compare(rest, [engine], until=10).verdict == "agree"
+
+
+def test_how_the_motion_ends_is_said_under_the_verdict() -> None:
+    found = compare(catalogue.build("bounce"), ["double"])
+    told = "It ends there: infinitely many collisions in finite time: ball and floor by 19."
+    assert answers(found).where == f"Nowhere: double has all 133 events of the exact run. {told}"
+    rest = Scene([Circle(0, 5, id="ball")], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10), restitution=0)
+    told = answers(compare(rest, ["double"], until=10)).where
+    assert told.endswith("It ends there: at rest: a circle stands on a wall to which gravity pulls it: ball and floor.")
+
+
+@pytest.mark.parametrize(
+    ("mine", "exact", "said"),
+    [(1.0, 1.1, "takes about its time"), (1.0, 2.2, "about 2 times its time"), (1.0, 0.5, "about 0.5 times its time")],
+)
+def test_what_the_exact_run_takes_is_said_to_one_digit(mine: float, exact: float, said: str) -> None:
+    found = compare(catalogue.build("ghost"), ["double"])
+    found = replace(found, processor=exact, candidates=(replace(found.candidates[0], processor=mine),))
+    assert said in answers(found).what_now
+
+
+def test_an_engine_that_cannot_run_a_scene_has_no_error_and_no_prediction(capsys: pytest.CaptureFixture[str]) -> None:
+    found = compare(catalogue.build("stadium"), ["double", "pymunk"], events=60, causes=False)
+    assert found["pymunk"].unable
+    text = TEXT.sub(" ", html_report(found))
+    assert re.search(r"pymunk\s*:\s*cannot run this scene", text)
+    assert not re.search(r"pymunk\s*:\s*predicted", text)
+    print_comparison(found)
+    row = next(line for line in capsys.readouterr().out.splitlines() if line.strip().startswith("pymunk"))
+    assert row.split() == ["pymunk", "undecided", "-", "0"]  # agreed events, and no position error
+
+
+def test_a_page_says_what_acts_in_its_world() -> None:
+    found = compare(closing("1/2"), ["double"], until=10)
+    assert "1 circle, 4 walls; restitution 1/2, 1 wall that moves" in html_report(found)
+    found = compare(catalogue.build("stadium"), ["double"], events=5)
+    assert "1 circle, 2 segments, 2 arcs<" in html_report(found)
 
 
 def test_the_json_has_what_the_page_says_was_run_in_its_place() -> None:

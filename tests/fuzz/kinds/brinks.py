@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
-from fuzz.draft import PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, span, speed
+from fuzz.draft import PYTHAGOREAN, TRIPLES, Body, Draft, F, has_room, mass, reversal, span, speed
 from fuzz.kinds.contacts import cluster, graze_blow
 from fuzz.kinds.symmetry import mirrored, neighbours, onto_pair, ring
 from truebreak.scenarios import Quantity
@@ -14,6 +14,8 @@ from truebreak.scenarios import Quantity
 TINY = F(1, 10**100)
 EDGE = (66, 70, 72, 73, 74, 75, 76, 77, 100)
 """Powers of ten about the precision at which the engine begins, 2**-256: told at first, and no more some events on."""
+DEEP = Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))")
+"""A number of roots too deep for a field."""
 FAINT = (70, 75, 76, 77, 78, 80, 90)
 """Powers of ten below what those balls tell, or a little above."""
 
@@ -35,7 +37,7 @@ def in_long_numbers(draft: Draft) -> Draft:
 
 def without_a_field(draft: Draft) -> Draft:
     """The same, and far off a fixed circle with a number of roots too deep for a field: all is in balls at once."""
-    far = Body(F(1, 2), 5000 + Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))"), 1, m="oo")
+    far = Body(F(1, 2), 5000 + DEEP, 1, m="oo")
     return replace(draft, bodies=[*draft.bodies, far])
 
 
@@ -277,3 +279,26 @@ def late_wedge(draw: Random) -> Draft:
     floor = -F(draw.randrange(200, 300), 103)
     walls = [(tip - 3, 3, tip + 3, -3), (-9, floor, 20, floor)]
     return Draft([Body(-far, 0, vx=1), Body(0, 0)], walls, events=draw.randrange(5, 14))
+
+
+def nearest(draw: Random) -> Draft:
+    """One circle flies past another and is nearest to it, all but touching, about when a third one strikes it.
+
+    In plain coordinates with the struck circle at the origin when the blow falls, thrust along x: the swift one stands
+    then at d, its way past the struck one at a right angle to d, `ahead` short of its nearest point or beyond it. There
+    the gap is below the square of `ahead`: they meet if they are still to come nearest, and are past each other if
+    not. The numbers are too long for a field, so balls decide, whose clocks stand beside the instant.
+    """
+    thrust, time = draw.choice([1, F(7, 5), 3]), F(draw.randrange(1, 40), draw.choice([3, 7, 11]))
+    cosine, sine = draw.choice(TRIPLES)
+    swift = thrust * 10 ** draw.randrange(6, 16)
+    reach, ahead = F(5, 4), draw.choice([1, -1]) * swift / 2 ** (draw.choice([248, 506, 1020]) + draw.randrange(30))
+    apart = reach - ahead**2 / (2 * reach) * (1 - F(1, 256))
+    vx, vy = thrust - swift * sine, -swift * cosine
+    x, y = -cosine * apart + sine * ahead, sine * apart + cosine * ahead
+    bodies = [
+        Body(-2, 0, m="oo"),
+        Body(thrust * time, 0, vx=-thrust),
+        Body(x, y, F(1, 4), vx, vy, draw.choice([1, F(1, 3), 5])).back(time),
+    ]
+    return Draft(bodies, events=draw.randrange(2, 6)).moved(1, 0, DEEP, 0)

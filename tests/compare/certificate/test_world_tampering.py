@@ -1,0 +1,160 @@
+"""Certificates of runs with restitution, gravity and walls that move: both checkers verify them; altered at random they
+are refused, or still true; and faults planted in the new laws are found."""
+# ruff: noqa: E501 (lines of the checkers stand here as they are)
+
+from __future__ import annotations
+
+import subprocess
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from certificate.checkers import both_verify, by_python, needs_node
+from certificate.test_conditions import completed, lax, lax_second
+from certificate.test_tampering import WAYS, altered, refused
+from certificate.world_forgeries import WORLD_CONDITIONS, from_within_the_floor
+from certificate.world_samples import BOX, WORLD_WAYS, world_runs, world_samples
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
+from truebreak.compare.certificate.certified import difference
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Scene, Wall
+
+
+def test_both_verify_runs_with_gravity_restitution_and_moving_walls(tmp_path: Path) -> None:
+    samples = world_samples()
+    assert sum(len(told["instants"]) for told in samples.values()) > 300
+    ways = [told["scene"] for told in samples.values()]
+    assert sum("gravity" in scene for scene in ways) > 20
+    assert sum("restitution" in scene for scene in ways) > 15
+    assert sum(any("vx" in wall for wall in scene.get("walls", ())) for scene in ways) > 10
+    both_verify(samples.items(), tmp_path)
+
+
+def test_the_final_state_is_in_true_coordinates() -> None:
+    for name, run in world_runs().items():
+        told = world_samples()[name]["final"]
+        rows = [told["time"], *(x for row in told["circles"] for x in row)]
+        final = run.at(run.final_time)
+        if run.stop.reason.name in ("REST", "ACCUMULATION", "CRUSHED", "UNDECIDED"):
+            continue  # the run ends later than its last instant
+        mine = [final.time, *(x for c in final.circles for x in (c.x, c.y, c.vx, c.vy))]
+        if world_samples()[name]["end"]["reason"] in ("horizon", "return", "events"):
+            assert [
+                abs(Decimal(x) - Decimal(y.digits(30))) < Decimal(10) ** -16 for x, y in zip(rows, mine, strict=True)
+            ] == [True] * len(rows), name
+
+
+@needs_node
+@pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.timeout(3600)
+def test_altered_runs_of_the_larger_world_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    tried = altered(count, (*WORLD_WAYS, *WAYS), "world", world_samples())
+    assert refused(tried, tmp_path) > count // 2
+
+
+def test_a_certificate_is_compared_with_the_world_that_is_meant() -> None:
+    lift = [Wall(0, 0, 1, 0, id="floor", vy="1/10"), *BOX[1:]]
+    scene = Scene([Circle(0, 4)], lift, gravity=(0, -1), restitution="1/2")
+    block = certificate_of(ExactEngine().run(scene, events=2))["scene"]
+    assert difference(block, scene) is None
+    assert difference(block, scene.with_changes(restitution=1)) == "its restitution is 1/2, not 1"
+    assert "its gravity is ['0', '-1']" in str(difference(block, scene.with_changes(gravity=(0, -2))))
+    assert "its gravity is ['0', '-1']" in str(difference(block, scene.with_changes(gravity=None)))
+    assert difference(block, scene.with_changes(walls=BOX)) == "wall 'floor': vy is 1/10, not 0"
+
+
+def test_what_stands_under_gravity_is_refused_by_name() -> None:
+    run = ExactEngine().run(Scene([Circle(0, 4), Circle(50, 4, m="oo", id="peg")], BOX[:1], gravity=(0, -1)), events=2)
+    with pytest.raises(CertificateError, match=r"circle 'peg', which is fixed: .* zeros of quartics"):
+        certificate_of(run)
+
+
+FAULTS = {
+    "gravity the other way": (
+        [("pull = [x * time for x in self.at(*self.pull)]", "pull = [-x * time for x in self.at(*self.pull)]")],
+        [("const speed = this.gravity.map(g => A.mul(g[w], time));", "const speed = this.gravity.map(g => A.neg(A.mul(g[w], time)));")],
+    ),
+    "twice as far as it falls": (
+        [("return [x * time for x in pull] + [x + x for x in pull]", "return [(x + x) * time for x in pull] + [x + x for x in pull]")],
+        [("A.mul(A.mul(x, time), this.half[w])", "A.mul(x, time)")],
+    ),
+    "the pull without its part of the root": (
+        [("            wall.disc = wall.disc - wall.speed * wall.gap\n", "")],
+        [("disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),", "disc: () => A.square(closing()),")],
+    ),
+    "the rising zero": (
+        [("m.gap / (m.disc.sqrt() - m.closing)", "m.gap / (-m.disc.sqrt() - m.closing)")],
+        [("full.sub(root, laws.closing())) ??", "full.sub(full.neg(root), laws.closing())) ??")],
+    ),
+    "the zero at 0, not the second one": (
+        [("m.closing) / m.speed if again else", "m.closing) * self.none if again else")],
+        [("full.div(full.twice(laws.closing()), full.neg(laws.speed()))", "full.sub(laws.closing(), laws.closing())")],
+    ),
+    "half the wait to the second zero": (
+        [("-(m.closing + m.closing) / m.speed", "-m.closing / m.speed")],
+        [("full.div(full.twice(laws.closing()),", "full.div(laws.closing(),")],
+    ),
+    "walls that stand still": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "pass")],
+        [("if (wall.way) {", "if (0) {")],
+    ),
+    "walls that move the other way": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "x, y, vx, vy = x + p * time, y + q * time, vx + p, vy + q")],
+        [("const own = wall.way.map(x => x[w]);", "const own = wall.way.map(x => A.neg(x[w]));")],
+    ),
+    "walls that push as if they stood": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "x, y = x - p * time, y - q * time")],
+        [("way = minus(way, own);", "")],
+    ),
+    "the law of restitution 1": (
+        [("self.loss, self.pull = of(e),", "self.loss, self.pull = of(ONE),")],
+        [("A.add(A.of(one), this.restitution[w])", "A.add(A.of(one), A.of(one))")],
+    ),
+    "a restitution of e in place of 1 + e": (
+        [("-(met[c].closing + self.before[c])", "-self.before[c]")],
+        [("A.neg(A.mul(this.scene.factor[1], ", "A.neg(A.mul(this.scene.restitution[1], ")],
+    ),
+    "what has pushed parts, whatever e is": (
+        [("self.bounced = 1 if loss else 0", "self.bounced = 1")],
+        [("x.sign = this.scene.bounced;", "x.sign = 1;")],
+    ),
+    "a run turned back as without gravity": (
+        [("vx, vy = vx - (u + u), vy - (v + v)", "pass")],
+        [("const fall = gravity && worlds.map((A, w) => A.twice(", "const fall = null && worlds.map((A, w) => A.twice(")],
+    ),
+    "the final state in the falling frame": (
+        [("if self.pull else row\n", "if 0 else row\n")],
+        [("const fall = gravity && worlds.map((A, w) => run.scene.fallen", "const fall = null && worlds.map((A, w) => run.scene.fallen")],
+    ),
+    "nothing pulls to a wall": (
+        [("return self.bends.get(c, 0) < 0", "return 0 and self.bends.get(c, 0) < 0")],
+        [("return pulls * side[c.i] < 0;", "return false;")],
+    ),
+    "everything pulls to a wall": (
+        [("return self.bends.get(c, 0) < 0", "return c in self.bends")],
+        [("return pulls * side[c.i] < 0;", "return Boolean(this.gravity);")],
+    ),
+}  # fmt: skip
+"""Of each what the first checker has instead, and the second."""
+
+
+@needs_node
+@pytest.mark.parametrize("fault", FAULTS)
+def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
+    first, second = FAULTS[fault]
+    forged = completed(
+        from_within_the_floor(), lax(WORLD_CONDITIONS["nothing starts across a wall to which it is pulled"][0])
+    )
+    tried = {**world_samples(), "forged": forged}
+    paths: list[Path] = []
+    for number, told in enumerate(tried.values()):
+        paths.append(tmp_path / f"{number}.json")
+        paths[-1].write_text(certificate_json(told), encoding="utf-8")
+    truth = [*([0] * len(world_samples())), 1]
+    checker = lax(first)
+    assert [checker.verdict(path)[0] for path in paths] != truth
+    program = lax_second(second, tmp_path / "faulty")
+    done = subprocess.run(["node", str(program), *map(str, paths)], capture_output=True, text=True, check=False)
+    assert [not line.startswith("verified") for line in done.stdout.splitlines()] != truth
+    assert [by_python(path)[0] for path in paths] == truth

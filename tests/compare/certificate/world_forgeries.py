@@ -1,0 +1,160 @@
+"""Forgeries of certificates with restitution, gravity and walls that move, each of which one condition alone keeps out
+(test_conditions.py)."""
+# ruff: noqa: E501 (lines of the checkers stand here as they are)
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isqrt
+from typing import Any
+
+from certificate.forgeries_by_condition import STOPPED, bare, entries, negative, small
+from certificate.forging import SAME, UPSIDE_DOWN, Told
+from certificate.segment_forgeries import bar
+
+QUIET = {"reason": "quiet"}
+Number = str | int
+HAIR = f"1*r1-{isqrt(2 * 10**140)}/{10**70}"
+"""More than zero, by less than the bits of these certificates tell; its root is that of 2."""
+
+
+def wall(x0: Number, y0: Number, x1: Number, y1: Number, **way: Number) -> Told:
+    """A wall of a certificate whose points are 1 apart, perhaps with a velocity."""
+    row = {"x0": x0, "y0": y0, "x1": x1, "y1": y1, "length": 1, **way}
+    return {"id": f"w {x0} {y0} {x1} {y1}", **{key: str(value) for key, value in row.items()}}
+
+
+def beside(walls: list[Told], *rows: tuple[Number, ...], end: Told | None = None, **scene: Any) -> Told:
+    """Circles among walls, of which nothing is told."""
+    return {**bare(*rows, scene={"walls": walls, **scene}), "end": end or STOPPED}
+
+
+FLOOR = [wall(0, 0, 1, 0)]
+DOWN = ["0", "-1"]
+
+
+def bounced(e: str, **scene: Any) -> Told:
+    """Two meet, with a restitution."""
+    cert = bare((0, 0, 1, 0), (9, 0, 0, 0), scene={"restitution": e, **scene})
+    return entries(cert, {}, {"met": [[0, 1]], "rounds": [[[0, 1]]]})
+
+
+def turned_back(walls: list[Told], **scene: Any) -> Told:
+    """A run that cannot be turned back is, before anything has happened."""
+    return entries(beside(walls, (0, 50, 0, 0), reverse_at="1", **scene), {}, {"exact": "1"}, {"turn": True})
+
+
+def more_than_walls(*more: tuple[Number, ...], **scene: Any) -> Told:
+    """Something falls, and there is more than what falls and walls; a moment of it."""
+    return entries(beside(FLOOR, (0, 50, 0, 0), *more, gravity=DOWN, **scene))
+
+
+def from_within_the_floor() -> Told:
+    """A disc that starts across the floor leaves it, and is said to come back to it."""
+    cert = beside(FLOOR, (0, "1/2", 0, 4), gravity=DOWN)
+    return entries(cert, {}, {"met": [[0, 1]], "rounds": [[[0, 1]]]})
+
+
+def through_the_floor(**end: Any) -> Told:
+    """A disc falls through the floor, which is not told."""
+    return beside(FLOOR, (0, 5, 0, 0), gravity=DOWN, end={"reason": "horizon", "until": "8", **end})
+
+
+def never_down() -> Told:
+    """A disc thrown up is said to meet nothing ever again."""
+    return beside(FLOOR, (0, 5, 0, 3), gravity=DOWN, end=QUIET)
+
+
+def grazed_twice() -> Told:
+    """Two graze; that they meet is said once more, when they are as far apart as at the start."""
+    cert = bare((0, 0, 1, 0), (9, 2, 0, 0))
+    return entries(cert, {}, {"exact": "9", "met": [[0, 1]]}, {"met": [[0, 1]]})
+
+
+def hardly_pulled() -> Told:
+    """A disc leaves the floor, to which it is pulled by very little, for ever."""
+    return beside(FLOOR, (0, 5, 0, 3), gravity=["0", negative(HAIR)], roots=["2"], end=QUIET)
+
+
+def no_image(motion: Told, walls: list[Told], **scene: Any) -> Told:
+    """An isometry that nothing needs is none: of walls that do not stay mapped."""
+    return {**beside(walls, (0, 50, 0, 0), **scene), "isometries": [motion]}
+
+
+def not_back_but_again() -> Told:
+    """Two discs leave the floor at once, one a little faster: they are said to come back to it at once, as they left."""
+    cert = beside(FLOOR, (0, 1, 0, 1), (9, 1, 0, f"1+{small(170)}"), gravity=DOWN)
+    both = {"met": [[0, 2], [1, 2]], "rounds": [[[0, 2]], [[1, 2]]], "zeros": [["gap", [1, 2], "back"]]}
+    return entries(cert, {"met": [[0, 2], [1, 2]]}, both)
+
+
+def held_to_what_moves() -> Told:
+    """A floor comes up under a disc at rest, by very little; that the disc is its own mirror image is no sign against it."""
+    cert = beside([wall(0, 0, 1, 0, vy=HAIR)], (0, 1, 0, 0), roots=["2"])
+    cert["isometries"] = [{**UPSIDE_DOWN, "shift": ["0", "2"], "map": [[0, 0]]}]
+    return entries(cert, {"met": [[0, 1]], "zeros": [["closing", [0, 1], 0]]})
+
+
+Changes = tuple[str, str] | list[tuple[str, str]]
+CANNOT_TURN = (
+    'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),',
+    "if (turned && (!elastic || this.walls.some(x => x.way))) malformed(",
+)
+MORE = (
+    "refuse(pull and (pockets or segments or not all(row[5] for row in circles)),",
+    "if (!falls || pockets.length || segments.length) malformed(",
+)
+WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
+    "no restitution is above 1": (
+        ("for x in loss, ONE - loss: demand(", "for x in (): demand("), ("demand((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n)))", "void ((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n)))"), lambda: bounced("2"),
+    ),
+    "no restitution is negative": (
+        ("for x in loss, ONE - loss: demand(", "for x in (): demand("), ("demand(this.restitution, [0, 1], 'the restitution is not negative')", "1"), lambda: bounced("-1/2"),
+    ),
+    "what loses energy is not turned back": (
+        (CANNOT_TURN[0], "refuse(0,"), (CANNOT_TURN[1], "if (0) malformed("), lambda: turned_back(FLOOR, restitution="1/2"),
+    ),
+    "what moves is not turned back": (
+        (CANNOT_TURN[0], "refuse(0,"), (CANNOT_TURN[1], "if (0) malformed("), lambda: turned_back([wall(0, 0, 1, 0, vy=1)]),
+    ),
+    "no circle stands under gravity": (
+        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls((9, 50, 0, 0, 1, 0)),
+    ),
+    "no pocket is under gravity": (
+        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(pockets=[{"id": "p", "x": "9", "y": "9", "r": "1"}]),
+    ),
+    "no segment is under gravity": (
+        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(segments=[bar(9, 9, 19, 9, 10)]),
+    ),
+    "nothing starts across a wall to which it is pulled": (
+        ('if self.falls(c): demand(', "if 0: demand("), ("if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(", "if (0) refute("), from_within_the_floor,
+    ),
+    "what is pulled to a wall does not pass it": (
+        ('demand(gap.sign(), [1], f"{c} meet before it, or overlap")', "return"), ("if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(", "if (0) refute("), through_the_floor,
+    ),
+    "what is pulled to a wall comes to it": (
+        ('refuse(age is None, f"{c} meet in the end")', "if age is None: return"), ("if (mode === 'ever') refute(`${c.name} meet in the end`);", "if (mode === 'ever') return;"), never_down,
+    ),
+    "what is not pulled does not come again": (
+        ("met[0] in self.parted and self.falls(met[0])", "met[0] in self.parted"), None,  # the second one asks first whether it hits
+        grazed_twice,
+    ),
+    "whether gravity pulls to a wall is decided": (
+        ('demand(sign, [-1, 0, 1], f"whether {c} are pulled together")', "(sign or 0)"), ("undecided(`whether gravity pulls along wall ${wall.id}`)", "0"), hardly_pulled,
+    ),
+    "an isometry maps walls to such as move alike": (
+        ("if self.drift else []", "if 0 else []"), ("ways = [[p.way, q.way], [", "ways = [["),
+        lambda: no_image({**SAME, "shift": ["0", "1"], "map": [[1, 2]]}, [wall(0, 0, 1, 0, vy=1), wall(0, 1, 1, 1)]),
+    ),
+    "an isometry maps walls to such as are pulled alike": (
+        ("[(self.pull, self.pull)] if self.pull else []", "[]"), (", [scene.gravity, scene.gravity]]", "]"),
+        lambda: no_image({**UPSIDE_DOWN, "map": [[1, 1]]}, FLOOR, gravity=DOWN),
+    ),
+    "nothing comes back before the run is turned": (
+        ("back = back and self.way and self.out", "back = back and self.out"), ("if (!run.turnTime) continue;", ""), not_back_but_again,
+    ),
+    "no mirror holds to a wall that moves": (
+        ('question == "closing" and c not in self.bends:', 'question == "closing":'), (" || scene.steered(c)", ""), held_to_what_moves,
+    ),
+}  # fmt: skip
+"""Each with what each checker has instead of it, as in `test_conditions.CONDITIONS`."""

@@ -1,0 +1,163 @@
+"""Certificates of runs with restitution, gravity and walls that move; and ways to alter those."""
+
+from __future__ import annotations
+
+from functools import cache
+from random import Random
+from typing import Any
+
+from certificate.test_tampering import Told, other_digit
+from truebreak.compare.certificate import certificate_of
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
+from truebreak.scenarios.trajectory import Trajectory
+
+SEEDS = range(24)
+EVENTS = 8
+
+CATALOGUE = (
+    "bounce", "wedge", "drop-pair", "falling-line", "gas-under-gravity:n=4", "cradle:e=9/10", "cradle:n=3,e=1/2",
+    "cooling:n=6",
+)  # fmt: skip
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+BOX = [FLOOR, Wall(-5, 0, -5, 1, id="left"), Wall(5, 0, 5, 1, id="right"), Wall(0, 9, 1, 9, id="top")]
+DOWN = (0, "-1/2")
+
+
+def by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
+    """Scenes, and until when: ties, grazes, slides, what stays, there and back, walls that come and go."""
+    pair = [Circle(-3, 2, vx="1/3"), Circle(-3, 5, vx="1/3", m=2)]
+    twins = [Circle(x, 3, vx=x, id=f"c{x}") for x in (-2, 2)]
+    lifts = [Wall(0, 0, 1, 0, id="floor", vy="1/10"), Wall(0, 9, 1, 9, id="top", vy="-1/7")]
+    return {
+        "there and back": (Scene(pair, BOX, gravity=DOWN, reverse_after=4), {}),
+        "there and back at a time": (Scene(pair, BOX, gravity=("1/5", -1), reverse_at=5), {}),
+        "twins": (Scene(twins, BOX, gravity=DOWN), {"events": EVENTS}),
+        "twins, one by one": (Scene(twins, BOX, gravity=DOWN, tie_policy="sequential:seed=3"), {"events": EVENTS}),
+        "a graze of the ceiling": (Scene([Circle(0, 6, vx=1, vy=2)], BOX, gravity=(0, -1)), {"events": 4}),
+        "up to a horizon": (Scene(pair, BOX, gravity=DOWN), {"until": 7}),
+        "a horizon at a hit": (Scene([Circle(0, 3)], BOX, gravity=(0, -1)), {"until": 2}),
+        "pulled aside": (Scene(pair, BOX, gravity=("-1/3", 0), restitution="3/4"), {"events": EVENTS}),
+        "along a wall": (Scene([Circle(-4, 5, vy=1), Circle(2, 3)], BOX, gravity=(0, -1)), {"events": EVENTS}),
+        "what stays on": (Scene([Circle(0, 5, vx=1, vy=-1), Circle(3, 5, vx=-1)], BOX, restitution=0), {"events": 5}),
+        "what stays on is struck": (
+            Scene([Circle(0, 5, vy=-1), Circle(0, 8, vy=-1), Circle(-4, "3/2", vx=1)], BOX, restitution=0),
+            {"events": 5},
+        ),
+        "two on one": (
+            Scene([Circle(-3, 0, vx=1), Circle(0, 0), Circle(3, 0, vx=-1)], restitution="1/2"), {"events": 3},
+        ),
+        "a lift": (Scene(pair, [*lifts, *BOX[1:3]]), {"events": EVENTS}),
+        "a lift under gravity": (
+            Scene(pair, [*lifts, *BOX[1:3]], gravity=DOWN, restitution="9/10"), {"events": EVENTS},
+        ),
+        "away with it": (Scene([Circle(0, 1, vx="1/9", vy="1/10"), Circle(4, 3, vx=-1)], lifts), {"events": 4}),
+        "a wall that is caught": (Scene([Circle(3, 5, vx=-2)], [Wall(-5, 0, -4, 1, id="w", vx=-1)]), {}),
+        "roots": (Scene([Circle(0, 5, vx=1)], BOX, gravity=("sqrt(2)/4", -1), restitution="sqrt(3)/2"), {"events": 5}),
+        "to rest": (Scene([Circle(0, 5)], BOX, gravity=(0, -1), restitution=0), {}),
+        "to rest at a horizon": (Scene([Circle(0, 3)], BOX, gravity=(0, -1), restitution=0), {"until": 2}),
+        "never again": (Scene([Circle(0, 5)], [FLOOR], gravity=(0, 1)), {}),
+    }  # fmt: skip
+
+
+def scene_of(seed: int, moves: bool) -> Scene | None:
+    """Discs among walls, some of them oblique, under gravity; or walls that may move, with gravity or without. None
+    where what it draws is refused."""
+    rng = Random(f"world {seed}")
+
+    def speed() -> str:
+        return rng.choice(("0", f"{rng.randint(-60, 60)}/31", f"{rng.randint(-9, 9)}/4"))
+
+    def way() -> dict[str, str]:
+        return {"vx": rng.choice(("0", "1/30", "-1/9")), "vy": rng.choice(("0", "0", "1/20", "-1/7"))} if moves else {}
+
+    radii = [rng.choice(("1", "1/2", "0")) for _ in range(rng.randint(1, 4))]
+    discs = [
+        Circle(f"{3 * k - 4} + {rng.randint(0, 50)}/97", rng.randint(-3, 3), r=r, point=r == "0", vx=speed(),
+               vy=speed(), m=rng.choice(("1", "2", "1/3")), id=f"c{k}")
+        for k, r in enumerate(radii)
+    ]  # fmt: skip
+    floor = Wall(*rng.choice(((0, -6, 1, -6), (-9, -8, 9, -7), (-4, -9, -1, -5))), id="floor", **way())
+    box = [
+        floor, Wall(0, 6, 1, 6, id="top", **way()), Wall(-9, 0, -9, 1, id="left", **way()),
+        Wall(10, 0, rng.choice((10, 11)), 9, id="right", **way()),
+    ]  # fmt: skip
+    pulls = ((0, -10), (0, -1), ("1/3", "-1/2"), (3, 0), ("-sqrt(2)", "1/7"), (0, "1/100"))
+    try:
+        return Scene(
+            discs,
+            rng.choice((box, box, [floor], box[2:])),
+            gravity=None if moves and rng.random() < 0.5 else rng.choice(pulls),
+            restitution=rng.choice(("1", "1", "9/10", "1/2", "sqrt(2)/2", "0")),
+            tie_policy=rng.choice(("simultaneous", "sequential:seed=2")),
+        )
+    except SceneError:
+        return None
+
+
+@cache
+def world_runs() -> dict[str, Trajectory]:
+    """Runs of all of these, and of random scenes."""
+    cases: dict[str, tuple[Scene, dict[str, Any]]] = by_hand()
+    cases |= {spec: (catalogue.build(spec), {"events": EVENTS}) for spec in CATALOGUE}
+    for seed in SEEDS:
+        for name, moves in ((f"falling {seed}", False), (f"moving {seed}", True)):
+            if (scene := scene_of(seed, moves)) is not None:
+                cases[name] = scene, {"until": 12, "events": EVENTS}
+    return {name: ExactEngine().run(scene, **limits) for name, (scene, limits) in cases.items()}
+
+
+@cache
+def world_samples() -> dict[str, Told]:
+    """The certificates of these."""
+    return {name: certificate_of(run) for name, run in world_runs().items()}
+
+
+def another_loss(told: Told, draw: Random) -> None:
+    """The restitution is another."""
+    told["scene"]["restitution"] = draw.choice(["1", "0", "1/2", "3/2", "-1/2", "1-1/1" + "0" * 40, "99/100"])
+
+
+def another_pull(told: Told, draw: Random) -> None:
+    """Gravity is another, is not there, or is the other way."""
+    pull = told["scene"].get("gravity", ["0", "0"])
+    k = draw.randrange(2)
+    changed = [*pull]
+    changed[k] = draw.choice([f"-1*{pull[k]}" if pull[k][0].isdigit() and "r" not in pull[k] else "0", "1/3", "-1"])
+    if changed[k].startswith("-1*"):
+        changed[k] = "-" + pull[k]
+    told["scene"]["gravity"] = changed
+    if draw.random() < 0.2:
+        del told["scene"]["gravity"]
+
+
+def another_way(told: Told, draw: Random) -> None:
+    """A wall's velocity is another."""
+    if walls := told["scene"].get("walls"):
+        row = draw.choice(walls)
+        key = draw.choice(["vx", "vy"])
+        row[key] = draw.choice(["0", "1/10", "-1", row.get(key, "0") + "+1/1" + "0" * 30])
+
+
+def digit_of_the_world(told: Told, draw: Random) -> None:
+    """A digit of gravity, of the restitution or of a wall's velocity is another."""
+    scene = told["scene"]
+    places: list[tuple[Any, Any]] = [(scene["gravity"], k) for k in range(2) if "gravity" in scene]
+    places += [(scene, "restitution")] if "restitution" in scene else []
+    places += [(row, key) for row in scene.get("walls", ()) for key in ("vx", "vy") if key in row]
+    if places:
+        where, key = draw.choice(places)
+        where[key] = other_digit(where[key], draw)
+
+
+def two_at_once(told: Told, draw: Random) -> None:
+    """A contact of one instant is said to come at another too."""
+    listed = [entry for entry in told["instants"] if entry.get("met")]
+    if len(listed) > 1:
+        one, other = draw.sample(listed, 2)
+        one["met"].append([*draw.choice(other["met"])])
+        if draw.random() < 0.5:
+            one.setdefault("rounds", []).append([[*one["met"][-1]]])
+
+
+WORLD_WAYS = (another_loss, another_pull, another_way, digit_of_the_world, two_at_once)
