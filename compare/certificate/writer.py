@@ -80,10 +80,10 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
             "meetings of such are zeros of quartics, which certificates do not know; leave it out"
         )
     if trajectory.scene.surfaces.pegs:
-        scene = trajectory.scene
+        thing = (*trajectory.scene.segments, *trajectory.scene.polygons)[0]
         raise CertificateError(
-            f"the scene has gravity and {(*scene.segments, *scene.polygons)[0].id!r}, which has ends: meetings with ends "
-            "are zeros of quartics, which certificates do not know; leave it out"
+            f"the scene has gravity and {thing.id!r}, which has ends: meetings with ends are zeros of quartics, "
+            "which certificates do not know; leave it out"
         )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
