@@ -11,7 +11,7 @@ from enum import Enum
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
@@ -24,7 +24,7 @@ from ..engines import engine as engine_named
 from ..outcomes.outcome import outcomes_of
 from ..validation import EngineError, check_engine
 from .grid import several
-from .row import Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, unknowing, versions
+from .row import Columns, Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, unknowing, versions
 from .stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ COLUMNS = (
     "event", "at", "body", "expected", "got", "kind", "changed", "laws", "closed_form", "note",
 )  # fmt: skip
 """What the JSON of a map has of each row."""
+
+StressRow = Annotated[dict[str, Any], Columns(COLUMNS)]
 
 
 class MapMark(Enum):
@@ -227,16 +229,18 @@ def _compared(row: Row, run: Trajectory, expected: Mapping[str, Any]) -> Row:
     except Exception as error:
         note = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return replace(row, verdict="failed", mark=MapMark.FAILED.value, note=note)
-    row = replace(row, **divergence_of(found.alignment))
+    parts = divergence_of(found.alignment)
     if found.unable:
-        return replace(row, verdict="refused", mark=MapMark.REFUSED.value, note=found.run.stop.message)
+        parts |= {"verdict": "refused", "mark": MapMark.REFUSED.value, "note": found.run.stop.message}
+        return replace(row, **parts)
     changed = list(outcomes_changed(found, run, engine.step, None, expected).changed)
     mark = mark_of(found, changed=bool(changed))
     laws = laws_of(found.run, engine) if mark is MapMark.RIGHT else None
     if laws is not None and laws["kept"] is False:
         mark = MapMark.WRONG
     note = found.run.stop.message if mark is MapMark.UNDECIDED else None
-    return replace(row, mark=mark.value, laws=laws, note=note, changed=changed if mark is MapMark.WRONG else None)
+    parts |= {"mark": mark.value, "laws": laws, "note": note, "changed": changed if mark is MapMark.WRONG else None}
+    return replace(row, **parts)
 
 
 def mark_of(found: Followed, *, changed: bool) -> MapMark:
