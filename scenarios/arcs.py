@@ -100,7 +100,7 @@ def check_arcs(
 
 
 def _fits(circle: Circle, arc: Arc) -> bool:
-    """Whether a circle of an arc's radius lies on it all along, or may come to: through the opening of a half-turn or less.
+    """Whether a circle as wide as an arc lies on it all along, or may come to: by the opening of a half-turn or less.
 
     What is longer than that has an opening narrower than the circle, which meets its ends.
     """
