@@ -538,24 +538,14 @@ class Checker:
         again = c in self.parted  # from within alone
         for world in (self.few, self.ball):
             charge(30_000)
-            m, gap2, closing2 = world.meeting(c, start), None, None
+            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
             gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
+            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
             if disc == -1 and not again: return
-            if age is not None:
-                end, wait = world.meeting(c, age), world.wait(start, age)
-                gap2, closing2, rise = end.gap.sign(), end.closing.sign(), m.closing + m.closing
-                tangent = (m.gap + rise * wait).sign()
-                if again: over = (rise + m.speed * wait).sign()
-                elif not hollow: over = (end.gap - (end.closing + end.closing) * wait).sign()
-            if hollow and not again:  # the gap is concave
-                if gap2 == 1 or (gap == -1 and closing in (-1, 0)): return
-                if age is not None and gap2 == -1 and closing2 in (0, 1): return
-                if age is not None and gap == -1 == tangent: return
-            elif again:
-                if age is not None and over == 1: return
-            else:
-                if gap == -1 or (gap == 1 and closing in (0, 1)): return
-                if age is not None and gap == 1 and (tangent == 1 or gap2 == 1 == over): return
+            if hollow:  # the gap is concave: it falls later than now, or fell before the start
+                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
+            elif gap == -1 or (gap == 1 and closing in (0, 1)): return  # convex: it does not fall
+            elif gap == 1 == gap2 and closing2 == -1: return  # or later than now
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(again).sign() if hits else None) == -1: return
         if hollow and not again and self.zero("disc", c, start): return  # it is never within
@@ -563,7 +553,7 @@ class Checker:
             if self.zero(x, c, start): return
         if closing2 == -1 and self.zero("foot", c, age) and self.zero("gap", c, age): return
         ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
-        done = over in (-1, 0) if again and age is not None else gap2 in (-1, 0) and closing2 == -1
+        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
         refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
         raise Unsettled(f"whether {c} meet on the way")
     def across(self, c):  # at time 0: proves that a circle is not across an arc
