@@ -544,14 +544,15 @@ class Checker:
             if disc == -1 and not again: return
             if hollow:  # the gap is concave: it falls later than now, or fell before the start
                 if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or (gap == 1 and closing in (0, 1)): return  # convex: it does not fall
-            elif gap == 1 == gap2 and closing2 == -1: return  # or later than now
+            elif gap == -1 or closing in (0, 1): return  # convex: it does not fall from above
+            elif gap2 == 1 and closing2 == -1: return  # or later than now
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(again).sign() if hits else None) == -1: return
         if hollow and not again and self.zero("disc", c, start): return  # it is never within
         for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
             if self.zero(x, c, start): return
-        if closing2 == -1 and self.zero("foot", c, age) and self.zero("gap", c, age): return
+        if closing2 == -1 and not later.foot.sign():  # does it fall right at its end?
+            if self.zero("foot", c, age) and self.zero("gap", c, age): return
         ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
         done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
         refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
@@ -591,7 +592,7 @@ class Checker:
                 refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
             if face or bow:
-                refuse(not self.within(c), f"{c}: its foot is beside the face")
+                refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
                 refuse(age and self.met[c] > 0, f"{c}: it comes from behind")

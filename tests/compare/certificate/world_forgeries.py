@@ -101,8 +101,8 @@ CANNOT_TURN = (
     "if (turned && (!elastic || this.walls.some(x => x.way))) malformed(",
 )
 MORE = (
-    "refuse(pull and (pockets or segments or not all(row[5] for row in circles)),",
-    "if (!falls || pockets.length || segments.length) malformed(",
+    "refuse(pull and (pockets or segments or arcs or not all(row[5] for row in circles)),",
+    "if (!falls || pockets.length || segments.length || arcs.length) malformed(",
 )
 WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "no restitution is above 1": (
