@@ -360,9 +360,9 @@ class Checker:
         self.meets = {(i, j) for i, j in product(range(n), self.things) if self.movable & {i, j}
                       and (not 0 <= j < n or (i < j and (j >= first or not self.points(i, j))))}
         def roomy(c):  # whether a side is wide enough
-            room = sign_of(self.things[c[1]][4] - self.things[c[0]][4])
+            room = sign_of(self.things[c[1]][4] - self.things[c[0]][4]) if self.hollow(c) else 1
             return demand(room, [-1, 0, 1], f"whether {c} fit") == 1
-        self.meets = {c for c in self.meets if not self.hollow(c) or roomy(c)}
+        self.meets = {c for c in self.meets if roomy(c)}
         self.of = defaultdict(list)  # the contacts of each
         for c, i in ((d, i) for d in self.meets for i in d): self.of[i].append(c)
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
@@ -588,15 +588,14 @@ class Checker:
         for c in met:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
-            if bow := c[1] in self.arcs:
-                refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
-            if face or bow:
+            if not face:
+                refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
+            if face or c[1] in self.arcs:
                 refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
                 refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
-            else: refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay so")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn

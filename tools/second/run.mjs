@@ -218,7 +218,7 @@ export class Run {
   }
   /** At time 0: no circle lies across an arc. */
   across(c, known) {
-    const sides = [c, this.scene.otherSide(c)].filter(x => x), what = `whether ${c.name} overlap`;
+    const sides = [c, this.scene.otherSide(c)].filter(x => x);
     const there = sides.filter(x => known.has(x.key));
     if (there.length && this.scene.circles[c.i].point) refute(`the centre of ${c.name} is on the arc`);
     if (there.length) return;
@@ -229,8 +229,8 @@ export class Run {
       return square && square.lo > 0n ? l.widely(A.sqrt(square)) : null;
     });
     if (within < 0 || sides.some(x => this.exactly(x, 'within') && this.meetsNow(x))) return;
-    if (within > 0 && gaps.every(s => s <= 0)) refute(`${c.name} overlap at time 0`);
-    undecided(what);
+    if (within > 0 && gaps.every(s => s <= 0)) refute(`${c.name} lie across each other at time 0`);
+    undecided(`whether ${c.name} lie across each other`);
   }
 
   /** As `apart`, of a face: it is not met; and, where a flight ends, it is not touched. */
