@@ -21,7 +21,7 @@ QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r",
           "segments": "x0 y0 x1 y1 length r", "arcs": "x y r x0 y0 x1 y1"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
-            "restitution", "gravity", "arcs", *"vx vy x0 y0 x1 y1".split(),  # of walls; of arcs
+            "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1",  # read by kind
             "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
@@ -544,15 +544,14 @@ class Checker:
             if disc == -1 and not again: return
             if hollow:  # the gap is concave: it falls later than now, or fell before the start
                 if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or closing in (0, 1): return  # convex: it does not fall from above
-            elif gap2 == 1 and closing2 == -1: return  # or later than now
+            elif gap == -1 or closing in (0, 1) or (gap2 == 1 and closing2 == -1): return  # convex
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(again).sign() if hits else None) == -1: return
         if hollow and not again and self.zero("disc", c, start): return  # it is never within
         for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
             if self.zero(x, c, start): return
-        if closing2 == -1 and not later.foot.sign():  # does it fall right at its end?
-            if self.zero("foot", c, age) and self.zero("gap", c, age): return
+        ends = closing2 == -1 and not later.foot.sign()  # does it fall right at its end?
+        if ends and self.zero("foot", c, age) and self.zero("gap", c, age): return
         ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
         done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
         refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")

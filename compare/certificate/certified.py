@@ -24,7 +24,13 @@ if TYPE_CHECKING:
     from ...scenarios.things import Circle, Pocket, Segment, Wall
     from ...scenarios.trajectory import Trajectory
 
-KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1 vx vy", "pockets": "x y r", "segments": "x0 y0 x1 y1 r", "arcs": "x y r"}
+KEYS = {
+    "circles": "x y r vx vy",
+    "walls": "x0 y0 x1 y1 vx vy",
+    "pockets": "x y r",
+    "segments": "x0 y0 x1 y1 r",
+    "arcs": "x y r",
+}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")
 
 
@@ -196,7 +202,7 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                     return f"{name}: {key} is {row.get(key, '0')}, not {value}"
             ends = thing.ends if isinstance(thing, Arc) else ()
             if isinstance(thing, Arc) and ("x0" in row) != bool(ends):
-                return f"{name} is {'no ' * bool(ends)}full circle"
+                return f"{name} is {'no ' * (not ends)}full circle"
             for k, end in enumerate(ends):
                 for key, value in zip((f"x{k}", f"y{k}"), end, strict=True):
                     if not _same(row[key], value, roots):

@@ -174,8 +174,9 @@ def _length(wall: Any) -> Exact:
 
 def _bow(arc: Arc, told: dict[str, str]) -> dict[str, str]:
     """An arc, with where it begins and ends on its circle."""
-    ends = zip(("0", "1"), arc.ends, strict=False)  # of a full one there are none
-    return {**told, **{f"{key}{k}": text_of(exact_number(q)) for k, end in ends for key, q in zip("xy", end, strict=True)}}
+    for k, (x, y) in enumerate(arc.ends):  # of a full one there are none
+        told |= {f"x{k}": text_of(exact_number(x)), f"y{k}": text_of(exact_number(y))}
+    return told
 
 
 def scene_part(scene: Scene) -> dict[str, Any]:
