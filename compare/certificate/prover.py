@@ -362,7 +362,7 @@ class Prover(Checker):
 
     def _witnesses(self, question: str, c: Contact, age: int) -> Iterator[Any]:
         """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
-        if c[1:] and c[1] in self.arcs:  # isometries map none
+        if c and c[1] in self.arcs:  # isometries map none
             yield from (("back", *other) for other in [(), *((k,) for k in sorted(self.met))] if self.way)
             if self._exact(cast(Lazy, self.form.ask(question, c, age))):
                 yield None
