@@ -150,6 +150,7 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
     near = cached_property(lambda m: m.slide * m.gap - m.twice * m.foot)  # where the gap is zero,
     beyond = cached_property(lambda m: -m.twice * m.square - m.near)  # both times -2 closing
 class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
+    hollow, bow = 0, ()
     def turn(m, x): return -x if m.hollow else x
     gap = cached_property(lambda m: m.turn(Nearing.gap.func(m)))
     closing = cached_property(lambda m: m.turn(Nearing.closing.func(m)))
