@@ -383,8 +383,6 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
-    if reference.scene.segments or reference.scene.polygons:
-        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet among segments")
     if reference.scene.arcs:
         return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet at arcs")
     stands = reference.scene.gravity is None and not reference.scene.moving_walls
@@ -436,9 +434,10 @@ def explained(
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
-    new = "" if study.scene.elastic else "whose restitution is below 1"
-    new = new if study.scene.gravity is None else "with gravity"
-    new = "with walls that move" if study.scene.moving_walls else new
+    scene = study.scene
+    new = "" if scene.restitution.sign() else "whose restitution is 0"
+    if scene.gravity is not None and (scene.surfaces.pegs or scene.segments or scene.polygons or scene.arcs):
+        new = "with gravity and something fixed that is no wall"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

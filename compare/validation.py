@@ -99,6 +99,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "gravity": scene.gravity is not None,
         "fixed": bool(scene.pegs),
         "moving walls": scene.moving_walls,
+        "wall kinds": bool(scene.other_walls),
     }
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 

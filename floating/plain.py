@@ -331,8 +331,8 @@ class PlainMeetings(Generic[M]):
         disc = 1 if is_flat(link) else self._ask(Discriminant(link))
         if disc < 0:
             return None
-        if self._ask(Gap(link)) <= 0:
-            if not link.pushes or disc == 0:
+        if (gap := self._ask(Gap(link))) <= 0:
+            if not link.pushes or disc == 0 or (is_flat(link) and not self._state.scene.walls[link.wall].is_met(gap)):
                 return None
             return link.later(self._state).flight.t, False
         try:

@@ -8,6 +8,7 @@ import os
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeGuard, cast
 
@@ -16,6 +17,7 @@ from .errors import SHOWN, Bare, SceneError, cut, printable
 from .numbers.parsing import MAX_LENGTH
 from .numbers.quantity import Quantity
 from .scene import MAX_CIRCLES, Scene
+from .settings import WALL_KINDS
 from .things import FIXED, INFINITE, Arc, Circle, Pocket, Polygon, Segment, Wall
 
 # -- From the keys and values of a scene file to the scene; whatever does not fit is refused by name.
@@ -32,7 +34,7 @@ TOP = (
 )
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 LINE = ("id", "x0", "y0", "x1", "y1")
-WALL = (*LINE, "vx", "vy")
+WALL = (*LINE, "vx", "vy", "kind")
 SEGMENT = (*LINE, "r")
 POLYGON = ("id", "points", "r")
 ARC = ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")
@@ -127,7 +129,12 @@ def _circle(label: str, row: dict[str, Any]) -> Circle:
 
 def _wall(label: str, row: dict[str, Any]) -> Wall:
     _check_keys(label, row, WALL)
-    return Wall(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("vx", "vy")))
+    kind = row.get("kind", Wall.kind)
+    if kind not in WALL_KINDS:
+        raise SceneError(f"{label}: kind = {cut(kind)} is not known; choose {', '.join(WALL_KINDS)}")
+    module, _, name = WALL_KINDS[kind].partition(":")
+    make = getattr(import_module(module, __package__), name)
+    return make(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("vx", "vy")))
 
 
 def _segment(label: str, row: dict[str, Any]) -> Segment:

@@ -230,7 +230,7 @@ def _touches_wall(circle: Circle, wall: Wall) -> bool:
         )
     if height.sign() == 0:
         raise SceneError(f"circle {circle.id!r}: its centre lies on wall {wall.id!r}; move it to one side")
-    return sign == 0
+    return sign == 0 and wall.side(circle.x, circle.y) == height.sign()
 
 
 def shown_amount(amount: Quantity) -> str:

@@ -125,6 +125,7 @@ class Scene:
             gravity=gravity,
         )
         self._check_things()
+        self._check_kinds()
         touching = check_apart(self.circles, self.walls)
         if self.moving_walls:
             self._check_moving()
@@ -204,6 +205,19 @@ class Scene:
                 "leave the one or the other out"
             )
 
+    def _check_kinds(self) -> None:
+        """Refuses what walls of other kinds are not known to be right with."""
+        hindrances = {
+            "gravity": self.gravity is not None,
+            "reverse_after": self.reverse_after is not None,
+            "reverse_at": self.reverse_at is not None,
+            "walls that move": self.moving_walls,
+        }
+        found = next((name for name, there in hindrances.items() if there), None)
+        if self.other_walls and found:
+            wall = self.other_walls[0]
+            raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave one of them out")
+
     def _check_moving(self) -> None:
         """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
         wall = next(wall for wall in self.walls if wall.moves)
@@ -222,6 +236,11 @@ class Scene:
     def moving_walls(self) -> bool:
         """Whether a wall moves."""
         return any(wall.moves for wall in self.walls)
+
+    @kept
+    def other_walls(self) -> tuple[Wall, ...]:
+        """The walls of kinds of their own, added to `WALL_KINDS`."""
+        return tuple(wall for wall in self.walls if wall.kind != Wall.kind and not wall.is_face)
 
     @kept
     def closing(self) -> tuple[Squeeze, ...]:
@@ -339,6 +358,7 @@ class Scene:
         for name in ("_hash", "surfaces", "pegs"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
+        twin._check_kinds()
         if twin.moving_walls:
             twin._check_moving()
         return twin
@@ -369,6 +389,8 @@ class Scene:
         if self.walls:
             data["wall"] = [_texts(w, ("x0", "y0", "x1", "y1")) for w in self.walls]
             for wall, row in zip(self.walls, data["wall"], strict=True):
+                if wall.kind != Wall.kind:
+                    row["kind"] = wall.kind
                 row.update({key: value.text() for key in ("vx", "vy") if (value := getattr(wall, key)).sign()})
         if self.segments:
             data["segment"] = [_texts(s, ("x0", "y0", "x1", "y1", "r")) for s in self.segments]

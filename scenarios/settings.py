@@ -68,6 +68,13 @@ class TiePolicy:
         return f"sequential:{'order=scene' if self.seed is None else f'seed={self.seed}'}"
 
 
+WALL_KINDS: dict[str, str] = {
+    "wall": ".things:Wall",
+}
+"""Where each kind of wall lives, seen from `scenarios`: what `kind` of a [[wall]] names. A new one is its own file, a
+class that extends `Wall`, and one line here; every engine runs it by what it says of itself."""
+
+
 # -- Settings of scenes and runs, checked: limits on time and on instants, truths.
 
 

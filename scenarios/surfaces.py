@@ -30,6 +30,14 @@ class SegmentFace(Wall):
 
     is_face = True
 
+    def side(self, x: Quantity, y: Quantity) -> int:
+        """The left one, whatever starts where."""
+        return 1
+
+    def is_met(self, gap: int) -> bool:
+        """From its own side alone."""
+        return gap > 0
+
     @classmethod
     def of(cls, segment: Segment, back: bool) -> SegmentFace:
         """The left side of a segment, or its right side, which is the left one of the way back.

@@ -171,6 +171,9 @@ class Wall:
     is_face = False
     """Whether it is one side of a segment, which ends: see `scenarios.surfaces`."""
 
+    kind = "wall"
+    """Which of `WALL_KINDS` it is: each says from where it is seen, and what of what comes to it is met."""
+
     def __init__(
         self,
         x0: QuantityLike,
@@ -206,6 +209,17 @@ class Wall:
         """Signed distance of a point from the wall, times the length of `normal`."""
         nx, ny = self.normal
         return nx * (x - self.x0) + ny * (y - self.y0)
+
+    def side(self, x: Quantity, y: Quantity) -> int:
+        """1 where a circle that starts at (x, y) meets the side to which `normal` points, -1 where the other."""
+        return self.height(x, y).sign()
+
+    def is_met(self, gap: int) -> bool:
+        """Whether a circle that comes nearer is met, by the sign of its gap as its flight begins.
+
+        Above zero it always is. At or below it, at a plain wall, is nothing but by rounding, which is met at once.
+        """
+        return True
 
 
 class Squeeze(NamedTuple):

@@ -80,6 +80,7 @@ def test_there_are_recipes() -> None:
         "A rung of the cascade",
         "A predicate",
         "A cause",
+        "A surface",
         "A stress family",
     ]
 

@@ -195,6 +195,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "what is round and fixed is not audited yet under gravity")
     if run.scene.moving_walls:
         return Audit(None, "walls that move are not audited yet")
+    if run.scene.other_walls:
+        return Audit(None, f"a wall of kind {run.scene.other_walls[0].kind!r} is not audited")
     if engine.step is not None:
         return _audited_steps(run, engine)
     transcript = Transcript(run, engine.bits is not None, 0.0 if engine.bits is None else 2.0**-engine.bits)

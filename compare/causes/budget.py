@@ -10,12 +10,13 @@ section II.3).
 Kinds of error within a group of steps are told apart by adding the defects of one kind after the other in that group
 alone. Two orders in which they are added give two answers where errors act on each other; a group whose answers differ
 by more than a tenth is cut in two, and their mean is taken in the end. Where the rounded scene alone does not lead to
-the decision, all errors are let grow together instead.
+the decision, or kinds of errors of steps act on each other too much for that, all errors are let grow together instead.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,12 +27,14 @@ from .continuation import (
     CORRECTION,
     FLIGHTS,
     IMPACTS,
+    INTEGRATOR,
     KINDS,
     LATENESS,
     MERGED,
     OVERLAP,
     SEVERAL,
     SOLVER,
+    THRESHOLD,
     Continuation,
     NoContinuation,
 )
@@ -94,10 +97,12 @@ OF_EVENTS: tuple[Group, ...] = (
 
 OF_STEPS: tuple[Group, ...] = (
     (CauseName["FLIGHTS"], (FLIGHTS,)),
+    (CauseName["INTEGRATOR"], (INTEGRATOR,)),
     (CauseName["LATENESS"], (LATENESS,)),
     (CauseName["OVERLAP"], (OVERLAP,)),
     (CauseName["IMPACTS"], (IMPACTS,)),
     (CauseName["SOLVER"], (SOLVER,)),
+    (CauseName["THRESHOLD"], (THRESHOLD,)),
     (CauseName["SEVERAL"], (SEVERAL,)),
     (CauseName["MERGED"], (MERGED,)),
     (CauseName["CORRECTION"], (CORRECTION,)),
@@ -133,6 +138,8 @@ class Account:
         runs: how many continuations by the exact law were made.
         groups: how many groups of steps the run was cut into.
         lumped: why the engine's own errors are told as one, where they are.
+        along: whether contributions are integrals along the way on which all errors grow together: then a size says
+            nothing of what a kind does alone.
     """
 
     displacement: float
@@ -141,6 +148,7 @@ class Account:
     runs: int
     groups: int
     lumped: str = ""
+    along: bool = False
 
     def is_of_rounding(self, margin: float) -> bool:
         """Whether what rounding adds changes the decision, and what the engine's steps add does not."""
@@ -296,7 +304,7 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
     groups = OF_STEPS if stepped else OF_EVENTS
     rest = CauseName["STEPS" if stepped else "ARITHMETIC"]
     with ball.precision(run.bits):
-        whole, apart, unlike = run.value(kinds=KINDS), "", False
+        whole, apart, unlike, along = run.value(kinds=KINDS), "", False, False
         if own is not None and (whole is None or _apart(whole, own, margin) > CLOSED):
             whole, apart, unlike = own, "its flights change where no contact explains it", True
         if whole is None:
@@ -311,6 +319,7 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
             if apart:
                 raise NoContinuation(apart)
             total.along(margin)
+            along = True
         else:
             if input_rounded:
                 total.add(CauseName["INPUT"], entered - margin)
@@ -322,6 +331,11 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
             except NoContinuation as why:
                 apart = str(why)
                 total.found = {CauseName["INPUT"]: entered - margin, rest: whole - entered}
+                if stepped and not unlike:  # steps err by much: their kinds, grown together, may yet be told apart
+                    grown = _Sum(run, groups, displacement)
+                    with suppress(NoContinuation):
+                        grown.along(margin)
+                        total, apart, along = grown, "", True
         together = sum((value for cause, value in total.found.items() if cause is not CauseName["INPUT"]), arb(0))
         for cause, kinds in (*groups, (rest, KINDS)):
             value = together if cause is rest else total.found.get(cause)
@@ -346,6 +360,7 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
             run.runs,
             total.groups,
             apart,
+            along,
         )
 
 

@@ -13,32 +13,21 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
-from ...exact.laws.formulas import (
-    advance,
-    pair_approach,
-    pair_discriminant,
-    pair_gap,
-    pair_hit_time,
-    pair_impulse,
-    pair_last_time,
-    pair_strength,
-    wall_approach,
-    wall_bounce,
-    wall_gap,
-    wall_hit_time,
-)
+from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_arc, is_flat, is_pair
+from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
+from ...floating.knots import SteppedFall
 from ...scenarios.numbers.quantity import Quantity
+from ..audit.transcript import Fall, ReportedInstant, Transcript
 from ..audit.transcript import ReportedFlight as OwnRow
-from ..audit.transcript import ReportedInstant, Transcript
-from .decision import DecidingNumber, FlightBalls, Pairing, RunReader
+from .decision import DecidingNumber, Pairing, RunReader
+from .free_flights import FlightBalls, Row, Rows, added, bounce, fallen, flown, last_step, less, plus, row_of
 from .given_scene import RoundedState
 
 if TYPE_CHECKING:
@@ -51,12 +40,6 @@ BITS, BITS_AN_EVENT = 320, 2
 
 MOST_UNITS = 60_000_000
 """Work that one continuation may take, about a minute; beyond it there is none."""
-
-Row: TypeAlias = FlightBalls
-"""t, x, y, vx, vy of one circle from its last contact on."""
-
-Rows: TypeAlias = dict[int, Row]
-"""Circles by place."""
 
 
 class NoContinuation(Exception):
@@ -120,7 +103,7 @@ class Stretch:
             for kind in kinds:
                 for k, row in self.defects.get(kind, {}).items():
                     if not all(number.is_zero() for number in row):
-                        found[k] = _plus(found[k], row, None) if k in found else row
+                        found[k] = plus(found[k], row, None) if k in found else row
         return self._sums[kinds]
 
 
@@ -132,7 +115,11 @@ SOLVER, SEVERAL, MERGED, CORRECTION = "solver", "several", "merged", "correction
 """More: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of
 one instant; an instant taken apart, or several taken as one; a flight that changes without a contact."""
 
-KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTION)
+INTEGRATOR, THRESHOLD = "integrator", "threshold"
+"""More, under gravity: how far a flight by steps is off the fall that it stands for, and what a bounce lacks of the
+last step's gain in speed; and of an engine that says below which speed nothing bounces, an impulse below it."""
+
+KINDS = (FLIGHTS, INTEGRATOR, LATENESS, OVERLAP, IMPACTS, SOLVER, THRESHOLD, SEVERAL, MERGED, CORRECTION)
 
 ROUNDED = 2.0**10
 """Units in the last place of its speeds by which an impulse may be off by rounding, times the places over the radii."""
@@ -150,6 +137,7 @@ class Continuation:
         bits: to which the engine rounds its scene; None: it does not.
         unit: of its numbers, where it takes steps, so that its impulses may be off by more than rounding.
         until: when the decision comes; what the engine changes in flight up to then leads to it.
+        threshold: the normal speed below which the engine says that nothing bounces.
 
     Attributes:
         stretches: what leads to the decision, in order.
@@ -171,13 +159,14 @@ class Continuation:
         bits: int | None,
         unit: float | None = None,
         until: float = 0.0,
+        threshold: float = 0.0,
     ) -> None:
         motion = motion_of(reference)
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene.surfaces  # whose places the log has
-        self._turned, self._unit, self._until = turned, unit, until
+        self._turned, self._unit, self._until, self._threshold = turned, unit, until, threshold
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -200,9 +189,11 @@ class Continuation:
             raise NoContinuation(f"{len(links):,} contacts lead to it, too many to be carried out again")
         with ball.precision(self.bits):
             self._exact, self._given = RoundedState(self.scene, None), RoundedState(self.scene, bits)
-            self.start = {k: _row(body.flight) for k, body in self._exact.bodies.items()}
-            self.entered = {k: _row(body.flight) for k, body in self._given.bodies.items()}
-            self.first = {k: _told(row) for k, row in enumerate(Transcript(self.own, encloses=True).first())}
+            self.start = {k: row_of(body.flight) for k, body in self._exact.bodies.items()}
+            self.entered = {k: row_of(body.flight) for k, body in self._given.bodies.items()}
+            transcript = Transcript(self.own, encloses=True)
+            self._fall = transcript.fall if transcript.fall is not None and transcript.fall.step else None
+            self.first = {k: self._told(row) for k, row in enumerate(transcript.first())}
             moving = tuple(k for k, moves in enumerate(self._moving) if moves)
             self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
             for stretch in self.stretches:
@@ -229,6 +220,10 @@ class Continuation:
             bodies[k].flight = Flight(x, y, vx, vy, t, t, None, 1)
         state.steps_done = 2
         state.instant, state.late, state.met = state.zero, None, None
+
+    def _told(self, flight: OwnRow) -> Row:
+        """A flight of the engine's own, in the frame that falls as the scene does that it is given."""
+        return fallen(self._given.falling, flight[:5])
 
     # -- what leads to the decision
 
@@ -344,7 +339,8 @@ class Continuation:
         changes: dict[int, list[tuple[int, Row, Row]]] = {}
         for n, instant in enumerate(told):
             for k, after in instant.after.items():
-                changes.setdefault(k, []).append((n, _told(instant.before[k]), _told(after)))
+                mine = changes.setdefault(k, [])
+                mine.append((n, mine[-1][2] if mine else self.first[k], self._told(after)))
         done: dict[int, int] = {}
         left: dict[int, int] = {}
         found: list[Stretch] = []
@@ -379,7 +375,21 @@ class Continuation:
             found.append(Stretch(event, bodies, beside, tuple(links), before, after, first == last))
         for k in {self._places[name] for pairing in self._pairings for name in pairing.anchors}:
             drifted(k, next((n for n, instant in enumerate(told) if instant.time >= self._until), len(told)))
+            mine = changes.get(k, [])[: done[k]]
+            found += self._flown_by_steps(k, left.get(k, -1), mine[-1][2] if mine else self.first[k])
         return found
+
+    def _flown_by_steps(self, k: int, event: int, row: Row) -> list[Stretch]:
+        """The last flight of a circle up to the decision, of an engine that goes under gravity by steps."""
+        motion = self.own.motion
+        if not isinstance(motion, SteppedFall) or not self._moving[k]:
+            return []
+        at = last_step(motion, float(row[0].mid()), self._until)
+        if at is None:
+            return []
+        x, y, vx, vy = map(arb, motion.state(at)[k])
+        told = fallen(self._given.falling, (arb(at), x, y, vx, vy))
+        return [Stretch(event, (k,), (), (), {k: row}, {k: told}, changes=1)]
 
     # -- the exact law, and what the engine's run adds to it
 
@@ -401,41 +411,100 @@ class Continuation:
                 elif isinstance(step, Flip):
                     for k in link.bodies:
                         x, y, vx, vy, t, *_ = state.bodies[k].flight
-                        state.bodies[k].flight = Flight(x, y, -vx, -vy, t, t, None, state.steps_done)
-            mine.update({k: _row(state.bodies[k].flight) for k in link.pushed})
+                        vx, vy = -vx, -vy
+                        if state.falling is not None:  # v = V + g t turns to -v = W + g t
+                            vx, vy = vx - 4 * state.falling.hx * t, vy - 4 * state.falling.hy * t
+                        state.bodies[k].flight = Flight(x, y, vx, vy, t, t, None, state.steps_done)
+            mine.update({k: row_of(state.bodies[k].flight) for k in link.pushed})
         return {k: mine[k] for k in stretch.bodies}
 
     def _find_defects(self, stretch: Stretch) -> None:
         """The engine's own numbers after a stretch, less what the exact law makes of its own numbers before."""
         state, before, after = self._given, stretch.before, stretch.after
         if not stretch.links:
-            moved: Rows = {k: _flown(before[k], after[k][0]) for k in stretch.bodies}
-            left = _less({k: after[k] for k in stretch.bodies}, moved)
+            moved: Rows = {k: flown(before[k], after[k][0]) for k in stretch.bodies}
+            if self._fall is not None:
+                meant: Rows = {k: self._fallen_by_steps(before[k], after[k][0], self._fall) for k in stretch.bodies}
+                stretch.defects[INTEGRATOR] = less(meant, moved)
+                moved = meant
+            left = less({k: after[k] for k in stretch.bodies}, moved)
             begins = stretch is self.stretches[0]
             stretch.defects[FLIGHTS if begins or self._is_rounding(stretch, left) else CORRECTION] = left
             return
         exact = self._law(state, stretch, before)
         link, *others = stretch.links
+        by_steps = exact
+        if self._fall is not None and stretch.at_once:
+            now = after[stretch.bodies[0]][0]
+            before = {k: self._fallen_by_steps(row, now, self._fall) for k, row in before.items()}
+            by_steps = self._law(state, stretch, before)
+            stretch.defects[INTEGRATOR] = less(by_steps, exact)
         if others or link.turns or not stretch.at_once:
-            stretch.defects[MERGED] = _less({k: after[k] for k in stretch.bodies}, exact)
+            stretch.defects[MERGED] = less({k: after[k] for k in stretch.bodies}, by_steps)
             return
-        there: Rows = {k: (*after[k][:3], *before[k][3:]) for k in (*stretch.bodies, *stretch.beside)}
-        flown = self._law(state, stretch, there)
-        late: Rows = {k: (*after[k][:3], *flown[k][3:]) for k in stretch.bodies}
+        there: Rows = {k: (*after[k][:3], *before[k][3:]) for k in stretch.bodies}
+        there.update({k: before[k] for k in stretch.beside})
+        met = self._law(state, stretch, there)
+        late: Rows = {k: (*after[k][:3], *met[k][3:]) for k in stretch.bodies}
         at_once = self._law(state, stretch, there, here=True)
         pushed: Rows = {k: (*after[k][:3], *at_once[k][3:]) for k in stretch.bodies}
-        stretch.defects[FLIGHTS] = _less(flown, exact)
-        stretch.defects[LATENESS] = _less(late, flown)
-        stretch.defects[OVERLAP] = _less(pushed, late)
-        left = _less({k: after[k] for k in stretch.bodies}, pushed)
-        stretch.defects[SEVERAL if not link.single else IMPACTS if self._is_rounding(stretch, left) else SOLVER] = left
+        stretch.defects[CORRECTION if self._is_displaced(there, before) else FLIGHTS] = less(met, by_steps)
+        if link.single is not None and is_flat(link.single):  # whose normal nothing turns: it falls for longer
+            late = pushed
+        stretch.defects[LATENESS] = less(late, met)
+        stretch.defects[OVERLAP] = less(pushed, late)
+        if self._fall is not None and link.single is not None and is_flat(link.single):
+            gained = self._bounced_before_gain(state, link.single, pushed, self._fall)
+            stretch.defects[INTEGRATOR] = added(stretch.defects[INTEGRATOR], less(gained, pushed))
+            pushed = gained
+        left = less({k: after[k] for k in stretch.bodies}, pushed)
+        kind = IMPACTS if self._is_rounding(stretch, left) else SOLVER
+        if kind is SOLVER and link.single is not None and self._is_slow(state, there, pushed):
+            kind = THRESHOLD
+        stretch.defects[kind if link.single else SEVERAL] = left
+
+    def _is_displaced(self, there: Rows, before: Rows) -> bool:
+        """Whether an engine of steps has put a circle elsewhere than its flight leads, by more than rounding."""
+        if self._unit is None:
+            return False
+        for k, row in there.items():
+            old, new = self._risen(flown(before[k], row[0])), self._risen(row)
+            speed = math.hypot(float(old[3]), float(old[4]))
+            far = math.hypot(float(old[1]), float(old[2])) + speed * abs(float(row[0]))
+            if math.hypot(*(float((a - b).mid()) for a, b in zip(new[1:3], old[1:3], strict=True))) > (
+                ROUNDED * self._unit * far
+            ):
+                return True
+        return False
+
+    def _fallen_by_steps(self, row: Row, time: arb, fall: Fall) -> Row:
+        """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""
+        (t, x, y, vx, vy), span = flown(row, time), time - row[0]
+        way, gain = fall.fallen(span)
+        way, gain = way - span * span / 2, gain - span
+        return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
+
+    def _bounced_before_gain(self, state: ReplayState[arb], link: AtWall, pushed: Rows, fall: Fall) -> Rows:
+        """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
+        line, (t, x, y, vx, vy) = state.line(link.circle, link.wall), pushed[link.circle]
+        restitution = arb(1) if state.share is None else 2 * state.share - 1
+        more = restitution * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
+        return {link.circle: (t, x, y, vx + more * line.nx, vy + more * line.ny)}
+
+    def _is_slow(self, state: ReplayState[arb], there: Rows, pushed: Rows) -> bool:
+        """Whether two meet more slowly than the engine says that anything bounces."""
+        change = sum(
+            math.hypot(*(float((new - old).mid()) for old, new in zip(there[k][3:], row[3:], strict=True)))
+            for k, row in pushed.items()
+        )
+        return change < self._threshold * (2.0 if state.share is None else 2.0 * float(state.share.mid()))
 
     def _is_rounding(self, stretch: Stretch, left: Rows) -> bool:
         """Whether what a flight or a single impulse misses is rounding; of engines of events the audit tells that."""
         if self._unit is None:
             return not stretch.changes
         for k in stretch.bodies:
-            rows = stretch.before[k], stretch.after[k]
+            rows = [self._risen(row) for row in (stretch.before[k], stretch.after[k])]
             speed = max(math.hypot(float(row[3]), float(row[4])) for row in rows)
             far = max(math.hypot(float(row[1]), float(row[2])) + speed * abs(float(row[0])) for row in rows)
             r = float(self._given.bodies[k].r)
@@ -446,6 +515,11 @@ class Continuation:
             if stretch.changes and math.hypot(x, y) > unit * far:
                 return False
         return True
+
+    def _risen(self, row: Row) -> Row:
+        """A row in true coordinates."""
+        falling = self._given.falling
+        return row if falling is None else fallen(falling._replace(hx=-falling.hx, hy=-falling.hy), row)
 
     # -- values
 
@@ -484,7 +558,7 @@ class Continuation:
         """
         with ball.precision(self.bits):
             state = self._exact.towards(self._given, input_share)
-            first = {k: _row(body.flight) for k, body in state.bodies.items()}
+            first = {k: row_of(body.flight) for k, body in state.bodies.items()}
             return self._carried(state, first, 0, None, shares)
 
     def _carried(
@@ -506,8 +580,8 @@ class Continuation:
             if place < last:
                 for kinds, scale in added.items():
                     for k, defect in stretch.of(kinds).items():
-                        own = flying[k] if stretch.links else _flown(flying[k], stretch.after[k][0])
-                        flying[k] = _plus(own, defect, scale)
+                        own = flying[k] if stretch.links else flown(flying[k], stretch.after[k][0])
+                        flying[k] = plus(own, defect, scale)
             if not all(flying[k][1].is_finite() for k in stretch.bodies):
                 return None
             if not place:
@@ -581,92 +655,3 @@ class _Carried(RunReader):
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """No zero is proved of carried flights."""
         return False
-
-
-def _bounce_off_arc(state: ReplayState[arb], link: AtArc, row: Row, here: bool) -> Rows:
-    """See `bounce`: a hollow side is met at the later zero of the gap."""
-    a, b = link.ends(state)
-    t, x, y, vx, vy = row
-    dx, dy, reach = b.flight.x - x, b.flight.y - y, a.r + b.r
-    wait = t - t
-    if here:
-        reach = (dx * dx + dy * dy).sqrt()
-    else:
-        root, approach = pair_discriminant(dx, dy, -vx, -vy, reach).sqrt(), pair_approach(dx, dy, -vx, -vy)
-        if link.hollow:
-            wait = pair_last_time(approach, root, vx * vx + vy * vy)
-        else:
-            wait = pair_hit_time(pair_gap(dx, dy, reach), approach, root)
-        dx, dy = advance(dx, -vx, wait), advance(dy, -vy, wait)
-    jx, jy = pair_impulse(dx, dy, -vx, -vy, reach, a.w, b.w)
-    return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - a.w * jx, vy - a.w * jy)}
-
-
-def _told(flight: OwnRow) -> Row:
-    return flight.t, flight.x, flight.y, flight.vx, flight.vy
-
-
-def _row(flight: Flight[arb]) -> Row:
-    """t, x, y, vx, vy."""
-    return flight.t, flight.x, flight.y, flight.vx, flight.vy
-
-
-def _flown(row: Row, time: arb) -> Row:
-    t, x, y, vx, vy = row
-    if t is time:
-        return row
-    late = time - t
-    return time, advance(x, vx, late), advance(y, vy, late), vx, vy
-
-
-def _less(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
-    return {k: tuple(a - b for a, b in zip(row, others[k], strict=True)) for k, row in rows.items()}  # pyright: ignore[reportReturnType]
-
-
-def _plus(row: Row, other: Row, scale: arb | None) -> Row:
-    t, x, y, vx, vy = row
-    dt, dx, dy, ux, uy = other
-    if scale is not None:
-        return t + scale * dt, x + scale * dx, y + scale * dy, vx + scale * ux, vy + scale * uy
-    return t + dt, x + dx, y + dy, vx + ux, vy + uy
-
-
-def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: bool = False) -> Rows:
-    """The elastic bounce of two circles, or of a circle and a wall or an arc, where they touch first in free flight.
-
-    Args:
-        state: has the radii, the masses, the walls and the arcs, and where fixed circles are.
-        rows: the flights of those that can move.
-        here: where they are now, along their line of centres, however long it is.
-    """
-    if is_flat(link):
-        t, x, y, vx, vy = rows[link.circle]
-        line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
-        wait = t - t
-        if not here:
-            gap = wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, r * line.length)
-            wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))
-        left = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
-        return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
-    if is_arc(link):
-        return _bounce_off_arc(state, link, rows[link.circle], here)
-    assert is_pair(link)
-    a, b = link.ends(state)
-    one, other = (rows[k] if k in rows else _row(state.bodies[k].flight) for k in link)
-    later = one[0] if link.b not in rows else other[0]
-    (_, ax, ay, avx, avy), (_, bx, by, bvx, bvy) = _flown(one, later), _flown(other, later)
-    dx, dy, vx, vy, reach = bx - ax, by - ay, bvx - avx, bvy - avy, a.r + b.r
-    if here:
-        jx, jy = pair_impulse(dx, dy, vx, vy, (dx * dx + dy * dy).sqrt(), a.w, b.w)
-    else:
-        root = pair_discriminant(dx, dy, vx, vy, reach).sqrt()
-        wait = pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
-        later = later + wait
-        strength = pair_strength(root, reach, a.w, b.w)
-        jx, jy = strength * advance(dx, vx, wait), strength * advance(dy, vy, wait)
-    found: Rows = {}
-    for k, row, body, sign in ((link.a, one, a, -1), (link.b, other, b, 1)):
-        if k in rows:
-            t, x, y, ux, uy = _flown(row, later)
-            found[k] = t, x, y, ux + sign * body.w * jx, uy + sign * body.w * jy
-    return found

@@ -5,21 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flint import arb
 
 from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_discriminant, pair_gap
 from ...exact.numbers import ball
+from ...exact.replay.contact import WallFall
 from ...exact.replay.parts import NearestPart, PartsNear
-from ...floating.knots import DoubleMotion
-from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
+from ...exact.replay.wall_flights import fall_of
+from ...floating.knots import DoubleMotion, SteppedFall
+from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.surfaces import ThingParts, parts_of
-from ...scenarios.things import Circle
 from ..alignment.instants import Kind, instants
 from ..tangent.flight_aside import RoundSide, out_of, stretches
 from ..tangent.flight_aside import middle as _middle
+from .free_flights import (
+    FlightBalls,
+    OwnFlight,
+    apart_at,
+    exact_flight,
+    fallen,
+    is_zero,
+    last_step,
+    resting,
+    wall_margin,
+    wall_wait,
+)
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
@@ -34,16 +47,6 @@ if TYPE_CHECKING:
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""
-
-
-class OwnFlight(NamedTuple):
-    """One circle from its last meeting on: x, y, vx, vy at time t, in the engine's own numbers."""
-
-    t: Real
-    x: Real
-    y: Real
-    vx: Real
-    vy: Real
 
 
 @dataclass(frozen=True)
@@ -206,12 +209,10 @@ def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event:
 # -- how one run has it
 
 
-FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
-"""t, x, y, vx, vy of a flight, in balls."""
-
-
 class RunReader:
     """Reads flights and decisions off one run.
+
+    Under gravity, and where walls move, numbers are those of the frame that falls with the scene as the run has it.
 
     Args:
         run: the run.
@@ -268,8 +269,13 @@ class RunReader:
             self._states[key] = self.run.at(time) if index is None or key == -2 else self.run.after(index)
         state = self._states[key][name]
         if self._until and isinstance(self.run.motion, DoubleMotion):
-            knots = self.run.motion.knots[self.places[name]]
+            motion, k = self.run.motion, self.places[name]
+            knots = motion.knots[k]
             last = max((n for n, knot in enumerate(knots) if float(time) < knot[0] < self._until), default=None)
+            if isinstance(motion, SteppedFall):  # no step has it where the exact law does
+                at = last_step(motion, float(time) if last is None else knots[last][0], self._until)
+                if at is not None:
+                    return OwnFlight(*map(real, (at, *motion.state(at)[k])))
             if last is not None:
                 return OwnFlight(*map(real, knots[last][:5]))
         return OwnFlight(time, state.x, state.y, state.vx, state.vy)
@@ -314,7 +320,8 @@ class RunReader:
             if flight is None:
                 return None
             t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
-            self._numbers[key] = t, x, y, vx, vy
+            with ball.precision(2 * bits):
+                self._numbers[key] = fallen(self.things(bits).falling, (t, x, y, vx, vy))
         return self._numbers[key]
 
     def _relative(self, pairing: Pairing, bits: int, end: int | None = None) -> Relative | None:
@@ -344,17 +351,21 @@ class RunReader:
             return False
         return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
 
-    def _wall(self, pairing: Pairing, bits: int, face: int | None = None) -> tuple[arb, arb, arb, arb] | None:
-        """t, the gap to a wall, or to a face, the approach to it, and the length of its normal."""
+    def _wall(self, pairing: Pairing, bits: int, face: int | None = None) -> tuple[arb, WallFall[arb], arb] | None:
+        """t, the gap to a wall, or to a face, the approach to it, half of the pull, and the length of the normal."""
         flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
         t, x, y, vx, vy = flight
         circle, things = self.places[pairing.body], self.things(bits)
         wall = self.places[pairing.partner] - len(self.scene.circles) if face is None else face
-        x0, y0, nx, ny, _, length = things.line(circle, wall)
-        gap = law.wall_gap(x, y, x0, y0, nx, ny, things.bodies[circle].r * length)
-        return t, gap, law.wall_approach(vx, vy, nx, ny), length
+        line = things.line(circle, wall)
+        offset = things.bodies[circle].r * line.length
+        if things.falling is None:
+            gap = law.wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, offset)
+            return t, WallFall(gap, law.wall_approach(vx, vy, line.nx, line.ny), arb(0)), line.length
+        drift = things.drifts.get(wall)
+        return t, fall_of(things.falling, (x, y, vx, vy, t), line, offset, drift, things.zero), line.length
 
     def things(self, bits: int) -> RoundedState:
         """Radii and walls as the run has them."""
@@ -374,9 +385,8 @@ class RunReader:
             return min(self._part_times(pairing, parts, bits, leaving=False), key=_middle, default=None)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            if told is None or ball.sign_of(told[2]) != -1:
-                return None
-            return told[0] + law.wall_hit_time(told[1], told[2])
+            wait = None if told is None else wall_wait(told[1], pull_of(self, pairing))
+            return None if told is None or wait is None else told[0] + wait
         relative = self._relative(pairing, bits)
         return None if relative is None else _meeting_time(relative)
 
@@ -395,7 +405,7 @@ class RunReader:
         for face in parts.faces:
             told = self._wall(pairing, bits, face)
             assert told is not None
-            _, gap, approach, length = told
+            _, (gap, approach, _), length = told
             behind = _middle(gap + things.bodies[circle].r * length) < 0.0
             if ball.sign_of(approach) != (1 if leaving else -1) or (behind and not leaving):
                 continue
@@ -484,7 +494,11 @@ class RunReader:
             leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
             return float(enter), float(leave)
         if enter is None or self.is_wall(pairing):
-            return None if enter is None else (float(enter), math.inf)
+            told = self._wall(pairing, FIRST_BITS) if enter is not None and pull_of(self, pairing) > 0 else None
+            if told is None or enter is None:
+                return None if enter is None else (float(enter), math.inf)
+            _, (gap, approach, half), _ = told
+            return float(enter), float(enter + ball.root(law.fall_discriminant(gap, approach, half)) / half)
         relative = self._relative(pairing, FIRST_BITS)
         assert relative is not None
         _, dx, dy, vx, vy, reach = relative
@@ -505,7 +519,9 @@ class RunReader:
             wall = self._wall(pairing, bits)
             if wall is None:
                 return False
-            _, gap, approach, _ = wall
+            _, (gap, approach, _), _ = wall
+            if (pull := pull_of(self, pairing)) != 0:
+                return pull > 0 and ball.sign_of(approach) in (0, 1)
         else:
             relative = self._relative(pairing, bits)
             if relative is None:
@@ -517,8 +533,9 @@ class RunReader:
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.
 
-        For a wall, which every approaching circle hits, the speed at which the circle leaves it. For a thing of faces
-        and ends, how far aside of it the flight passes (`_beside`).
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it; of one to which it
+        is pulled, at which it comes there. For a thing of faces and ends, how far aside of it the flight passes
+        (`_beside`).
         """
         parts = self._parts_of(pairing)
         if parts is not None:
@@ -533,7 +550,7 @@ class RunReader:
             return self._beside(pairing, parts, bits)
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            return None if told is None else told[2] / told[3]
+            return None if told is None else wall_margin(told[1], pull_of(self, pairing)) / told[2]
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -551,7 +568,7 @@ class RunReader:
             return None if near is None else near.gap
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
-            return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
+            return None if told is None else law.sag(*told[1], time - told[0]) / told[2]
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -561,10 +578,12 @@ class RunReader:
 
     def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
         """Whether a gap, or a discriminant, is proved to be zero, where the flights' exact values are short."""
+        gravity = self.scene.gravity
+        if gravity is not None and self._rounds_to is not None:  # it falls otherwise
+            return False
         if end is not None:
-            own = exact_flight(
-                self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing))
-            )
+            anchor = pairing.anchors.get(pairing.body)
+            own = exact_flight(self.flight(pairing.body, anchor, turned=self._turned(pairing)), gravity)
             circle, there = self.scene.circles[self.places[pairing.body]], self.scene.circles[end]
             if own is None or self._rounds_to is not None:
                 return False
@@ -572,7 +591,7 @@ class RunReader:
             return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
-        exact = [flight for flight in map(exact_flight, flights) if flight is not None]
+        exact = [own for own in (exact_flight(flight, gravity) for flight in flights) if own is not None]
         if len(exact) < 2:
             return False
         radii = [
@@ -582,6 +601,17 @@ class RunReader:
         ]
         apart = apart_at(*exact)
         return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), radii[0] + radii[1])
+
+
+def pull_of(reader: RunReader, pairing: Pairing) -> int:
+    """Whether gravity pulls a circle to a wall (-1), away from it (1), or neither."""
+    wall = reader.places[pairing.partner] - len(reader.scene.circles)
+    return reader.things(FIRST_BITS).sides.pull(reader.places[pairing.body], wall)
+
+
+def decides_by_speed(reader: RunReader, pairing: Pairing) -> bool:
+    """Whether the number that decides a hit is a speed, and no distance: see `RunReader.least_gap`."""
+    return reader.is_wall(pairing) and pull_of(reader, pairing) <= 0
 
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
@@ -606,47 +636,3 @@ def _meeting_time(relative: Relative) -> arb | None:
     if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
         return None
     return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
-
-
-# -- zeros that are proved
-
-ExactFlight: TypeAlias = tuple[Quantity, Quantity, Quantity, Quantity, Quantity]
-"""t, x, y, vx, vy of a flight."""
-
-LONGEST_TEXT = 400
-"""Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`
-tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
-
-
-def exact_flight(flight: OwnFlight | None) -> ExactFlight | None:
-    """A flight in exact numbers, where they are short."""
-    values = [] if flight is None else [short_quantity(value) for value in flight]
-    return None if None in values or len(values) < 5 else cast("ExactFlight", tuple(values))
-
-
-def short_quantity(value: Real) -> Quantity | None:
-    """A number as a `Quantity`, if it is exact and short."""
-    text = real(value).text()
-    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
-
-
-def resting(circle: Circle) -> ExactFlight:
-    """The flight of what never moves."""
-    return ZERO, circle.x, circle.y, ZERO, ZERO
-
-
-def apart_at(one: ExactFlight, other: ExactFlight) -> tuple[Quantity, Quantity, Quantity, Quantity]:
-    """d and v from one to the other, at the later of the times from which they fly."""
-    (s, *a), (t, *b) = one, other
-    later = s if (s - t).sign() >= 0 else t
-    ax, ay = advance(a[0], a[2], later - s), advance(a[1], a[3], later - s)
-    bx, by = advance(b[0], b[2], later - t), advance(b[1], b[3], later - t)
-    return bx - ax, by - ay, b[2] - a[2], b[3] - a[3]
-
-
-def is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
-    """Whether a formula is proved to give zero."""
-    try:
-        return formula(*numbers).sign() == 0
-    except ValueError:
-        return False

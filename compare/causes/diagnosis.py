@@ -56,9 +56,18 @@ CAUSES: dict[str, Cause] = {
     "DECISION": Cause("arithmetic in the decision", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
     "ARITHMETIC": Cause("arithmetic rounding", rank=SHARE_RANK, rounding=True),
     "OWN": Cause("errors of its own steps, not audited", rank=SHARE_RANK, rounding=None),
+    "INTEGRATOR": Cause(
+        "integrator", rank=SHARE_RANK, head="The way in which the engine falls changed what happened", family="STEPS"
+    ),
     "LATENESS": Cause("lateness", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "OVERLAP": Cause("overlap", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "SOLVER": Cause("inexact impulses", rank=SHARE_RANK, head="Inexact impulses changed what happened", family="STEPS"),
+    "THRESHOLD": Cause(
+        "restitution threshold",
+        rank=SHARE_RANK,
+        head="A speed below which nothing bounces changed what happened",
+        family="STEPS",
+    ),
     "SEVERAL": Cause(
         "impulses of several contacts",
         rank=SHARE_RANK,

@@ -16,9 +16,9 @@ from ...exact.replay.contact import is_pair
 from ...exact.replay.state import Kick
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import Quantity, real
+from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.surfaces import parts_of
-from ...scenarios.things import Circle
+from ...scenarios.things import Circle, Wall
 from ...scenarios.trajectory import Event
 from ..alignment.align import Span, align
 from ..alignment.walk import history
@@ -26,14 +26,15 @@ from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..validation import falls
 from .budget import ALONE
-from .decision import RunReader, answer, short_quantity
+from .decision import RunReader, answer
 from .diagnosis import CauseName, Experiment
+from .free_flights import short_quantity
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
     from .budget import Account, Contribution
-    from .decision import OwnFlight
+    from .free_flights import OwnFlight
     from .laboratory import Laboratory
 
 LATER, LATER_UNITS = 2.0**-30, 2.0**4
@@ -308,7 +309,7 @@ class OwnState:
         end: the end of the instant.
         late: by how much the exact law may be later.
         partners: whom each meets from then on, in the engine's run.
-        left: how the engine leaves each: vx, vy.
+        left: how the engine leaves each: vx, vy; under gravity less what it has brought since `last`.
         times: of the engine's contacts from then on.
     """
 
@@ -345,11 +346,15 @@ class OwnState:
             elif str(circle.id) in names:
                 own = flights[str(circle.id)]
                 t, x, y, vx, vy = map(_exact, (own.t, own.x, own.y, own.vx, own.vy))
-                lag = Quantity.of(Fraction(last)) - t
-                place = x + vx * lag, y + vy * lag
-                circles.append(Circle(*place, circle.r, vx, vy, m=circle.m, id=circle.id, point=circle.point))
+                lag, (gx, gy) = Quantity.of(Fraction(last)) - t, scene.gravity or (ZERO, ZERO)
+                place = x + (vx + gx * lag / 2) * lag, y + (vy + gy * lag / 2) * lag
+                speed = vx + gx * lag, vy + gy * lag
+                circles.append(Circle(*place, circle.r, *speed, m=circle.m, id=circle.id, point=circle.point))
         try:
-            here = scene.with_changes(circles=circles, until=None, events=None, reverse_at=None, reverse_after=None)
+            here = scene.with_changes(
+                circles=circles, walls=_moved(scene, Quantity.of(Fraction(last))),
+                until=None, events=None, reverse_at=None, reverse_after=None,
+            )  # fmt: skip
         except SceneError:
             return None
         told = history(lab.candidate.trajectory)
@@ -358,10 +363,14 @@ class OwnState:
             for name in names
         }
         run = lab.candidate.trajectory
-        left = {name: run.after(met[-1].event)[name] for name, met in past.items() if met}
+        left = {name: run.after(met[-1].event) for name, met in past.items() if met}
+        velocities = {
+            name: _at_last(scene, float(state[name].vx), float(state[name].vy), float(state.time) - last)
+            for name, state in left.items()
+        }
         return OwnState(
             here, last, end, late, {name: [p for m in met for p in m.partners] for name, met in past.items()},
-            {name: (float(state.vx), float(state.vy)) for name, state in left.items()},
+            velocities,
             frozenset(told.times[m.event] for met in past.values() for m in met),
         )  # fmt: skip
 
@@ -390,10 +399,27 @@ class OwnState:
         speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
         room = max(ALIKE, ALIKE_UNITS * 2.0**-lab.bits) * speed
         final = exact.after(done) if done >= 0 else exact.at(0)
-        return all(
-            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= room
-            for name, (vx, vy) in self.left.items()
-        )
+        now = {
+            name: _at_last(self.scene, float(final[name].vx), float(final[name].vy), float(final.time))
+            for name in self.left
+        }
+        return all(math.dist(now[name], velocity) <= room for name, velocity in self.left.items())
+
+
+def _at_last(scene: Scene, vx: float, vy: float, since: float) -> tuple[float, float]:
+    """A velocity less what gravity has brought in a time."""
+    gx, gy = map(float, scene.gravity or (0, 0))
+    return vx - gx * since, vy - gy * since
+
+
+def _moved(scene: Scene, time: Quantity) -> list[Wall]:
+    """The walls where they are at a time."""
+    return [
+        Wall(w.x0 + w.vx * time, w.y0 + w.vy * time, w.x1 + w.vx * time, w.y1 + w.vy * time, id=w.id, vx=w.vx, vy=w.vy)
+        if w.moves
+        else w
+        for w in scene.walls
+    ]
 
 
 def _near_contacts(lab: Laboratory) -> Sequence[Contact]:
@@ -461,10 +487,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         ]
     if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
         parts.append(account.own)
-    # where the rounded scene alone does not lead to the decision, sizes say nothing of what each kind does alone
-    grown = any(part.cause is CauseName["INPUT"] and part.alone is None and part.size for part in parts)
     for part in parts:
-        flips, earlier, free, does = _alone(lab, part, grown), None, "", False
+        flips, earlier, free, does = _alone(lab, part, account.along), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
             if flips and _by_its_contacts_alone(lab):
                 if lab.given is None:
@@ -573,6 +597,8 @@ def _what(lab: Laboratory, cause: CauseName) -> str:
         "IMPACTS": f"rounding in {lab.name}'s impulses",
         "ARITHMETIC": f"{lab.name}'s own rounding",
         "OWN": f"what {lab.name}'s own steps miss",
+        "INTEGRATOR": f"the way in which {lab.name} falls by steps",
+        "THRESHOLD": f"what bounces below the speed at which {lab.name} lets anything bounce lack",
         "LATENESS": "an impulse after the contact, at the end of a step,",
         "OVERLAP": "a line of centres that overlap has turned",
         "STEPS": f"what {lab.name}'s steps miss",

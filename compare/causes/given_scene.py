@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import Flight
+from ...exact.replay.contact import Flight, Gravity
 from ...exact.replay.state import ReplayState
 from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Arc, Circle, Polygon, Segment, Wall
+from ...scenarios.things import Arc, Circle, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
@@ -54,7 +55,7 @@ def nearest(value: Quantity, bits: int = DOUBLE_BITS) -> Quantity:
 
 
 def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
-    """The scene with every coordinate, radius, velocity and mass replaced by the nearest number of so many bits.
+    """The scene with every length, velocity, mass, gravity and restitution replaced by the nearest of so many bits.
 
     Raises:
         SceneError: if the rounded circles overlap, sides of a rounded polygon cross, or a number is beyond the doubles.
@@ -72,7 +73,13 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         )
         for c in scene.circles
     ]
-    walls = [Wall(*(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    walls = [
+        type(w)(
+            *(nearest(value, bits) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id,
+            **{"vx": nearest(w.vx, bits), "vy": nearest(w.vy, bits)} if w.moves else {},
+        )
+        for w in scene.walls
+    ]  # fmt: skip
     segments = [
         Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
         for s in scene.segments
@@ -88,7 +95,11 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         )
         for a in scene.arcs
     ]  # fmt: skip
-    others = {"segments": segments, "polygons": polygons, "arcs": arcs}
+    others: dict[str, Any] = {"segments": segments, "polygons": polygons, "arcs": arcs}
+    if scene.gravity is not None:
+        others["gravity"] = tuple(nearest(part, bits) for part in scene.gravity)
+    if not scene.elastic:
+        others["restitution"] = nearest(scene.restitution, bits)
     return scene.with_changes(circles=circles, walls=walls, **{key: things for key, things in others.items() if things})
 
 
@@ -120,6 +131,13 @@ class RoundedState(ReplayState[arb]):
         for side, body in zip(scene.arc_sides, self.arcs, strict=True):
             body.r = self._near(side.r)
             body.flight = self._still_at(self._near(side.x), self._near(side.y))
+        if scene.gravity is not None:
+            hx, hy = (self._near(part) / 2 for part in scene.gravity)
+            self.falling = Gravity(hx, hy, self.bends)
+        for wall in self.drifts:
+            self.drifts[wall] = self._near(scene.walls[wall].vx), self._near(scene.walls[wall].vy)
+        if self.share is not None:
+            self.share = (1 + self._near(scene.restitution)) / 2
 
     def _still_at(self, x: arb, y: arb) -> Flight[arb]:
         zero = self.zero
@@ -142,8 +160,19 @@ class RoundedState(ReplayState[arb]):
         self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
 
     def towards(self, other: RoundedState, share: arb) -> RoundedState:
-        """The state a share of the way to another one of the same scene: places, speeds, radii, 1/m and walls."""
+        """The state a share of the way to another one of the same scene: of all that is rounded."""
+
+        def between(a: arb, b: arb) -> arb:
+            return a + share * (b - a)
+
         made = RoundedState(self.scene, None)
+        if self.falling is not None and other.falling is not None:
+            mine, theirs = self.falling, other.falling
+            made.falling = Gravity(between(mine.hx, theirs.hx), between(mine.hy, theirs.hy), self.bends)
+        if self.share is not None and other.share is not None:
+            made.share = between(self.share, other.share)
+        for wall, (ux, uy) in self.drifts.items():
+            made.drifts[wall] = between(ux, other.drifts[wall][0]), between(uy, other.drifts[wall][1])
         for k, body in made.bodies.items():
             one, two = self.bodies[k], other.bodies[k]
             x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))

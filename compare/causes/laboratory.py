@@ -14,10 +14,11 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span
 from ..alignment.instants import DOUBLE_BITS, Kind
+from ..audit.audit import allowances
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
-from .decision import DecidingNumber, Pairing, RunReader, answer, decisions
+from .decision import DecidingNumber, Pairing, RunReader, answer, decides_by_speed, decisions
 from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed
 from .given_scene import rounded
 
@@ -129,6 +130,7 @@ class Laboratory:
             run = Continuation(
                 self.reference, self.candidate.trajectory, self.candidate.alignment.walks, self.decision, self.turned,
                 self._rounds_to, 2.0**-self.bits if stepped else None, self.first_time,
+                allowances(self.engine, self.study.scene).get("threshold", 0.0),
             )  # fmt: skip
             return account_of(run, self.margin, self.got, stepped, self.input_rounded)
         except NoContinuation as why:
@@ -239,7 +241,7 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
     if found.name is CauseName["PHANTOM"]:
         pass
     elif lab.decision is not None and lab.margin is not None:
-        if lab.decision.kind == "hit" and lab.truth.is_wall(lab.decision.first):
+        if lab.decision.kind == "hit" and decides_by_speed(lab.truth, lab.decision.first):
             speed = ball.double_bounds(lab.margin)
         elif lab.decision.kind == "hit":
             distance = ball.double_bounds(lab.margin)

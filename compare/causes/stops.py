@@ -16,8 +16,8 @@ from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
 from ..foreign.guard import wider_of
-from .decision import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 from .diagnosis import CauseName, Diagnosis, Experiment
+from .free_flights import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
@@ -235,7 +235,9 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
     whole = reference.scene.surfaces
     for name, (*_, vx, vy) in flights.items():
         for wall in whole.walls:
-            if (vx.sign() or vy.sign()) and is_zero(wall_approach, vx, vy, *wall.normal):
+            ux, uy = vx - wall.vx, vy - wall.vy
+            along = whole.gravity is None or is_zero(wall_approach, *whole.gravity, *wall.normal)
+            if along and (ux.sign() or uy.sign()) and is_zero(wall_approach, ux, uy, *wall.normal):
                 return f"{name} flies parallel to {wall.id}"
     for (name, flight), k in product(flights.items(), whole.ends):
         end = whole.circles[k]
@@ -305,7 +307,7 @@ def _flights_before(reference: Trajectory, event: int) -> dict[str, ExactFlight]
         past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
         time = reference.events[past[-1]].time if past else Quantity.of(0)
         state = reference.at(time)[str(circle.id)]
-        flight = exact_flight(OwnFlight(time, state.x, state.y, state.vx, state.vy))
+        flight = exact_flight(OwnFlight(time, state.x, state.y, state.vx, state.vy), reference.scene.gravity)
         if flight is not None:
             flights[str(circle.id)] = flight
     return flights

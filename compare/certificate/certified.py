@@ -181,6 +181,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     >>> difference(block, other), difference(block, Scene([Circle(0, 0, vx=1), Circle(5, 0)]))
     (None, "circle 'c2': x is 1*r1, not 5")
     """
+    if scene.other_walls:
+        return f"it has no wall of kind {scene.other_walls[0].kind!r}, which certificates do not know"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())

@@ -70,6 +70,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     """
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
+    if other := trajectory.scene.other_walls:
+        raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
     if trajectory.scene.pegs:
         raise CertificateError(
             f"the scene has gravity and circle {trajectory.scene.ids[min(trajectory.scene.pegs)]!r}, which is fixed: "

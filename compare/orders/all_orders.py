@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from ...exact.exact_motion import ExactValue
-from ...exact.numbers.system import Undecided
+from ...exact.numbers.system import BudgetSpent, Undecided
 from ...exact.replay.contact import Touch, contact_of
 from ...exact.simulation.policies import Ask, Policy, Sequential
 from ...scenarios.errors import SceneError, TimeIsUp
@@ -27,6 +27,15 @@ class Choice(NamedTuple):
     offered: tuple[Touch, ...]
     chosen: Touch
     asleep: frozenset[Touch]
+
+
+MOST_CHOICES = 1_000
+"""Choices at one instant after which an order is given up: where energy is lost, an order may have no end."""
+
+
+def _in_bounds(choices: int) -> None:
+    if choices >= MOST_CHOICES:
+        raise BudgetSpent(f"an order of impulses at one instant with over {MOST_CHOICES} choices; it may have no end")
 
 
 class BranchDone(Exception):
@@ -52,6 +61,8 @@ class Scripted(Policy):
     """
 
     chooses_order = True
+    repeats = True
+    """An order that goes on as it came has no end; what else it could have gone on with, other branches do."""
 
     def __init__(
         self,
@@ -74,6 +85,7 @@ class Scripted(Policy):
 
         Raises:
             BranchDone: if all of them are asleep.
+            BudgetSpent: after `MOST_CHOICES` at one instant.
         """
         place = len(self.choices)
         last = len(self.script) - 1
@@ -84,6 +96,7 @@ class Scripted(Policy):
                     raise BranchDone("asleep")
                 self.asleep = self._still_asleep(chosen)
             return (chosen,)
+        _in_bounds(place - self._before)
         if place <= last:
             chosen = self.script[place]
             self.choices.append(Choice(self.instant, tuple(approaching), chosen, frozenset()))
@@ -122,6 +135,27 @@ class Scripted(Policy):
         """The sleepers that do not depend on the contact kicked."""
         mine = {i for i in chosen.circles if self.movers[i]}
         return frozenset(link for link in self.asleep if link != chosen and mine.isdisjoint(link.circles))
+
+
+class Drawn(Sequential):
+    """An order drawn from a seed, given up after `MOST_CHOICES` at one instant."""
+
+    _choices = 0
+
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
+        """One contact.
+
+        Raises:
+            BudgetSpent: after `MOST_CHOICES` at one instant.
+        """
+        if len(approaching) > 1:
+            _in_bounds(self._choices)
+            self._choices += 1
+        return super().choose(approaching, ask)
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Counts anew."""
+        self._choices = 0
 
 
 # ----------------------------------------
@@ -310,7 +344,7 @@ def all_orders(
     if stack:
         had = {_impulses(outcome.trajectory) for outcome in outcomes}
         for drawn in range(seed, seed + samples):
-            trajectory = engine.run_with(scene, Sequential(drawn), until=until, events=events)
+            trajectory = engine.run_with(scene, Drawn(drawn), until=until, events=events)
             sampled += 1
             if _impulses(trajectory) not in had and not (ends and known.repeated(trajectory)):
                 had.add(_impulses(trajectory))

@@ -38,7 +38,7 @@ def floats_json(scene: Scene) -> dict[str, Any]:
         "schema": FLOATS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
         "circles": [_thing(c, CIRCLE) for c in scene.circles],
-        "walls": [_thing(w, WALL) for w in scene.walls],
+        "walls": [{**_thing(w, WALL), **({} if w.kind == "wall" else {"kind": w.kind})} for w in scene.walls],
         "pockets": [_thing(p, POCKET) for p in scene.pockets],
     }
     if scene.segments:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from decimal import ROUND_CEILING, Context, Decimal
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from ..alignment.align import UNKNOWING
 from ..files.amounts import counted
 from .documents import Encoder
 from .output import console, grid, say
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Stop
+    from ...scenarios.trajectory import Contact, Stop
     from ..grids.setting_search import Advice, Tried
     from ..orders.all_orders import Leaf, OrderTree
     from ..reduction.smallest import SceneSize, Smallest
@@ -263,6 +265,9 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, ver
     spread = spread_phrase(found)
     if spread:
         say(out, spread)
+    cut = [leaf.trajectory.stop for leaf in found if leaf.trajectory.stop.reason in UNKNOWING]
+    if cut:
+        say(out, f"{len(cut)} of them {'stops' if len(cut) == 1 else 'stop'} before the end: {cut[0].message}")
     if verbose:
         say(out, f"Merged, as they come to an equal state: {counted(tree.merged, 'order')}; left out, as they only "
                  f"reorder independent contacts: {counted(tree.reordered, 'order')}.")  # fmt: skip
@@ -289,17 +294,24 @@ def outcome_names(outcomes: Sequence[Leaf]) -> list[str]:
     >>> outcome_names(all_orders(ExactEngine(), catalogue.build("lee")).outcomes)
     ['left hits middle first', 'middle hits right first']
     """
-    paths = [[(choice.instant, choice.chosen) for choice in leaf.decisions] for leaf in outcomes if leaf.seed is None]
+    after: dict[int, dict[tuple[int, Contact] | None, int]] = {}  # of each place in the tree, the steps from there
+    fresh = count(1)
+    places: dict[int, list[int]] = {}
+    for k, leaf in enumerate(outcomes):
+        if leaf.seed is None:
+            node, places[k] = 0, []
+            for step in (*((choice.instant, choice.chosen) for choice in leaf.decisions), None):
+                places[k].append(node)
+                node = after.setdefault(node, {}).setdefault(step, next(fresh))
     names = []
-    for outcome in outcomes:
+    for k, outcome in enumerate(outcomes):
         if outcome.seed is not None:
             names.append(f"an order drawn at random (sequential:seed={outcome.seed})")
             continue
-        path = [(choice.instant, choice.chosen) for choice in outcome.decisions]
         parts = [
-            f"{first} hits {second}"
-            for depth, (_, (first, second)) in enumerate(path)
-            if len({tuple(other[depth : depth + 1]) for other in paths if other[:depth] == path[:depth]}) > 1
+            f"{choice.chosen.first} hits {choice.chosen.second}"
+            for choice, node in zip(outcome.decisions, places[k], strict=False)
+            if len(after[node]) > 1
         ]
         more = len(parts) - MOST_CHOICES
         shown = [f"{parts[0]} first", *parts[1:MOST_CHOICES]] if parts else ["as in every order"]

@@ -115,6 +115,8 @@ def shadow(
         raise SceneError(f"{scene.name!r}: has walls that move, of which no shadow is looked for yet")
     if scene.gravity is not None:
         raise SceneError(f"{scene.name!r}: has gravity, of which no shadow is looked for yet")
+    if other := scene.other_walls:
+        raise SceneError(f"{scene.name!r}: has a wall of kind {other[0].kind!r}, of which there is no shadow")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)
     name = engine if isinstance(engine, str) else engine.name
     truth = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))

@@ -206,13 +206,15 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if walls move, if circles go out of play, touch at time 0 and go on touching, if a restitution is
-            0, or under gravity something is round and fixed.
+        NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
+            touching, if a restitution is 0, or under gravity something is round and fixed.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
     if scene.moving_walls:
         raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
+    if other := scene.other_walls:
+        raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
     if scene.gravity is not None and _round_and_fixed(scene):
         raise NoTangentMap("the scene has gravity and something round and fixed, of which there is no tangent map yet")
     if scene.capture:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scenarios.errors import SceneError
+from ...scenarios.surfaces import parts_of
 from ..foreign.guard import run_guarded
 from ..study import finer_by, series_steps
 from ..tangent.growth import Displacements
@@ -240,15 +241,21 @@ class GrownErrors:
             takes the contacts of each in the rounds in which the run has them.
 
     Attributes:
+        scene: as engines see it: circles, with them ends of segments and corners of polygons; then walls, faces too.
+            Places are in this order.
+        places: of circles and walls, by name; of a segment or polygon see `met`.
+        parts: of these, by name.
         position, velocity: shape (circles, 2), where each is at the last event, and how it flies since its own last.
         since: the time of each circle's last event.
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
-        scene = run.scene
+        self.scene = scene = run.scene.surfaces
         self.run, self.local, self.in_rounds = run, local, in_rounds
-        self.places = {name: k for k, name in enumerate(scene.ids)}
-        self.count = len(scene.circles)
+        self.count, self.parts = len(scene.circles), {run.scene.ids[k]: own for k, own in parts_of(run.scene).items()}
+        ids, more = run.scene.ids, len(scene.ends)
+        own, walls = len(run.scene.circles), len(run.scene.walls)
+        self.places = {name: k if k < own else k + more for k, name in enumerate(ids[: own + walls])}
         start = np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in scene.circles])
         self.position, self.velocity = start[:, :2].copy(), start[:, 2:].copy()
         self._left, self._after, self._read = start[:, :2].copy(), start.copy(), -1
@@ -270,7 +277,7 @@ class GrownErrors:
         """Shape (circles, 4): all circles as an event leaves them; those that met nothing in it fly on in doubles."""
         if self._read != index:
             event = self.run.events[index]
-            met = {k for contact in event.contacts for name in contact if (k := self.places[name]) < self.count}
+            met = {k for contact in event.contacts for name in contact if (k := self._circle(name)) is not None}
             time = float(event.time)
             self._after[:, :2] = self._left + (time - self.since)[:, None] * self.velocity
             self._after[:, 2:] = self.velocity
@@ -285,8 +292,8 @@ class GrownErrors:
         event = self.run.events[index]
         state, time = self._read_off(index), float(event.time)
         self.position = state[:, :2].copy()
-        for contact in event.contacts:
-            size = self.local.unit * self._size(contact, time)
+        for contact, pair in zip(event.contacts, self.met(index), strict=True):
+            size = self.local.unit * self._size(pair, time)
             for k in self.movers(contact):
                 self._add(k, np.array([[size, 0.0, 0.0, 0.0], [0.0, size, 0.0, 0.0]]))
 
@@ -349,20 +356,46 @@ class GrownErrors:
         added[self._row[k]] = rows.T
         self._carried.columns = np.concatenate([self._carried.columns, added], axis=2)
 
-    def _size(self, contact: Contact, time: float) -> float:
+    def met(self, index: int) -> list[tuple[int, int]]:
+        """Who meets at an event, by place: of a segment or polygon the face or end that pushes.
+
+        Raises:
+            NoTangentMap: where none of its parts does.
+        """
+        struck = [hit for mine in self._rounds[index : index + 1] for together in mine for hit in together]
+        pushing = [(hit.a, hit.b if hit.wall is None else self.count + hit.wall) for hit in struck]
+        found: list[tuple[int, int]] = []
+        for first, second in self.run.events[index].contacts:
+            i, j = self.places[first], self.places.get(second)
+            if j is None:
+                parts = self.parts[second]
+                among = {*parts.ends, *(self.count + wall for wall in parts.faces)}
+                own = [k for a, k in pushing if a == i and k in among and k is not None and (i, k) not in found]
+                if not own:
+                    raise NoTangentMap(f"event {index}: which part of {second} {first} meets is not known", index)
+                j = own[0]
+            found.append((i, j))
+        return found
+
+    def _circle(self, name: str) -> int | None:
+        """The place of a circle; None of anything else."""
+        place = self.places.get(name, self.count)
+        return place if place < self.count else None
+
+    def _size(self, pair: tuple[int, int], time: float) -> float:
         """The largest number that enters a contact: coordinates at both ends of the flights, radii, the way so far."""
         found = [0.0]
-        for k in [self.places[name] for name in contact if self.places[name] < self.count]:
+        for k in [k for k in pair if k < self.count]:
             speed = float(np.linalg.norm(self.velocity[k]))
             way = speed * (time - float(self.since[k]))
             found += [float(np.abs(self.position[k]).max()) + way, float(self.radii[k]), speed * time]
-        if self.places[contact.second] >= self.count:
-            found += map(abs, self.walls[self.places[contact.second] - self.count])
+        if pair[1] >= self.count:
+            found += map(abs, self.walls[pair[1] - self.count])
         return sum(sorted(found)[-2:])
 
     def movers(self, contact: Contact) -> list[int]:
         """The places of the circles of a contact that can move."""
-        return [k for name in contact if (k := self.places[name]) < self.count and self.weights[k] > 0]
+        return [k for name in contact if (k := self._circle(name)) is not None and self.weights[k] > 0]
 
     def at(self, time: float) -> NDArray[np.float64]:
         """Shape (circles, 4, errors): what each local error has become at a time of the flights under way."""
@@ -384,3 +417,142 @@ def _rounds(run: Trajectory) -> Sequence[Sequence[Sequence[Impact]]]:
         return rounds(run, len(run.events))
     except NoTangentMap as none:
         return rounds(run, none.events)
+
+
+# ----------------------------------------
+# Two things near each other, and by how much errors move the one against the other.
+
+TIGHT = 2.0**-36
+"""A margin in doubles is off by some 2**-50 of the scene's measures; one of less than this share of them is taken from
+the exact run instead."""
+
+
+class Nearby:
+    """Pairs, at the event at which the positions of `grown` are, and their displacements, to the first order.
+
+    Everything is named by its place in the scene as engines see it (`GrownErrors.scene`); of a pair with a wall, or the
+    face of a segment or polygon, that is second.
+
+    Attributes:
+        scale: the scene's largest coordinate or radius.
+        rounding: what one decision is off by itself.
+    """
+
+    def __init__(self, grown: GrownErrors) -> None:
+        self.grown = grown
+        self.scale = max(float(np.abs(grown.position).max()), float(grown.radii.max()))
+        self.rounding = grown.local.unit * self.scale
+        self.faces = range(grown.count + grown.scene.faces.start, grown.count + grown.scene.faces.stop)
+
+    def gap(self, i: int, j: int) -> float:
+        """The distance of the two surfaces."""
+        if j >= self.grown.count:
+            return self.wall(i, j)[0]
+        d, _ = self.relative(i, j)
+        return float(np.hypot(*d)) - float(self.grown.radii[i] + self.grown.radii[j])
+
+    def speed(self, i: int, j: int) -> float:
+        """How fast the two move against each other."""
+        v = self.grown.velocity[i] if j >= self.grown.count else self.relative(i, j)[1]
+        return float(np.hypot(*v))
+
+    def apart(self, columns: NDArray[np.float64], i: int, j: int) -> float:
+        """By how much all errors can move the one against the other at the event."""
+        return float(np.hypot(*self.between(columns, i, j, 0.0)).sum()) + self.rounding
+
+    def relative(self, i: int, j: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """d and v of two circles, at the time of the event that positions are at."""
+        grown = self.grown
+        return grown.position[j] - grown.position[i], grown.velocity[j] - grown.velocity[i]
+
+    def between(self, columns: NDArray[np.float64], i: int, j: int, lag: float) -> NDArray[np.float64]:
+        """Shape (2, errors): the displacement of j against i, so much later than the columns."""
+        other = columns[j] if j < self.grown.count else np.zeros_like(columns[i])
+        between = other - columns[i]
+        return between[:2] + lag * between[2:]
+
+    def across(self, columns: NDArray[np.float64], i: int, j: int, near: float, time: float) -> float:
+        """By how much all errors can move the least distance of two circles."""
+        _, v = self.relative(i, j)
+        across = np.array([-v[1], v[0]]) / math.sqrt(float(v @ v))
+        return float(np.abs(across @ self.between(columns, i, j, near - time)).sum()) + self.rounding
+
+    def wait(self, i: int, j: int) -> float | None:
+        """How long after an event two would meet in free flight; None if they do not."""
+        grown = self.grown
+        if j >= grown.count:
+            gap, closing = self.wall(i, j)
+            if j in self.faces and gap < -self.scale * TIGHT:  # behind it, or beside
+                return None
+            return max(gap, 0.0) / closing if closing > 0 else None
+        d, v = self.relative(i, j)
+        reach = float(grown.radii[i] + grown.radii[j])
+        b, square = float(d @ v), float(v @ v)
+        root = square * reach * reach - float(d[0] * v[1] - d[1] * v[0]) ** 2
+        if b >= 0 or root < 0:
+            return None
+        return max(float(d @ d) - reach * reach, 0.0) / (-b + math.sqrt(root))
+
+    def wall(self, i: int, j: int) -> tuple[float, float]:
+        """The gap between a circle and a wall, and the speed at which it closes."""
+        nx, ny, side, height = self.side(i, j)
+        vx, vy = self.grown.velocity[i]
+        return side * height - float(self.grown.radii[i]), -side * float(nx * vx + ny * vy)
+
+    def side(self, i: int, j: int) -> tuple[float, float, float, float]:
+        """The unit normal of a wall, the side on which a circle is, and its height above it."""
+        x0, y0, x1, y1 = self.grown.walls[j - self.grown.count]
+        nx, ny = y0 - y1, x1 - x0
+        length = math.hypot(nx, ny)
+        x, y = self.grown.position[i]
+        height = float(nx * (x - x0) + ny * (y - y0)) / length
+        return nx / length, ny / length, (1.0 if height >= 0 or j in self.faces else -1.0), height
+
+    def foot(self, columns: NDArray[np.float64], i: int, j: int, wait: float, time: float) -> tuple[float, float]:
+        """How far within its ends a circle meets the line of a face, below 0 beyond them; what errors move that by."""
+        x0, y0, x1, y1 = self.grown.walls[j - self.grown.count]
+        length = math.hypot(x1 - x0, y1 - y0)
+        way = np.array([x1 - x0, y1 - y0]) / length
+        slide = float(way @ self.grown.velocity[i])
+        foot = float(way @ (self.grown.position[i] - (x0, y0))) + slide * wait
+        late = self.shift(columns, i, j, time + wait, time)
+        room = float(np.abs(way @ self.between(columns, i, j, wait) + slide * late).sum()) + self.rounding
+        return min(foot, length - foot), room
+
+    def beside(self, i: int, end: int) -> float:
+        """How far a circle that is at an end is from where that becomes a face: along the faces that begin there."""
+        grown, r = self.grown, float(self.grown.radii[end])
+        d, found = grown.position[i] - grown.position[end], math.inf
+        for x0, y0, x1, y1 in grown.walls[self.faces.start - grown.count :]:
+            starts = [math.hypot(*(grown.position[end] - place)) for place in ((x0, y0), (x1, y1))]
+            if any(abs(away - r) <= TIGHT * self.scale for away in starts):
+                found = min(found, abs(float(d @ (x1 - x0, y1 - y0))) / math.hypot(x1 - x0, y1 - y0))
+        return found
+
+    def shift(self, columns: NDArray[np.float64], i: int, j: int, meeting: float, time: float) -> NDArray[np.float64]:
+        """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
+        grown = self.grown
+        if j >= grown.count:
+            nx, ny, side, _ = self.side(i, j)
+            closing = self.wall(i, j)[1]
+            if not closing:
+                return np.full(columns.shape[2], math.inf)
+            normal = np.array([side * nx, side * ny])
+            return -(normal @ self.between(columns, i, j, meeting - time)) / closing
+        d, v = self.relative(i, j)
+        there = d + (meeting - time) * v
+        if not float(there @ v):
+            return np.full(columns.shape[2], math.inf)
+        return -(there @ self.between(columns, i, j, meeting - time)) / float(there @ v)
+
+    def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:
+        """What the curvature of two circles adds to the delay of their meeting: all errors across it, to second order.
+
+        Where the two fly head on, errors across their way delay it by nothing to the first order.
+        """
+        if j >= self.grown.count:
+            return 0.0
+        d, v = self.relative(i, j)
+        reach = float(self.grown.radii[i] + self.grown.radii[j])
+        closing = abs(float(d @ v)) / math.sqrt(float(d @ d))
+        return self.apart(columns, i, j) ** 2 / (reach * closing) if reach and closing else 0.0

@@ -20,7 +20,7 @@ from ...scenarios.trajectory import StopReason
 from ..causes.decision import DecidingNumber, Pairing, RunReader
 from ..files.amounts import counted
 from ..tangent.impacts import NoTangentMap
-from .errors_grown import GrownErrors
+from .errors_grown import TIGHT, GrownErrors, Nearby
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Real
@@ -28,117 +28,8 @@ if TYPE_CHECKING:
     from ..candidate import Candidate
     from .errors_grown import LocalError
 
-
-class Nearby:
-    """Pairs, at the event at which the positions of `grown` are, and their displacements, to the first order.
-
-    Everything is named by its place in `scene.ids`; of a pair with a wall, the wall is second.
-
-    Attributes:
-        scale: the scene's largest coordinate or radius.
-        rounding: what one decision is off by itself.
-    """
-
-    def __init__(self, grown: GrownErrors) -> None:
-        self.grown = grown
-        self.scale = max(float(np.abs(grown.position).max()), float(grown.radii.max()))
-        self.rounding = grown.local.unit * self.scale
-
-    def gap(self, i: int, j: int) -> float:
-        """The distance of the two surfaces."""
-        if j >= self.grown.count:
-            return self.wall(i, j)[0]
-        d, _ = self.relative(i, j)
-        return float(np.hypot(*d)) - float(self.grown.radii[i] + self.grown.radii[j])
-
-    def speed(self, i: int, j: int) -> float:
-        """How fast the two move against each other."""
-        v = self.grown.velocity[i] if j >= self.grown.count else self.relative(i, j)[1]
-        return float(np.hypot(*v))
-
-    def apart(self, columns: NDArray[np.float64], i: int, j: int) -> float:
-        """By how much all errors can move the one against the other at the event."""
-        return float(np.hypot(*self.between(columns, i, j, 0.0)).sum()) + self.rounding
-
-    def relative(self, i: int, j: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """d and v of two circles, at the time of the event that positions are at."""
-        grown = self.grown
-        return grown.position[j] - grown.position[i], grown.velocity[j] - grown.velocity[i]
-
-    def between(self, columns: NDArray[np.float64], i: int, j: int, lag: float) -> NDArray[np.float64]:
-        """Shape (2, errors): the displacement of j against i, so much later than the columns."""
-        other = columns[j] if j < self.grown.count else np.zeros_like(columns[i])
-        between = other - columns[i]
-        return between[:2] + lag * between[2:]
-
-    def across(self, columns: NDArray[np.float64], i: int, j: int, near: float, time: float) -> float:
-        """By how much all errors can move the least distance of two circles."""
-        _, v = self.relative(i, j)
-        across = np.array([-v[1], v[0]]) / math.sqrt(float(v @ v))
-        return float(np.abs(across @ self.between(columns, i, j, near - time)).sum()) + self.rounding
-
-    def wait(self, i: int, j: int) -> float | None:
-        """How long after an event two would meet in free flight; None if they do not."""
-        grown = self.grown
-        if j >= grown.count:
-            gap, closing = self.wall(i, j)
-            return max(gap, 0.0) / closing if closing > 0 else None
-        d, v = self.relative(i, j)
-        reach = float(grown.radii[i] + grown.radii[j])
-        b, square = float(d @ v), float(v @ v)
-        root = square * reach * reach - float(d[0] * v[1] - d[1] * v[0]) ** 2
-        if b >= 0 or root < 0:
-            return None
-        return max(float(d @ d) - reach * reach, 0.0) / (-b + math.sqrt(root))
-
-    def wall(self, i: int, j: int) -> tuple[float, float]:
-        """The gap between a circle and a wall, and the speed at which it closes."""
-        nx, ny, side, height = self.side(i, j)
-        vx, vy = self.grown.velocity[i]
-        return side * height - float(self.grown.radii[i]), -side * float(nx * vx + ny * vy)
-
-    def side(self, i: int, j: int) -> tuple[float, float, float, float]:
-        """The unit normal of a wall, the side on which a circle is, and its height above it."""
-        x0, y0, x1, y1 = self.grown.walls[j - self.grown.count]
-        nx, ny = y0 - y1, x1 - x0
-        length = math.hypot(nx, ny)
-        x, y = self.grown.position[i]
-        height = float(nx * (x - x0) + ny * (y - y0)) / length
-        return nx / length, ny / length, (1.0 if height >= 0 else -1.0), height
-
-    def shift(self, columns: NDArray[np.float64], i: int, j: int, meeting: float, time: float) -> NDArray[np.float64]:
-        """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
-        grown = self.grown
-        if j >= grown.count:
-            nx, ny, side, _ = self.side(i, j)
-            closing = self.wall(i, j)[1]
-            normal = np.array([side * nx, side * ny])
-            return -(normal @ self.between(columns, i, j, meeting - time)) / closing
-        d, v = self.relative(i, j)
-        there = d + (meeting - time) * v
-        if not float(there @ v):
-            return np.full(columns.shape[2], math.inf)
-        return -(there @ self.between(columns, i, j, meeting - time)) / float(there @ v)
-
-    def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:
-        """What the curvature of two circles adds to the delay of their meeting: all errors across it, to second order.
-
-        Where the two fly head on, errors across their way delay it by nothing to the first order.
-        """
-        if j >= self.grown.count:
-            return 0.0
-        d, v = self.relative(i, j)
-        reach = float(self.grown.radii[i] + self.grown.radii[j])
-        closing = abs(float(d @ v)) / math.sqrt(float(d @ d))
-        return self.apart(columns, i, j) ** 2 / (reach * closing) if reach and closing else 0.0
-
-
 # ----------------------------------------
 # How far an honest engine must tell the true history: while the exact margin of every decision exceeds its errors.
-
-TIGHT = 2.0**-36
-"""A margin in doubles is off by some 2**-50 of the scene's measures; one of less than this share of them is taken from
-the exact run instead."""
 
 FLOWN = 2.0**-48
 """Share of the way flown so far by which a place in doubles may be off besides."""
@@ -231,7 +122,7 @@ class ErrorWalk:
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         scene = run.scene
         beyond = {
-            "segments": bool(scene.segments), "polygons": bool(scene.polygons), "arcs": bool(scene.arcs),
+            "arcs": bool(scene.arcs), "walls of other kinds": bool(scene.other_walls),
             "a restitution below 1": not scene.elastic, "walls that move": bool(scene.moving_walls),
             "gravity": scene.gravity is not None,
         }  # fmt: skip
@@ -240,13 +131,13 @@ class ErrorWalk:
             raise SceneError(f"{told}; give a span: events=N, or until=T")
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
-        self.names = run.scene.ids
+        self.names = self.grown.scene.ids
         self.last: dict[str, int] = {}
         self.reader = RunReader(run)
         self.near = Nearby(self.grown)
         self.found = Reach(0, None, 0, [], [], [])
         self.linear: int | None = None
-        self.done = 0
+        self.done, self.come = 0, -1
 
     def goes_on(self, run: Trajectory, local: LocalError) -> bool:
         """Whether what is done is the beginning of a longer run's walk; if so, that run is taken on."""
@@ -260,7 +151,10 @@ class ErrorWalk:
         """How far the history is required: see `reach_of`."""
         run = self.run
         for index, event in enumerate(run.events[self.done :], start=self.done):
-            limit = self._hindrance(index) or self._decided(index)
+            try:
+                limit = self._hindrance(index) or self._decided(index)
+            except NoTangentMap as none:
+                return self._ended(index, OutOfReach(index, float(event.time), f"{none}"))
             if limit is None:
                 late = self._lateness(index)
                 try:
@@ -272,21 +166,27 @@ class ErrorWalk:
                 self.found.time.append(late)
                 self._note_states(index)
             else:
-                return self._ended(index, limit)
+                first = self._earliest(limit, float(event.time)) if self.come == index else limit
+                return self._ended(index if first is None else first.event, first)
             self.last |= dict.fromkeys((name for pair in event.contacts for name in pair), index)
             self.done = index + 1
-        return self._ended(len(run.events), self._after_the_last())
+        limit = self._after_the_last()
+        return self._ended(len(run.events) if limit is None else limit.event, limit)
 
     def _ended(self, events: int, limit: OutOfReach | None) -> Reach:
         linear = events if self.linear is None else min(self.linear, events)
-        return Reach(events, limit, linear, self.found.position, self.found.velocity, self.found.time)
+        found = self.found
+        return Reach(events, limit, linear, found.position[:events], found.velocity[:events], found.time[:events])
 
     def _hindrance(self, index: int) -> OutOfReach | None:
         """What errors are not carried through: a tie, a reversal, a circle out of play."""
         run, time = self.run, float(self.run.events[index].time)
         if self._tied(index) and not self.grown.in_rounds:
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
-            known = self._decided(index) is None and self.linear is None
+            decided = self._decided(index)
+            if decided is not None and decided.time < time:  # on the way there
+                return decided
+            known = decided is None and self.linear is None
             return OutOfReach(index, time, told, tie=True, late=self._lateness(index) if known else None)
         if run.reversal is not None and run.reversal.after <= index:
             return OutOfReach(index, time, "the velocities are reversed before it, and errors are carried no farther")
@@ -310,8 +210,7 @@ class ErrorWalk:
 
     def _flown_together(self, index: int) -> list[tuple[int, int]]:
         """The contacts of an event, without those that others' impulses at the same instant lead to."""
-        contacts = self.run.events[index].contacts
-        found = [(self.grown.places[first], self.grown.places[second]) for first, second in contacts]
+        found = self.grown.met(index)
         if len(found) == 1 or not self._tied(index):
             return found
         return [(i, j) for i, j in found if self.reader.hit_time(self._pairing(i, j)) is not None]
@@ -331,15 +230,16 @@ class ErrorWalk:
         """The first of the decisions by an event that is out of reach."""
         event = self.run.events[index]
         self.grown.come_to(index)
+        self.come = index
         time, columns = float(event.time), self.grown.at(float(event.time))
-        tied = {frozenset(contact) for contact in event.contacts}
+        tied = {frozenset(pair) for pair in self.grown.met(index)}
         for i, j in self._flown_together(index):
             own = self.near.shift(columns, i, j, time, time)
             for body, partner in ((i, j), (j, i)):
                 if body >= self.grown.count or not self.grown.weights[body]:
                     continue
                 for other in range(len(self.names)):
-                    if other == body or (other != partner and {self.names[body], self.names[other]} in tied):
+                    if other == body or (other != partner and {body, other} in tied):
                         continue
                     found = self._one(index, columns, body, other, time, own if other != partner else None)
                     if found is not None:
@@ -356,6 +256,8 @@ class ErrorWalk:
         own: NDArray[np.float64] | None,
     ) -> OutOfReach | None:
         """One decision by an event: on the pair that meets (`own` None), or on another thing near the body."""
+        if own is None and (found := self._on_part(index, columns, body, other, time)) is not None:
+            return found
         if other >= self.grown.count:
             return None if own is None else self._order(index, columns, body, other, time, own)
         d, v = self.near.relative(body, other)
@@ -366,14 +268,34 @@ class ErrorWalk:
         gap = abs(float(d[0] * v[1] - d[1] * v[0])) / math.sqrt(square) - reach
         if own is None:
             return self._hit(index, columns, body, other, near, -gap, time)
-        if gap < 0:
-            return self._order(index, columns, body, other, time, own) if near > time else None
+        if gap < 0 and near > time:
+            return self._order(index, columns, body, other, time, own)
         room = self.near.across(columns, body, other, near, time)
         sooner = math.sqrt(2 * reach * 2 * room / square) if reach else 0.0
         since = max(float(self.grown.since[body]), float(self.grown.since[other]))
         if since < near and near - sooner < time:
-            return self._told(index, time, body, other, "whether {} passes {}", gap, room)
+            return self._passed(index, body, other, gap, room, near - sooner)
         return None
+
+    def _passed(self, index: int, i: int, j: int, gap: float, room: float, first: float) -> OutOfReach | None:
+        """That one passes another, told by an event: nothing is required from when they may first have met."""
+        events = self.run.events
+        while index and float(events[index - 1].time) > first - self.local.lateness:
+            index -= 1
+        time = max(first, float(events[index - 1].time)) if index else first
+        return self._told(index, time, i, j, "whether {} passes {}", gap, room)
+
+    def _on_part(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
+        """That a circle meets a face between its ends, or an end beside its faces: the normal turns otherwise there."""
+        if j in self.near.faces:
+            margin, room = self.near.foot(columns, i, j, 0.0, time)
+        elif j in self.grown.scene.ends:
+            late = float(np.abs(self.near.shift(columns, i, j, time, time)).sum())
+            margin, room = self.near.beside(i, j), self.near.apart(columns, i, j) + late * self.near.speed(i, j)
+        else:
+            return None
+        room += self.local.lateness * self.near.speed(i, j)
+        return self._told(index, time, i, j, "whether {} meets {} between its ends or at one", margin, room)
 
     def _hit(
         self, index: int, columns: NDArray[np.float64], i: int, j: int, near: float, depth: float, time: float
@@ -395,20 +317,31 @@ class ErrorWalk:
         """That a pair which would meet later does not meet first."""
         wait = self.near.wait(i, j)
         if wait is None:
-            return None
+            return self._slides(index, columns, i, j, time) if j in self.near.faces else None
         spare = float(np.abs(own).sum()) + 2 * self.local.lateness
         room = self.near.apart(columns, i, j) + spare * self.near.speed(i, j)
         if self.near.gap(i, j) > room:  # nowhere near each other yet, whenever they meet
             return None
+        if j in self.near.faces:
+            within, doubt = self.near.foot(columns, i, j, wait, time)
+            if within < -doubt - self.local.lateness * self.near.speed(i, j):
+                return None
         apart = self.near.shift(columns, i, j, time + wait, time) - own
         room = float(np.abs(apart).sum()) + self.local.unit * (time + wait) + 2 * self.local.lateness
         return self._told(index, time, i, j, "whether {} would meet {} first", wait, room, self._meeting(index, i))
 
+    def _slides(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
+        """That a circle at the line of a face which flies along it does not meet it."""
+        gap, closing = self.near.wall(i, j)
+        turned = float(np.hypot(*columns[i][2:]).sum()) + self.local.unit * self.near.speed(i, j)
+        if abs(gap) > self.near.apart(columns, i, j) + TIGHT * self.near.scale or abs(closing) > turned:
+            return None
+        told = f"whether {self.names[i]}, which flies along {self.names[j]}, meets it"
+        return OutOfReach(index, time, told, abs(closing), turned)
+
     def _meeting(self, index: int, body: int) -> Pairing:
         """Whom a circle meets at an event."""
-        name = self.names[body]
-        contact = next(pair for pair in self.run.events[index].contacts if name in pair)
-        return self._pairing(*(self.grown.places[n] for n in contact))
+        return self._pairing(*next(pair for pair in self.grown.met(index) if body in pair))
 
     def _told(
         self,
@@ -423,7 +356,9 @@ class ErrorWalk:
     ) -> OutOfReach | None:
         """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
         flown = float(np.hypot(*self.grown.velocity.T).max()) * time
-        if abs(margin) < TIGHT * self.near.scale + FLOWN * flown:
+        if {self.names[i], self.names[j]} & self.grown.parts.keys():  # which part is told by doubles alone
+            room = max(room, TIGHT * self.near.scale + FLOWN * flown)
+        elif abs(margin) < TIGHT * self.near.scale + FLOWN * flown:
             own = self._pairing(i, j)
             value = self.reader.value(
                 DecidingNumber("hit", own) if first is None else DecidingNumber("order", first, own)
@@ -438,31 +373,33 @@ class ErrorWalk:
 
     def _pairing(self, i: int, j: int) -> Pairing:
         body, partner = self.names[i], self.names[j]
-        anchors = {n: self.last.get(n) for n in (body, partner) if self.grown.places[n] < self.grown.count}
-        return Pairing(body, partner, anchors)
+        circles = {n for n, k in ((body, i), (partner, j)) if k < self.grown.count and k not in self.grown.scene.ends}
+        return Pairing(body, partner, {n: self.last.get(n) for n in (body, partner) if n in circles})
 
     def _after_the_last(self) -> OutOfReach | None:
         """What is decided between the last event and the end: all that pass each other; for ever, in a quiet run."""
         run, grown = self.run, self.grown
         end = float(run.final_time)
         quiet = run.stop.reason is StopReason.QUIET
-        if run.stop.reason is StopReason.EVENTS or (run.reversal is not None and not quiet):
+        if run.reversal is not None and not quiet:
             return None
         columns = grown.at(end)
-        grown.position = run.at(run.final_time).array()[:, :2]
-        for i in range(grown.count):
-            for j in range(i + 1, len(self.names)):
-                if j >= grown.count:
-                    moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
-                    if quiet and grown.weights[i] and abs(moved) <= turned:
-                        return self._drift(end, i, j, abs(moved), turned)
-                    continue
-                if not (grown.weights[i] or grown.weights[j]):
-                    continue
-                found = self._passing(columns, i, j, end, quiet)
-                if found is not None:
-                    return found
-        return None
+        grown.position[: len(run.scene.circles)] = run.at(run.final_time).array()[:, :2]
+        for i in range(grown.count) if quiet else ():
+            for j in range(grown.count, len(self.names)):
+                moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
+                if grown.weights[i] and abs(moved) <= turned:
+                    return self._earliest(self._drift(end, i, j, abs(moved), turned), end, quiet)
+        return self._earliest(None, end, quiet)
+
+    def _earliest(self, limit: OutOfReach | None, time: float, quiet: bool = False) -> OutOfReach | None:
+        """The earliest that is out of reach: what has been found, or that two pass each other, on flights under way."""
+        columns, weights, count = self.grown.at(time), self.grown.weights, self.grown.count
+        found = [] if limit is None else [limit]
+        pairs = ((i, j) for i in range(count) for j in range(i + 1, count) if weights[i] or weights[j])
+        passing = (self._passing(columns, i, j, time, quiet) for i, j in pairs)
+        found.extend(passed for passed in passing if passed is not None)
+        return min(found, key=lambda one: one.event, default=None)
 
     def _passing(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
         d, v = self.near.relative(i, j)
@@ -476,8 +413,8 @@ class ErrorWalk:
         if near <= since or (near > end and not quiet):
             return None
         gap = abs(float(d[0] * v[1] - d[1] * v[0])) / speed - float(self.grown.radii[i] + self.grown.radii[j])
-        room = self.near.across(columns, i, j, near, end)
-        return self._told(len(self.run.events), end, i, j, "whether {} passes {}", gap, room)
+        room, reach = self.near.across(columns, i, j, near, end), float(self.grown.radii[i] + self.grown.radii[j])
+        return self._passed(len(self.run.events), i, j, gap, room, near - math.sqrt(4 * reach * room) / speed)
 
     def _drift(self, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
         what = f"whether {self.names[i]} and {self.names[j]} never meet, by their relative speed"

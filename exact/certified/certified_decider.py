@@ -334,6 +334,10 @@ class CertifiedMeetings:
         else:
             self.predictor.push(self._meeting(link, 1), link)
 
+    def _lets_by(self, link: Link, gap: int) -> bool:
+        """Whether a wall is of a kind that does not meet what is at it, or behind it."""
+        return is_flat(link) and not self.predictor.scene.walls[link.wall].is_met(gap)
+
     def _overlap(self, link: Link) -> NoReturn:
         who, when = self._judge.name(link), self._precision.where()
         raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
@@ -382,7 +386,7 @@ class CertifiedMeetings:
                 return
             gap = self._judge.decide(Gap(link)).sign
         if gap <= 0:
-            if not link.pushes and gap < 0:
+            if (not link.pushes and gap < 0) or self._lets_by(link, gap):
                 return
             self._overlap(link)
         disc = self._sign(reached) if (reached := self._reached(link)) else 1

@@ -44,7 +44,7 @@ from .symbolic_contacts import (
     fall_times,
     touch_times,
 )
-from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
+from .symbolic_sign import SymbolicUndecided, normal, quantity, root, sign
 
 if TYPE_CHECKING:
     import numpy as np
@@ -216,6 +216,12 @@ class _Run:
             if any(k < n and self.discs[k].m is not None for k in pair)
             and not all(k < self.real and self.discs[k].r == 0 for k in pair)
         )
+        self.kinds = {
+            (i, n + k): wall.side(circle.x, circle.y)
+            for k, wall in enumerate(scene.walls)
+            for i, circle in enumerate(scene.circles)
+            if wall in scene.other_walls
+        }
         things = (*scene.circles, *ends, *scene.walls, *segments, *scene.arcs)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
@@ -319,12 +325,29 @@ class _Run:
             n = len(self.discs)
             b = self.lines[j - n] if j >= n else self.discs[j]
             self.plan["predictions"] += 1
-            times = self._touches_to_come(self.discs[i], b, touches)
+            own = pair in self.kinds
+            times = self._by_kind(pair) if own else self._touches_to_come(self.discs[i], b, touches)
             found = _smallest(times)
             self.hits[pair] = None if found is None else normal(self.now + found)
         elif touches and not (pair[1] >= len(self.discs) and self._still_to_come(pair)):
             self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
         return self.hits[pair]
+
+    def _by_kind(self, pair: Indices) -> list[Any]:
+        """When a circle meets a wall of a kind of its own: the zero of the gap to its side, where that is met."""
+        height, rise, length = self._seen(pair)
+        if sign(rise) >= 0:
+            return []
+        gap = normal(height - self.discs[pair[0]].r * length)
+        met = self.scene.walls[pair[1] - len(self.discs)].is_met(sign(gap))
+        return [normal(-gap / rise)] if met else []
+
+    def _seen(self, pair: Indices) -> tuple[Any, Any, Any]:
+        """The height of a circle above the side of a wall that it meets, how fast it grows, and |n|, all times |n|."""
+        a, w, side = self.discs[pair[0]], self.lines[pair[1] - len(self.discs)], self.kinds[pair]
+        nx, ny = side * (w.y0 - w.y1), side * (w.x1 - w.x0)
+        height, rise = nx * (a.x - w.x0) + ny * (a.y - w.y0), nx * a.vx + ny * a.vy
+        return normal(height), normal(rise), root(normal(nx**2 + ny**2))
 
     def _still_to_come(self, pair: Indices) -> bool:
         """Whether what touches now was found to touch again, later on the same flight."""
@@ -396,6 +419,9 @@ class _Run:
         w = self.lines[j - n]
         ux, uy = w.x1 - w.x0, w.y1 - w.y0
         reach = a.r
+        if pair in self.kinds:  # what rises to gap zero there comes from behind, and passes
+            height, rise, length = self._seen(pair)
+            return Integer(1) if sign(rise) > 0 else normal(height - a.r * length)
         if isinstance(w, Bow):
             if not w.beside(a, ZERO):
                 return Integer(1)

@@ -8,6 +8,7 @@ from math import hypot, inf, isfinite
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeAlias
 
 from ...scenarios.scene import Scene
+from ...scenarios.things import Wall
 from ...scenarios.trajectory import Contact
 from ..laws.formulas import fall_speed, pair_gap, sag
 from ..numbers.system import N
@@ -599,8 +600,9 @@ class Sides:
         key = (circle, wall)
         if key not in self._known:
             where = self.scene.circles[circle]
-            told = False if wall in self.scene.faces else self._in_doubles(circle, wall)
-            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
+            exact = self.scene.walls[wall]
+            told = self._in_doubles(circle, wall) if type(exact) is Wall else None
+            self._known[key] = exact.side(where.x, where.y) < 0 if told is None else told
         return self._known[key]
 
     def pull(self, circle: int, wall: int) -> int:

@@ -205,9 +205,13 @@ class Resolver(Generic[N, K]):
             if instant.clock is not None and not done.flipped:
                 self.decider.do(Go(first, component.bodies))
                 done.advanced.update(component.bodies)
-            turn = self._refuse_collapse if self.decider.proves and not self.scene.elastic else None
+            turn, again = (
+                (self._refuse_turns, self._refuse_collapse)
+                if self.decider.proves and not self.scene.elastic
+                else (None, None)
+            )
             ask, do = self.decider.ask, self.decider.do
-            rounds = settle(component.links, known, self.policy, ask, do, MAX_ROUNDS, turn, self._closes)
+            rounds = settle(component.links, known, self.policy, ask, do, MAX_ROUNDS, turn, again, self._closes)
             impulses += rounds.impulses
             taking_part |= rounds.taking_part
             coupled = coupled or self._coupled(rounds)
@@ -227,18 +231,25 @@ class Resolver(Generic[N, K]):
         done.events.append((stands, tuple(sorted(taking_part, key=scene_order)), tuple(impulses), ties, coupled))
         self.decider.gathered(done.standing)
 
-    def _refuse_collapse(self, first: Touch, second: Touch) -> None:
+    def _refuse_turns(self, first: Touch, second: Touch) -> None:
         """Stops where two contacts push each other without end within one instant, each time with a part of the speed.
 
         Raises:
             Undecided: naming the two.
         """
         if self.decider.ask(Endless(first, second)) >= 0 and self.decider.ask(Falling(first, second)) >= 0:
-            names = " as well as ".join(name_of(self.scene, link) for link in sorted((first, second), key=scene_order))
-            raise Undecided(
-                f"collapse: {names} push each other without end within one instant; raise the restitution, or "
-                "leave a gap"
-            )
+            self._refuse_collapse((first, second))
+
+    def _refuse_collapse(self, links: Iterable[Touch]) -> None:
+        """Stops where contacts push each other without end within one instant.
+
+        Raises:
+            Undecided: naming them.
+        """
+        names = " as well as ".join(name_of(self.scene, link) for link in sorted(set(links), key=scene_order))
+        raise Undecided(
+            f"collapse: {names} push each other without end within one instant; raise the restitution, or leave a gap"
+        )
 
     def _left_faces(self, moment: Moment | None) -> list[AtWall]:
         """Takes from what lasts the faces whose line a circle slides along, but not, at an instant, between the ends.

@@ -10,7 +10,7 @@ from typing import Protocol
 from ...scenarios import settings
 from ...scenarios.settings import TiePolicy
 from ..numbers.system import BudgetSpent
-from ..question import Closing, Pivot, Question, Share, Slack, Strength
+from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength
 from ..replay.contact import Touch, scene_order
 from ..replay.state import Kick
 
@@ -85,9 +85,11 @@ class Policy(Protocol):
 
     Attributes:
         chooses_order: whether it picks some contacts before others, so that symmetric scenes need not stay symmetric.
+        repeats: whether closing speeds alone, up to one factor, settle its choice, now as later.
     """
 
     chooses_order: bool
+    repeats: bool = False
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """The contacts, at least one, that get their impulses now.
@@ -122,6 +124,7 @@ class Simultaneous(Policy):
     """
 
     chooses_order = False
+    repeats = True
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """Those of the approaching contacts that push."""
@@ -142,6 +145,7 @@ class Sequential(Policy):
     chooses_order = True
 
     def __init__(self, seed: int | None = None) -> None:
+        self.repeats = seed is None
         if seed is None:
             self._random = None
             return
@@ -241,6 +245,11 @@ class Rounds:
     signs: dict[Touch, int]
 
 
+def _holds_back(parting: Touch, pushing: Touch, ask: Ask) -> bool:
+    """Whether a push at one contact slows how another parts."""
+    return not set(parting.circles).isdisjoint(pushing.circles) and ask(Coupling(parting, pushing)) < 0
+
+
 def settle(
     links: Sequence[Touch],
     known: Mapping[Touch, int],
@@ -249,6 +258,7 @@ def settle(
     do: Callable[[Kick], None],
     max_rounds: int,
     turn: Callable[[Touch, Touch], None] | None = None,
+    again: Callable[[Sequence[Touch]], None] | None = None,
     closes: bool = False,
 ) -> Rounds:
     """Rounds of impulses among touching contacts until none approaches.
@@ -261,12 +271,17 @@ def settle(
         do: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
         turn: called where one of two contacts approaches after a round, with that one first.
+        again: called where the rounds come again and again, with the contacts that push in them: one contact approaches
+            alone for the second time, and what else does not part neither approaches nor parts, both times. The closing
+            speeds of those are one factor times what they were, and rounds are linear in them; those that part are
+            only pushed further apart by what pushed meanwhile.
         closes: whether what has pushed neither approaches nor parts: its restitution is 0.
     """
     signs: dict[Touch, int | None] = {link: known.get(link) for link in links}
     impulses: list[Touch] = []
     taking_part: set[Touch] = set()
     rounds = 0
+    alone: dict[tuple[Touch, frozenset[Touch]], int] = {}
     while True:
         told = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
         coming = [link for link in links if told[link] < 0]
@@ -274,6 +289,11 @@ def settle(
             return Rounds(tuple(impulses), frozenset(taking_part), told)
         if turn is not None and rounds and len(links) == 2 and len(coming) == 1:
             turn(coming[0], links[1] if coming[0] is links[0] else links[0])
+        if again is not None and policy.repeats and len(coming) == 1:
+            parting = frozenset(link for link in links if told[link] > 0)
+            since = impulses[alone.setdefault((coming[0], parting), len(impulses)) :]
+            if since and not any(_holds_back(one, other, ask) for one in parting for other in set(since)):
+                again(since)
         if rounds == max_rounds:
             raise BudgetSpent(f"{max_rounds} passes of impulses at one instant")
         rounds += 1

@@ -257,6 +257,7 @@ def follows(scene: Scene, policy: Policy | None) -> bool:
         and not scene.arcs
         and scene.gravity is None
         and not scene.moving_walls
+        and not scene.other_walls
         and scene.restitution.sign() != 0
         and policy is None
         and isinstance(policy_for(scene.tie_policy), Simultaneous | Sequential)

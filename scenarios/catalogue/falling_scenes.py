@@ -1,4 +1,4 @@
-"""Discs that fall: one that bounces, two dropped together, a line of them, a wedge, a gas without a lid."""
+"""Discs that fall, in a line, a wedge, or a gas without a lid; and discs that a wall comes nearer to."""
 
 from __future__ import annotations
 
@@ -59,6 +59,32 @@ def gas_under_gravity(n: int, seed: int, g: Quantity) -> Scene:
         discs.append(Circle(x, y, r="1/10", vx=vx, vy=vy, id=f"d{k + 1}"))
     sides = [Wall(-4, 0, -4, 1, id="left"), Wall(4, 0, 4, 1, id="right")]
     return Scene(discs, [FLOOR, *sides], gravity=(0, -g), events=200)
+
+
+def closing_wall(length: Quantity, v: Quantity, u: Quantity) -> Scene:
+    """A disc between a wall and one that comes nearer; its centre starts in the middle of a way of `length`.
+
+    >>> closing_wall(Quantity.of(8), Quantity.of(1), Quantity.of("1/10")).closing[0].time.text()
+    '80'
+    """
+    walls = [Wall(-1, 0, -1, 1, id="left"), Wall(length + 1, 0, length + 1, 1, id="right", vx=-u)]
+    return Scene([Circle(length / 2, 0, vx=v, id="ball")], walls, events=400)
+
+
+def piston(n: int, seed: int, u: Quantity) -> Scene:
+    """n small discs in a box, drawn from a seed, whose right wall moves in to half of it."""
+    draw, discs = Draw(seed), list[Circle]()
+    for k in range(n):
+        x = Quantity.of(f"{draw.between(-300, 300)}/1000") + k % 4 + "1/2"
+        y = Quantity.of(f"{draw.between(-300, 300)}/1000") + k // 4 + "1/2"
+        vx, vy = (Quantity.of(f"{draw.between(-1000, 1000)}/1000") for _ in range(2))
+        discs.append(Circle(x, y, r="1/20", vx=vx, vy=vy, id=f"d{k + 1}"))
+    top = (n + 3) // 4
+    walls = [
+        Wall(0, 0, 0, 1, id="left"), Wall(0, 0, 1, 0, id="bottom"), Wall(0, top, 1, top, id="top"),
+        Wall(4, 0, 4, 1, id="piston", vx=-u),
+    ]  # fmt: skip
+    return Scene(discs, walls, until=2 / u)
 
 
 G = Parameter("g", "1", "gravity", number(above=0))
@@ -130,5 +156,36 @@ SCENES = {
         ),
         source="the microcanonical ensemble of n particles in the plane",
         make=gas_under_gravity,
+    ),
+    "closing-wall": SceneEntry(
+        name="closing-wall",
+        summary="A disc between a wall and one that comes nearer at a constant speed.",
+        parameters=(
+            Parameter("length", "8", "way between the walls at the start", number(above=0)),
+            Parameter("v", "1", "speed of the disc, to the wall that moves", number(above=0)),
+            Parameter("u", "1/10", "speed of that wall", number(above=0)),
+        ),
+        known=(
+            "Its n-th hit on the wall that moves, where it has the way d left, leaves it at the speed v + 2 n u, and "
+            "d (v + (2 n - 1) u) is the same for every n, exactly. It is crushed at length / u. This is not the model "
+            "of Fermi and Ulam, whose wall goes to and fro."
+        ),
+        source="school physics: each round is 2 d / (v + (2 n + 1) u) long",
+        make=closing_wall,
+    ),
+    "piston": SceneEntry(
+        name="piston",
+        summary="A dilute gas of discs, which a wall presses to half of its room.",
+        parameters=(
+            Parameter("n", "8", "number of discs", whole(2, 40)),
+            Parameter("seed", "1", "seed of the draw", whole(0, 10**9)),
+            Parameter("u", "1/50", "speed of the wall", number(above=0)),
+        ),
+        known=(
+            "A wall that is slow beside the discs does work at the pressure E / A of a gas in the plane: the energy "
+            "E times the area A stays nearly the same where collisions share it out, and E is doubled."
+        ),
+        source="kinetic theory: the adiabatic law with the exponent 2 of two degrees of freedom",
+        make=piston,
     ),
 }

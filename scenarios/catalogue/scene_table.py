@@ -39,7 +39,10 @@ FAMILIES = {
     ),
     "beads": "line",
     "cooling": "gas",
-    **dict.fromkeys(("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity"), "falling_scenes"),
+    **dict.fromkeys(
+        ("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity", "closing-wall", "piston"),
+        "falling_scenes",
+    ),
     **dict.fromkeys(("stadium", "mushroom", "lemon", "round-table"), "curved_tables"),
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""

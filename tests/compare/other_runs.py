@@ -90,9 +90,14 @@ def rounded_scene(scene: Scene, bits: int, part: Fraction = Fraction(1)) -> Scen
         )
         for c in scene.circles
     ]
-    walls = [Wall(*(number(getattr(w, key)) for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
+    moving = ("x0", "y0", "x1", "y1", "vx", "vy")
+    walls = [Wall(id=w.id, **{key: number(getattr(w, key)) for key in moving}) for w in scene.walls]
     pockets = [Pocket(*(number(getattr(p, key)) for key in ("x", "y", "r")), id=p.id) for p in scene.pockets]
     changes: dict[str, Any] = {} if scene.reverse_at is None else {"reverse_at": number(scene.reverse_at)}
+    if scene.gravity is not None:
+        changes["gravity"] = tuple(map(number, scene.gravity))
+    if not scene.elastic:
+        changes["restitution"] = number(scene.restitution)
     if scene.segments:
         ends = ("x0", "y0", "x1", "y1")
         changes["segments"] = [
@@ -392,11 +397,26 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
         elif other in walls:
             x0, y0, x1, y1 = (decimal(getattr(walls[other], key)) for key in ("x0", "y0", "x1", "y1"))
             length = ((x1 - x0) ** 2 + (y1 - y0) ** 2).sqrt()
-            height = ((y0 - y1) * (x - x0) + (x1 - x0) * (y - y0)) / length
-            rise = ((y0 - y1) * vx + (x1 - x0) * vy) / length
-            found[f"speed from {other}"] = rise if height > 0 else -rise
-            if height * rise < 0:
-                waits.append((abs(height) - radii[at.body]) / abs(rise))
+            nx, ny = (y0 - y1) / length, (x1 - x0) / length
+            now = decimal(run.events[event - 1].time) if event else Decimal(0)
+            ux, uy = decimal(walls[other].vx), decimal(walls[other].vy)
+            height = nx * (x - x0 - ux * now) + ny * (y - y0 - uy * now)
+            rise = nx * (vx - ux) + ny * (vy - uy)
+            gx, gy = (0, 0) if scene.gravity is None else map(decimal, scene.gravity)
+            pull = nx * gx + ny * gy
+            if height < 0:
+                height, rise, pull = -height, -rise, -pull
+            gap = height - radii[at.body]
+            square = rise * rise - 2 * gap * pull  # of the speed at which it is there
+            if pull > 0:
+                found[f"gap to {other}"] = gap if rise >= 0 else -square / (2 * pull)
+            elif pull < 0:
+                found[f"speed from {other}"] = -max(square, Decimal(0)).sqrt()
+            else:
+                found[f"speed from {other}"] = rise
+            if square >= 0 and (rise < 0 or pull < 0):
+                root = square.sqrt()
+                waits.append(2 * gap / (root - rise) if rise < 0 else (-rise - root) / pull)
     if len(waits) == 2:
         found["time between"] = waits[1] - waits[0]
     return found

@@ -12,6 +12,8 @@ from segment_referee import Referee
 from segment_scenes import BOX
 from segment_scenes import scene_of as with_segments
 
+from truebreak.compare.orders.all_orders import all_orders
+from truebreak.compare.report.search_text import print_orders
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.ball_state import BallState
@@ -26,6 +28,7 @@ from truebreak.floating import (
 )
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.files import dump_toml, loads_toml
+from truebreak.scenarios.trajectory import StopReason
 
 LOSSES = ("9/10", "1/2", "99/100", "1/7", "1/20", "sqrt(2)/2", "1 - 1/10**9", "3/4")
 UNTIL, EVENTS = 30, 14
@@ -291,6 +294,40 @@ def test_three_balls_collapse_up_to_the_known_restitution(e, policy):
     run = ExactEngine().run(touching_three(e, policy))
     assert not run.events
     assert "collapse: c1 and c2 as well as c2 and c3 push each other without end" in run.stop.message
+
+
+CORNER = (Wall(0, 1, 0, 0, id="left"), Wall(0, 0, 1, 0, id="floor"))
+
+
+def in_a_corner() -> Scene:
+    circles = (Circle("1/4", "1/4", "1/4", id="a"), Circle("1/3", 3, "1/3", vy=-2, id="b"))
+    return Scene(circles, CORNER, restitution=0)
+
+
+def test_a_disc_pushed_into_a_corner_without_end_is_a_collapse():
+    """The one that pushes slides along a wall, from which the pushes send it away: that contact only parts further."""
+    run = ExactEngine(work=20_000).run(in_a_corner())
+    told = "collapse: a and b as well as a and left as well as a and floor push each other without end"
+    assert told in run.stop.message
+
+
+def test_orders_without_end_are_given_up_and_said_to_be(capsys):
+    tree = all_orders(ExactEngine(), in_a_corner(), cap=3, samples=2)
+    assert len(tree.outcomes) == 3 and tree.sampled == 2
+    assert all(
+        ("without end" in (stop := leaf.trajectory.stop.message)) or "have no end" in stop for leaf in tree.outcomes
+    )
+    print_orders(in_a_corner(), tree)
+    assert "3 of them stop before the end: " in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("speed", ["-1/10", "1/10"])
+def test_contacts_that_part_and_are_held_back_are_no_proof_of_a_collapse(speed):
+    """a, between b and a wall, halves the speed of b at every turn, until b no longer parts from c, which comes on."""
+    circles = (Circle(1, 0, id="a"), Circle(3, 0, vx=-1, id="b"), Circle(5, 0, vx=speed, id="c"))
+    run = ExactEngine(work=20_000).run(Scene(circles, (CORNER[0],), restitution=0))
+    assert not run.events and run.stop.reason in (StopReason.UNDECIDED, StopReason.BUDGET)
+    assert "collapse" not in run.stop.message or "b and c" in run.stop.message
 
 
 def test_three_balls_part_above_it():

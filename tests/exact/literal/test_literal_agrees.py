@@ -50,6 +50,8 @@ SINGLE = {
     "falling-line:n=2": 4,
     "wedge": 4,
     "gas-under-gravity:n=2": 3,
+    "closing-wall": 6,
+    "piston:n=2": 3,
     "stadium": 2,
     "mushroom": 3,
     "lemon": 2,

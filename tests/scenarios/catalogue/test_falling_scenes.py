@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -55,3 +57,37 @@ def test_a_falling_line_keeps_its_energy_and_its_order() -> None:
         for state in (run.at(0), run.final)
     ]
     assert energy[0] == pytest.approx(energy[1], abs=1e-10)
+
+
+@pytest.mark.parametrize(("length", "v", "u"), [("8", "1", "1/10"), ("1", "3", "2"), ("5/3", "1/7", "1/3")])
+def test_a_closing_wall_quickens_a_disc_by_its_closed_form(length: str, v: str, u: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"closing-wall:length={length},v={v},u={u}"))
+    assert run.stop.reason is StopReason.CRUSHED
+    assert run.ending is not None
+    way, speed, wall = map(Fraction, (length, v, u))
+    assert Fraction(run.ending.text()) == way / wall
+    hits = [event for event in run.events if event.contacts[0].second == "right"]
+    assert len(hits) > 5
+    time, kept = way / 2 / (speed + wall), None
+    for n, event in enumerate(hits, 1):
+        assert Fraction(event.time.text()) == time
+        left = -Fraction(run.after(event.index)["ball"].vx.text())
+        assert left == speed + 2 * n * wall
+        here = (way - wall * time) * (speed + (2 * n - 1) * wall)
+        assert kept in (None, here)
+        kept = here
+        time += 2 * (way - wall * time) / (left + wall)
+
+
+def test_a_slow_piston_keeps_energy_times_area() -> None:
+    """Of 16 discs, over five draws; the area is that in which their centres are."""
+    ratios = list[float]()
+    for seed in range(1, 6):
+        run = DoubleEngine().run(catalogue.build(f"piston:n=16,seed={seed},u=1/200"))
+        before, after = (sum(float(c.vx) ** 2 + float(c.vy) ** 2 for c in s.circles) for s in (run.at(0), run.final))
+        ratios.append(after / before)
+    free = (4 - 0.1) / (2 - 0.1)
+    assert np.mean(ratios) == pytest.approx(free, rel=0.03)
+    quick = DoubleEngine().run(catalogue.build("piston:n=16,u=3"))
+    before, after = (sum(float(c.vx) ** 2 + float(c.vy) ** 2 for c in s.circles) for s in (quick.at(0), quick.final))
+    assert after / before > 2 * free  # a quick one does more work
