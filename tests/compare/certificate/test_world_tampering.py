@@ -68,7 +68,7 @@ def test_the_final_state_is_in_true_coordinates() -> None:
 @pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
 @pytest.mark.timeout(3600)
 def test_altered_runs_of_the_larger_world_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
-    tried = altered(count, (*WORLD_WAYS, *WAYS), "world", world_samples())
+    tried = altered(count, (*WORLD_WAYS, *WAYS), "worldA", world_samples())
     assert refused(tried, tmp_path) > count // 2
 
 
@@ -76,7 +76,7 @@ def test_altered_runs_of_the_larger_world_are_refused_or_shown_to_be_true(count:
 @pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
 @pytest.mark.timeout(3600)
 def test_altered_runs_among_arcs_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
-    tried = altered(count, (*ARC_WAYS, *WAYS), "arcs", arc_samples())
+    tried = altered(count, (*ARC_WAYS, *WAYS), "arcsA", arc_samples())
     assert refused(tried, tmp_path) > count // 2
 
 
