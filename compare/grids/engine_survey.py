@@ -22,7 +22,7 @@ from .grid import OnDone, carry_out
 from .row import Row
 from .setting_search import advise
 from .store import Store
-from .suite_file import SuiteReport, Task, TaskRun, failed, hold, read_report, suite_json
+from .suite_file import SuiteDocument, SuiteReport, Task, TaskRun, failed, hold, read_report, suite_json
 
 SCENES: dict[str, Task] = {
     "cradle, touching": Task("cradle:gap=0", (), events=60),
@@ -178,7 +178,7 @@ class Survey:
         return SuiteReport("survey", [row for entry in self.entries for row in entry.tried], self.max_seconds)
 
 
-def survey_json(found: Survey) -> dict[str, Any]:
+def survey_json(found: Survey) -> SuiteDocument:
     """The object that `truebreak survey --json` prints: that of a suite, with versions."""
     return {**suite_json(found.report), "versions": found.versions, "missing": list(found.missing)}
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.metadata import version
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
@@ -182,6 +181,12 @@ class Row:
 
 
 KEYS = tuple(one.name for one in fields(Row))
+
+
+class Columns(NamedTuple):
+    """Which parts of a row a document has: `Annotated[dict[str, Any], Columns(...)]` is the type of such rows."""
+
+    keys: tuple[str, ...]
 
 
 @cache
@@ -384,37 +389,3 @@ def energy_drift(trajectory: Trajectory) -> float | None:
     )
     most = max(before, after)
     return (after - before - spent) / most if most else None
-
-
-# -- its JSON schema, from its types and what its docstring says of each
-
-
-def row_schema(keys: Sequence[str] | None = None) -> dict[str, Any]:
-    """The JSON schema of a row, or of these parts of it: every one is there, perhaps as null.
-
-    >>> row_schema(("index", "margin"))["properties"]["margin"]["type"]
-    ['array', 'null']
-    """
-    meanings = dict(re.findall(r"^ {8}(\w+): (.+?)\.(?=\n {8}\w|\n+ *\Z)", Row.__doc__ or "", re.MULTILINE | re.DOTALL))
-    hints = get_type_hints(Row)
-    chosen = KEYS if keys is None else keys
-    told = {key: {**_schema(hints[key]), "description": " ".join(meanings[key].split())} for key in chosen}
-    return {"type": "object", "required": list(chosen), "additionalProperties": False, "properties": told}
-
-
-NAMES = {bool: "boolean", int: "integer", float: "number", str: "string", list: "array", dict: "object"}
-
-
-def _schema(hint: Any) -> dict[str, Any]:
-    origin, inner = get_origin(hint), get_args(hint)
-    if origin is UnionType:
-        (part,) = (part for part in inner if part is not NoneType)
-        told = _schema(part)
-        return {**told, "type": [told["type"], "null"]}
-    if origin is Literal:
-        return {"type": "string", "enum": list(inner)}
-    if origin is list:
-        return {"type": "array", "items": _schema(inner[0])}
-    if origin is dict:
-        return {"type": "object"} if inner[1] is Any else {"type": "object", "additionalProperties": _schema(inner[1])}
-    return {"type": NAMES[hint]}

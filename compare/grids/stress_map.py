@@ -11,7 +11,7 @@ from enum import Enum
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
@@ -24,7 +24,7 @@ from ..engines import engine as engine_named
 from ..outcomes.outcome import outcomes_of
 from ..validation import EngineError, check_engine
 from .grid import several
-from .row import Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, unknowing, versions
+from .row import Columns, Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, unknowing, versions
 from .stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ COLUMNS = (
     "event", "at", "body", "expected", "got", "kind", "changed", "laws", "closed_form", "note",
 )  # fmt: skip
 """What the JSON of a map has of each row."""
+
+StressRow = Annotated[dict[str, Any], Columns(COLUMNS)]
 
 
 class MapMark(Enum):

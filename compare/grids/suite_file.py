@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, NotRequired, TypedDict
 
 from ...scenarios.disk import text_of
 from ...scenarios.errors import SceneError
@@ -21,7 +21,7 @@ from ..outcomes.outcome import outcomes_of
 from ..scene_argument import FILE_SUFFIXES, scene_from
 from ..validation import EngineError, check_engine, check_until
 from .grid import OnDone, carry_out
-from .row import Row, compared, row_of, versions
+from .row import Columns, Row, compared, row_of, versions
 from .store import Store
 
 if TYPE_CHECKING:
@@ -323,7 +323,49 @@ def run_suite(
     return SuiteReport(suite.name, rows, suite.max_seconds)
 
 
-def suite_json(report: SuiteReport, changes: Sequence[Since] | None = None) -> dict[str, Any]:
+SuiteRow = Annotated[dict[str, Any], Columns(COLUMNS)]
+
+
+class SuiteDocument(TypedDict):
+    """What came out of a suite, or of a survey, row by row.
+
+    Attributes:
+        suite: its name.
+        verdict: the first of `diverged`, `unsettled`, `undecided`, `agree` that holds for any row.
+        max_seconds: what a row was allowed; null: nothing was set.
+        rows: one for each engine on each scene, in order.
+        changes: what changed since an earlier report; null if none was given.
+        versions: of a survey: those of the engines that are installed; nothing for truebreak's own.
+        missing: of a survey: engines that are not installed.
+    """
+
+    schema: str
+    suite: str
+    verdict: Verdict
+    max_seconds: float | None
+    rows: list[SuiteRow]
+    changes: list[SinceRow] | None
+    versions: NotRequired[dict[str, str]]
+    missing: NotRequired[list[str]]
+
+
+class SinceRow(TypedDict):
+    """What became of one row.
+
+    Attributes:
+        scene: the scene.
+        engine: the engine.
+        what: what changed.
+        sentence: in words.
+    """
+
+    scene: str
+    engine: str
+    what: str
+    sentence: str
+
+
+def suite_json(report: SuiteReport, changes: Sequence[Since] | None = None) -> SuiteDocument:
     """The object that `truebreak suite --json` prints.
 
     Args:
@@ -335,7 +377,11 @@ def suite_json(report: SuiteReport, changes: Sequence[Since] | None = None) -> d
         "verdict": report.verdict,
         "max_seconds": report.max_seconds,
         "rows": [row.data(COLUMNS) for row in report.rows],
-        "changes": None if changes is None else [vars(change) for change in changes],
+        "changes": None
+        if changes is None
+        else [
+            {"scene": one.scene, "engine": one.engine, "what": one.what, "sentence": one.sentence} for one in changes
+        ],
     }
 
 

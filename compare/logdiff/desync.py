@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict
 
 from .growing import NEVER, Difference, ThinnedCurve, rate_of
 from .pairing import pair
@@ -14,7 +14,7 @@ from .sides import Found
 from .verdict import Finding, Verdict, decide
 
 if TYPE_CHECKING:
-    from .lawful import Lawful
+    from .lawful import Lawful, LawfulDocument
     from .log_format import LogRecord
 
 SCHEMA = "truebreak/diff-1"
@@ -45,6 +45,165 @@ NEXT = {
     Finding.START: "compare what both begin with: first states, time step, gravity and other settings",
 }
 """What helps where two runs differ."""
+
+
+FindingWord = Annotated[str, Finding]
+PairedBy = Annotated[str, Literal["step", "body"]]
+
+
+class LogPlace(TypedDict):
+    """Where two logs differ.
+
+    Attributes:
+        event: number of the record, from 0.
+        step: time step; null: logs of events.
+        time: time of the first log; null: it has none.
+        lines: lines in both files.
+    """
+
+    event: int
+    step: int | None
+    time: float | None
+    lines: list[int]
+
+
+class FirstDifference(LogPlace):
+    """A number in which two logs first differ.
+
+    Attributes:
+        body: whose it is.
+        name: which number of its state.
+        values: in both logs; null: infinite.
+        bits: by how many bits above an ulp the two differ; null: endless, or not at all.
+        touching: whether the body meets another in that record.
+    """
+
+    body: str
+    name: str
+    values: list[float | None]
+    bits: float | None
+    touching: bool
+
+
+class FirstPartners(TypedDict):
+    """Where a body first meets another in one log than in the other.
+
+    Attributes:
+        event: number of the record, from 0.
+        step: time step; null: logs of events.
+        time: time of the first log; null: it has none.
+        body: whose partners differ.
+        partners: whom it meets in each; null: nobody.
+        times: when, in each.
+        lines: lines in both files.
+    """
+
+    event: int
+    step: int | None
+    time: float | None
+    body: str
+    partners: list[str | None]
+    times: list[float | None]
+    lines: list[int | None]
+
+
+class GrowthRate(TypedDict):
+    """How fast a difference grows, in bits.
+
+    Attributes:
+        bits_per_record: a record.
+        record_error: standard error of that.
+        bits_per_time: a unit of time; null: records have no times.
+        time_error: standard error of that.
+    """
+
+    bits_per_record: float
+    record_error: float
+    bits_per_time: float | None
+    time_error: float | None
+
+
+class BodyGrowth(TypedDict):
+    """How the difference of one body grew.
+
+    Attributes:
+        body: the body.
+        first: number of the record in which it first differs.
+        points: number of the record, time, bits above an ulp.
+    """
+
+    body: str
+    first: int
+    points: list[list[float | None]]
+
+
+class PairDocument(TypedDict):
+    """Two logs compared.
+
+    Attributes:
+        logs: their names.
+        verdict: what the difference is called.
+        line: that in words.
+        event: number of the record at which it is decided; null: none.
+        why: why it is called so.
+        spread: where the first differences are; null: nowhere.
+        paired_by: how records were paired.
+        bits: of the numbers in the logs: 24 or 53 in the mantissa.
+        compared: how much was compared, by kind.
+        first_difference: the first numbers that differ.
+        first_partners: the first meeting of other partners; null: none.
+        first_hash: the first hash that differs; null: none.
+        first_input: the first input that differs; null: none.
+        growth: how fast the difference grows; null: not measured.
+        bodies: by body.
+        contacts: contacts in each log.
+        alone: records that only one has, in each.
+        missing: contacts that only one has.
+        fields: the first difference of each free field.
+        names: what the numbers of a state are called.
+        clock: largest difference of times at equal steps; null: no times.
+        notes: remarks.
+        law: with a scene: the growth that is certified, and whether each run keeps the law; null: no scene was given.
+    """
+
+    logs: list[str]
+    verdict: FindingWord
+    line: str
+    event: int | None
+    why: str
+    spread: str | None
+    paired_by: PairedBy
+    bits: int
+    compared: dict[str, int]
+    first_difference: list[FirstDifference]
+    first_partners: FirstPartners | None
+    first_hash: LogPlace | None
+    first_input: LogPlace | None
+    growth: GrowthRate | None
+    bodies: list[BodyGrowth]
+    contacts: list[int]
+    alone: list[int]
+    missing: int
+    fields: dict[str, LogPlace]
+    names: dict[str, str]
+    clock: float | None
+    notes: list[str]
+    law: LawfulDocument | None
+
+
+class DiffDocument(TypedDict):
+    """Two or more logs, each compared with the first.
+
+    Attributes:
+        verdict: the gravest of all.
+        line: that in words.
+        pairs: the comparisons.
+    """
+
+    schema: str
+    verdict: FindingWord
+    line: str
+    pairs: list[PairDocument]
 
 
 @dataclass(frozen=True)
@@ -206,7 +365,7 @@ class Desync:
             if not names and record.hash is not None:
                 yield record.place(), "hash", str(a.hash if a else "-"), str(b.hash if b else "-")
 
-    def data(self) -> dict[str, Any]:
+    def data(self) -> PairDocument:
         """As JSON."""
         found, verdict = self.found, self.verdict
         rate = verdict.rate
@@ -292,7 +451,7 @@ def report(compared: Sequence[Desync]) -> Iterator[str]:
         yield from one.lines()
 
 
-def report_json(compared: Sequence[Desync]) -> dict[str, Any]:
+def report_json(compared: Sequence[Desync]) -> DiffDocument:
     """The object that `truebreak diff --json` prints."""
     worst = gravest(compared)
     return {
@@ -373,13 +532,13 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _difference(d: Difference) -> dict[str, Any]:
+def _difference(d: Difference) -> FirstDifference:
     return {
         "event": d.number, "step": d.step, "time": d.time, "lines": list(d.lines), "body": d.body, "name": d.name,
         "values": [_finite(d.a), _finite(d.b)], "bits": _finite(d.bits), "touching": d.touching,
     }  # fmt: skip
 
 
-def _place(records: tuple[LogRecord, LogRecord]) -> dict[str, Any]:
+def _place(records: tuple[LogRecord, LogRecord]) -> LogPlace:
     a, b = records
     return {"event": a.number, "step": a.step, "time": a.time, "lines": [a.line, b.line]}

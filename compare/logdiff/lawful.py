@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -19,6 +19,38 @@ class Audited:
     log: str
     kept: bool | None
     sentence: str
+
+
+class LogAuditRow(TypedDict):
+    """Whether one run keeps the law.
+
+    Attributes:
+        log: its log.
+        kept: whether it does; null: not determined.
+        sentence: in words.
+    """
+
+    log: str
+    kept: bool | None
+    sentence: str
+
+
+class LawfulDocument(TypedDict):
+    """What is known where both logs are of one scene.
+
+    Attributes:
+        scene: its name.
+        sentence: what the audits come to.
+        events: over how many events growth is certified.
+        growth_bits: bounds of the growth in bits; null: not certified.
+        audits: whether each run keeps the law.
+    """
+
+    scene: str
+    sentence: str
+    events: int
+    growth_bits: list[float] | None
+    audits: list[LogAuditRow]
 
 
 @dataclass(frozen=True)
@@ -57,7 +89,7 @@ class Lawful:
                 f"over its first {self.events} events"
             )
 
-    def data(self) -> dict[str, Any]:
+    def data(self) -> LawfulDocument:
         """As JSON."""
         return {
             "scene": self.scene,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from ...scenarios.numbers.quantity import Quantity
 from ..files.amounts import counted
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..grids.engine_survey import Survey, SurveyEntry
     from ..grids.row import Row
     from ..grids.store import Store
-    from ..grids.stress_map import Ladder
+    from ..grids.stress_map import Ladder, StressRow
     from ..grids.suite_file import Since, SuiteReport
     from ..grids.survival import Summary, Uncertainty
     from ..vectors.scores import Score
@@ -199,7 +199,54 @@ FEW = 6
 STRESS_SCHEMA = "truebreak/stress-2"
 
 
-def stress_json(settings: Mapping[str, Any], rows: Iterable[Row], told: Sequence[Ladder]) -> dict[str, Any]:
+Stretch = TypedDict("Stretch", {"mark": str, "from": int, "to": int})
+"""One mark from one k to another, as far as k was tried."""
+
+
+class LadderRow(TypedDict):
+    """One engine on ever harder scenes of a family.
+
+    Attributes:
+        family: the family.
+        side: on which side of the decision, or which variant, its scenes are.
+        seed: of the family's parameters.
+        engine: the engine.
+        levels: the k that were tried.
+        first_wrong: the first k at which it is wrong; null: none.
+        right_again: larger k at which it is right.
+        stretches: the marks, k by k.
+    """
+
+    family: str
+    side: str
+    seed: int
+    engine: str
+    levels: list[int]
+    first_wrong: int | None
+    right_again: list[int]
+    stretches: list[Stretch]
+
+
+class StressDocument(TypedDict):
+    """Where on families of ever harder scenes each engine turns wrong.
+
+    Attributes:
+        settings: what the map is of: its grid, families, engines, levels (null, or first, last and step), whether it is
+            a short one, and versions.
+        exact: at how many places the exact engine was tried, at how many a closed form agrees, and how many bear each
+            mark.
+        ladders: engine by engine.
+        rows: every place.
+    """
+
+    schema: str
+    settings: dict[str, Any]
+    exact: dict[str, int]
+    ladders: list[LadderRow]
+    rows: list[StressRow]
+
+
+def stress_json(settings: Mapping[str, Any], rows: Iterable[Row], told: Sequence[Ladder]) -> StressDocument:
     """The object that `truebreak stress --json` prints: what was asked, where each engine turns wrong, and every row.
 
     Args:
@@ -232,7 +279,7 @@ def exact_counts(rows: Iterable[Row]) -> dict[str, int]:
     return {"places": len(exact), "closed_form": sum(row.closed_form is True for row in exact), **counts}
 
 
-def _ladder(ladder: Ladder) -> dict[str, Any]:
+def _ladder(ladder: Ladder) -> LadderRow:
     return {
         "family": ladder.family,
         "side": ladder.side,

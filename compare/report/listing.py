@@ -12,6 +12,8 @@ from ..files.amounts import bounds, counted, double
 from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ...scenarios.catalogue import SceneEntry
     from ...scenarios.numbers.quantity import Real
     from ...scenarios.scene import Scene
@@ -32,12 +34,12 @@ LEAST_BITS = 64
 """Bits to which a number is enclosed that is not proved to be zero."""
 
 
-def print_json(data: dict[str, Any]) -> None:
+def print_json(data: Mapping[str, Any]) -> None:
     """One object on stdout: a line for each key, and for each thing in a list of things."""
     sys.stdout.write(laid_out(data) + "\n")
 
 
-def laid_out(data: dict[str, Any]) -> str:
+def laid_out(data: Mapping[str, Any]) -> str:
     """JSON text with a line for each key of an object, and for each object in a list.
 
     >>> print(laid_out({"a": [1, 2], "b": [{"c": 1}, {"c": 2}]}))

@@ -11,16 +11,17 @@ import collections.abc
 import json
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from functools import cache
 from importlib import import_module
 from inspect import getdoc
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, NotRequired, Union, get_args, get_origin, is_typeddict
 
 from ...scenarios.numbers.quantity import Real
+from ..grids.row import Columns, Row
 from .documents import BY_VALUE, COMPUTED, Key, keys_of
 
 DOCUMENTS = {
@@ -43,11 +44,31 @@ DOCUMENTS = {
         "compare.grids.bounce_survey:BounceSurvey",
         "The restitution of engines' bounces, as `truebreak survey --restitution --json` prints it",
     ),
+    "stress-2": (
+        "compare.report.grid_tables:StressDocument",
+        "Where on families of ever harder scenes each engine turns wrong, as `truebreak stress --json` prints it",
+    ),
+    "suite-2": (
+        "compare.grids.suite_file:SuiteDocument",
+        "Engines compared with the certified runs of many scenes, as `suite --json` and `survey --json` print it",
+    ),
+    "advice-2": (
+        "compare.report.search_text:AdviceDocument",
+        "The cheapest setting of an engine that gets what is asked for right, as `truebreak advise --json` prints it",
+    ),
+    "bench-4": (
+        "compare.report.speed_report:BenchDocument",
+        "Run time against error, as `truebreak bench --json` prints it",
+    ),
+    "diff-1": (
+        "compare.logdiff.desync:DiffDocument",
+        "Two or more logs compared, as `diff --json` prints it",
+    ),
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3", "diff-1", "stress-2", "advice-2", "bench-4", "suite-2", "run-1",
-           "saved-comparison-1")  # fmt: skip
+BY_HAND = ("certificate-3", "run-1", "saved-comparison-1")
+"""Files that are read back by programs of their own, in which lists have a part for each place."""
 
 NAMES = (*DOCUMENTS, *BY_HAND)
 
@@ -79,10 +100,11 @@ def text(name: str) -> str:
     True
     """
     place, title = DOCUMENTS[name]
-    maker = _Maker()
-    whole = maker.object_of(_class(place))
-    properties = {"schema": {"const": f"truebreak/{name}"}, **whole.pop("properties")}
-    required = ["schema", *whole.pop("required")]
+    maker, kind = _Maker(), _class(place)
+    whole = maker.typed(kind) if is_typeddict(kind) else maker.object_of(kind)
+    properties = {**whole.pop("properties"), "schema": {"const": f"truebreak/{name}"}}
+    properties = {"schema": properties.pop("schema"), **properties}
+    required = list(dict.fromkeys(["schema", *whole.pop("required")]))
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"truebreak/{name}", "title": title}
     told = {**head, **whole, "required": required, "properties": properties, "$defs": maker.definitions}
     long = json.dumps(told, indent=1, ensure_ascii=False)
@@ -173,6 +195,30 @@ class _Maker:
         return {"description": about, "type": "object", "required": required, "additionalProperties": False,
                 "properties": properties}  # fmt: skip
 
+    def typed(self, kind: Any) -> dict[str, Any]:
+        """An object of a `TypedDict`."""
+        hints = {name: _hint(kind, name) for name in kind.__annotations__}
+        properties = {
+            name: {"description": about, **self.of(hint)} if (about := _meaning(kind, name)) else self.of(hint)
+            for name, hint in hints.items()
+        }
+        required = [name for name, hint in hints.items() if get_origin(hint) is not NotRequired]
+        return {"description": _sentence(getdoc(kind) or ""), "type": "object", "required": required,
+                "additionalProperties": False, "properties": properties}  # fmt: skip
+
+    def _row(self, columns: Columns) -> dict[str, Any]:
+        """A row of a grid."""
+        properties = {key: {"description": _meaning(Row, key), **self.of(_hint(Row, key))} for key in columns.keys}
+        return {"type": "object", "required": list(columns.keys), "additionalProperties": False,
+                "properties": properties}  # fmt: skip
+
+    def _defined(self, kind: Any, make: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        """A reference to what is made of a class once."""
+        if kind.__name__ not in self.definitions:
+            self.definitions[kind.__name__] = {}
+            self.definitions[kind.__name__] = make(kind)
+        return {"$ref": f"#/$defs/{kind.__name__}"}
+
     def _property(self, kind: Any, key: Key) -> dict[str, Any]:
         function = COMPUTED.get(f"{kind.__name__}.{key.name}")
         if function is None:
@@ -192,12 +238,20 @@ class _Maker:
             return {}
         if hint in PLAIN:
             return {"type": PLAIN[hint]}
+        if is_typeddict(hint):
+            return self._defined(hint, self.typed)
         origin, parts = get_origin(hint), get_args(hint)
+        if origin is Annotated:  # rows with some of their columns, and text that is one of several words
+            return self._row(parts[1]) if isinstance(parts[1], Columns) else self.of(parts[1])
         if hint is float or hint == Real:
             return {"type": ["number", "null"]}
         if origin is Literal:
             return {"enum": list(parts)}
+        if origin is NotRequired:
+            return self.of(parts[0])
         if origin in (Union, UnionType):
+            if NoneType not in parts:
+                return {"anyOf": [self.of(part) for part in parts]}
             return self._nullable(self.of(next(part for part in parts if part is not NoneType)))
         if isinstance(origin, type) and issubclass(origin, Mapping):
             return {"type": "object", "additionalProperties": self.of(parts[1])}
@@ -209,10 +263,7 @@ class _Maker:
             open_list = hint.__name__ in BY_VALUE
             return {"type": "string"} if open_list else {"enum": [each.name.lower() for each in hint]}
         if keys_of(hint):
-            if hint.__name__ not in self.definitions:
-                self.definitions[hint.__name__] = {}
-                self.definitions[hint.__name__] = self.object_of(hint)
-            return {"$ref": f"#/$defs/{hint.__name__}"}
+            return self._defined(hint, self.object_of)
         if issubclass(hint, tuple):
             return self._tuple(tuple(_hint(hint, name) for name in hint.__annotations__))
         return {"type": "string"}

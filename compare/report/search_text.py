@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from decimal import ROUND_CEILING, Context, Decimal
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from ..alignment.align import UNKNOWING
 from ..files.amounts import counted
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Stop
-    from ..grids.setting_search import Advice, Tried
+    from ..grids.setting_search import Advice, SearchEnd, Tried
     from ..orders.all_orders import Leaf, OrderTree
     from ..reduction.smallest import SceneSize, Smallest
     from ..shadowing.shadows import Proof, Shadow
@@ -32,12 +32,143 @@ SHOWN = 4
 """Settings of one kind that are named in a sentence; the JSON has all."""
 
 
-def advice_json(advice: Advice) -> dict[str, Any]:
+class SettingRow(TypedDict):
+    """A setting of an engine.
+
+    Attributes:
+        engine: the engine with it, as on the command line.
+        work: counted work of its run, in units of about a microsecond.
+        steps: time steps of its run; null: it has none.
+    """
+
+    engine: str
+    work: int
+    steps: int | None
+
+
+class FoundSetting(SettingRow):
+    """The setting that is advised.
+
+    Attributes:
+        may_fail: the share of such scenes on which it may fail, at 95 %, as far as those that were tried say.
+        seconds: of its run.
+        exact_seconds: of the exact run.
+    """
+
+    may_fail: float
+    seconds: float
+    exact_seconds: float
+
+
+class TriedOn(TypedDict):
+    """What came of a setting on one scene.
+
+    Attributes:
+        scene: its seed; null: the scene itself.
+        right: whether what is asked for is right.
+        agreed: events before the first divergence.
+        result: in words.
+    """
+
+    scene: int | None
+    right: bool
+    agreed: int | None
+    result: str
+
+
+class TriedSetting(SettingRow):
+    """A setting that was tried.
+
+    Attributes:
+        right: whether it is right on every scene.
+        on: scene by scene, as far as it was tried.
+    """
+
+    right: bool
+    on: list[TriedOn]
+
+
+class GoalRow(TypedDict):
+    """What is asked for.
+
+    Attributes:
+        text: in words.
+        outcome: the outcome that shall be right; null: none was named.
+        digits: the decimal digits that shall be right; null: none were asked for.
+        events: events that shall agree; null: all.
+    """
+
+    text: str
+    outcome: str | None
+    digits: int | None
+    events: int | None
+
+
+class NearbyScene(TypedDict):
+    """A nearby scene on which settings were tried.
+
+    Attributes:
+        seed: of its displacement.
+        scene: the scene, as a file of JSON has it.
+    """
+
+    seed: int
+    scene: dict[str, Any]
+
+
+class AdviceDocument(TypedDict):
+    """The cheapest setting of an engine that gets what is asked for right.
+
+    Attributes:
+        sentence: what was found.
+        scene: the scene.
+        goal: what is asked for.
+        engine: the engine.
+        end: why the search ended.
+        budget: work that was allowed.
+        spent: work that was done.
+        setting: the setting that is advised; null: none was found.
+        cheaper: the next cheaper one, which is wrong; null: there is none.
+        monotone: whether no finer setting was worse than a coarser one.
+        lucky: settings that are right while finer ones are wrong.
+        worse: settings that are wrong while coarser ones are right.
+        why: why none was found, in sentences.
+        instead: settings of other engines that are right.
+        size: how far nearby scenes are displaced.
+        left_out: seeds of nearby scenes that the reference could not run.
+        tried: what was tried, in order.
+        beyond: what was tried beyond the setting that is advised.
+        perturbed: the nearby scenes.
+    """
+
+    schema: str
+    sentence: str
+    scene: Scene
+    goal: GoalRow
+    engine: str
+    end: Annotated[str, SearchEnd]
+    budget: int
+    spent: int
+    setting: FoundSetting | None
+    cheaper: TriedSetting | None
+    monotone: bool
+    lucky: list[str]
+    worse: list[str]
+    why: list[str]
+    instead: list[TriedSetting]
+    size: str
+    left_out: list[int]
+    tried: list[TriedSetting]
+    beyond: list[TriedSetting]
+    perturbed: list[NearbyScene]
+
+
+def advice_json(advice: Advice) -> AdviceDocument:
     """The object that `truebreak advise --json` prints. `scene` is null for the scene itself, else the seed."""
     from ..grids.goals import Digits, OutcomeGoal
 
     goal, named, cheaper = advice.goal, advice.named, advice.cheaper
-    found = None
+    found: FoundSetting | None = None
     if named is not None and advice.cost is not None:
         found = {**_setting(named), "may_fail": may_fail(named.of), "seconds": advice.cost.seconds,
                  "exact_seconds": advice.cost.exact_seconds}  # fmt: skip
@@ -66,16 +197,18 @@ def advice_json(advice: Advice) -> dict[str, Any]:
         "left_out": list(advice.left_out),
         "tried": [_tried(tried) for tried in advice.tried],
         "beyond": [_tried(tried) for tried in advice.beyond],
-        "perturbed": [{"seed": one.seed, "scene": one.study.scene.data()} for one in advice.instances[1:]],
+        "perturbed": [
+            {"seed": one.seed, "scene": one.study.scene.data()} for one in advice.instances if one.seed is not None
+        ],
     }
 
 
-def _setting(tried: Tried) -> dict[str, Any]:
+def _setting(tried: Tried) -> SettingRow:
     return {"engine": tried.setting.text, "work": tried.setting.work, "steps": tried.setting.steps}
 
 
-def _tried(tried: Tried) -> dict[str, Any]:
-    on = [{"scene": seed, "right": one.right, "agreed": one.agreed, "result": one.result}
+def _tried(tried: Tried) -> TriedSetting:
+    on: list[TriedOn] = [{"scene": seed, "right": one.right, "agreed": one.agreed, "result": one.result}
           for seed, one in tried.judged.items()]  # fmt: skip
     return {**_setting(tried), "right": tried.right, "on": on}
 

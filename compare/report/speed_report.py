@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from ...scenarios.errors import SceneError
 from ..grids.computer import LEAST_PROCESSES, MOST_PROCESSES, Idleness, Took, calibration, computer, idleness
-from ..grids.row import Row, row_of
+from ..grids.row import Columns, Row, row_of
 from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown, steady, subjects, tradeoffs
 
 if TYPE_CHECKING:
@@ -21,6 +21,42 @@ if TYPE_CHECKING:
     from .output import TextTable
 
 SCHEMA = "truebreak/bench-4"
+
+
+SpeedRow = Annotated[dict[str, Any], Columns(COLUMNS)]
+
+
+class BenchDocument(TypedDict):
+    """Run time against error.
+
+    Attributes:
+        version: truebreak's version.
+        machine: processor, cores, system and Python.
+        idle: whether the machine was idle.
+        tradeoffs: scene by scene and engine by engine.
+    """
+
+    schema: str
+    version: str
+    machine: dict[str, str | int]
+    idle: IdleRow
+    tradeoffs: list[SpeedRow]
+
+
+class IdleRow(TypedDict):
+    """Whether the machine was idle while it measured.
+
+    Attributes:
+        idle: whether it was.
+        wall: time on the wall over time of the processor.
+        uneven: the slowest over the fastest of loops that take as long on an idle machine.
+        unsteady: what came out too unlike twice.
+    """
+
+    idle: bool
+    wall: float
+    uneven: float
+    unsteady: list[str]
 
 
 @dataclass(frozen=True)
@@ -35,7 +71,7 @@ class Report:
     tradeoffs: tuple[Row, ...]
     idleness: Idleness
 
-    def data(self) -> dict[str, Any]:
+    def data(self) -> BenchDocument:
         """The report as JSON has it."""
         idle = self.idleness
         return {

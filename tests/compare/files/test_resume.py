@@ -21,7 +21,7 @@ from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.contact import Pair
+from truebreak.exact.replay.contact import KINDS, Pair
 from truebreak.exact.simulation.loop import Loop
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 
@@ -307,6 +307,18 @@ def test_in_python(tmp_path: Path) -> None:
 def test_what_is_saved_is_what_its_schema_says(kind: str) -> None:
     run = {**CASES, **RUNS}[kind]()
     jsonschema.Draft202012Validator(schema("run-1")).validate(json.loads(saved_run(run)))
+
+
+@pytest.mark.parametrize("name", ["stadium", "round-table", "wedge", "ghost", "cradle:e=9/10"])
+def test_what_is_saved_of_the_larger_world_is_too(name: str) -> None:
+    run = ExactEngine().run(catalogue.build(name), events=12)
+    jsonschema.Draft202012Validator(schema("run-1")).validate(json.loads(saved_run(run)))
+
+
+def test_the_schema_has_every_reason_to_stop_and_every_kind_of_contact() -> None:
+    told = schema("run-1")
+    assert set(told["properties"]["stop"]["prefixItems"][0]["enum"]) == {reason.name for reason in StopReason}
+    assert {"", *told["$defs"]["link"]["oneOf"][1]["prefixItems"][2]["enum"]} == set(KINDS)
 
 
 @pytest.mark.parametrize("key", ["steps", "events", "knots", "entries"])

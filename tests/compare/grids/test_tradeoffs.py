@@ -19,7 +19,7 @@ from truebreak.compare.cli.entry import main
 from truebreak.compare.engines import ENGINES
 from truebreak.compare.grids.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
 from truebreak.compare.grids.measured import measure
-from truebreak.compare.grids.row import Row, row_schema
+from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.tradeoffs import (
     COLUMNS,
@@ -315,10 +315,6 @@ def test_a_row_of_one_process_is_not_steady() -> None:
     assert [steady(replace(row("gas", "exact", 1.0), spread=spread)) for spread in (None, 1.0, 1.2)] == [
         False, True, False
     ]  # fmt: skip
-
-
-def test_the_schema_is_that_of_its_rows() -> None:
-    assert schema("bench-4")["properties"]["tradeoffs"]["items"] == row_schema(COLUMNS)
 
 
 def test_rows_survive_json(tmp_path: Path, rows: list[Row]) -> None:
