@@ -168,9 +168,12 @@ def two_at_once(told: Told, draw: Random) -> None:
     listed = [entry for entry in told["instants"] if entry.get("met")]
     if len(listed) > 1:
         one, other = draw.sample(listed, 2)
-        one["met"].append([*draw.choice(other["met"])])
-        if draw.random() < 0.5:
-            one.setdefault("rounds", []).append([[*one["met"][-1]]])
+        pair, pushes = [*draw.choice(other["met"])], draw.random() < 0.5
+        if "segments" in told["scene"] and listed.index(other) < listed.index(one):
+            return  # a circle may slide along a face from the one to the other
+        one["met"].append(pair)
+        if pushes:
+            one.setdefault("rounds", []).append([[*pair]])
 
 
 @cache
