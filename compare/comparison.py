@@ -438,6 +438,8 @@ def explained(
     new = "" if scene.restitution.sign() else "whose restitution is 0"
     if scene.gravity is not None and (scene.surfaces.pegs or scene.segments or scene.polygons or scene.arcs):
         new = "with gravity and something fixed that is no wall"
+    if scene.other_walls:
+        new = f"with a wall of kind {scene.other_walls[0].kind!r}"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

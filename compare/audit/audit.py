@@ -193,8 +193,6 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "restitution 0 is not audited yet")
     if run.scene.gravity is not None and (run.scene.arcs or any(circle.fixed for circle in run.scene.surfaces.circles)):
         return Audit(None, "what is round and fixed is not audited yet under gravity")
-    if run.scene.moving_walls:
-        return Audit(None, "walls that move are not audited yet")
     if run.scene.other_walls:
         return Audit(None, f"a wall of kind {run.scene.other_walls[0].kind!r} is not audited")
     if engine.step is not None:

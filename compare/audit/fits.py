@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
+from ...exact.numbers import ball
 from .residuals import Laws, length_of
 
 if TYPE_CHECKING:
@@ -168,7 +169,8 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     ax, ay = la.vx - a.vx, la.vy - a.vy
     if wall:
         b = lb = a
-        bx, by, vx, vy, ux, uy = 0 * ax, 0 * ay, -a.vx, -a.vy, -la.vx, -la.vy
+        wx, wy = map(ball.constant, laws.drift(j))
+        bx, by, vx, vy, ux, uy = 0 * ax, 0 * ay, wx - a.vx, wy - a.vy, wx - la.vx, wy - la.vy
         if back and j >= laws.first_side:
             side = laws.sides[j - laws.first_side]
             dx = side.inward * (side.x - la.x + la.vx * back)
@@ -243,7 +245,7 @@ def _began(laws: Laws, pair: tuple[int, int], instant: ReportedInstant) -> float
         span = start - flight.t
         places.append((x + vx * span + laws.fall.gx * way, y + vy * span + laws.fall.gy * way))
     if j >= laws.count:
-        line, ((x, y),) = laws.line(i, j - laws.count), places
+        line, ((x, y),) = laws.line(i, j - laws.count).at(start), places
         return float((line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[i].r).mid())
     (xa, ya), (xb, yb) = places
     dx, dy = xb - xa, yb - ya

@@ -142,9 +142,9 @@ def _fallen(leg: Leg, time: float, fall: Fall) -> tuple[arb, arb, arb, arb]:
 
 def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     """How far across a wall a circle falls: at the end of its flight, or where its way turns back."""
-    line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
+    line, r = laws.line(leg.circle, wall).at(arb(leg.start)), laws.things[leg.circle].r
     pull = float((line.nx * fall.gx + line.ny * fall.gy).mid())
-    closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
+    closing = float(line.nears(leg.vx, leg.vy).mid())
     first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
     if leg.end < math.inf:
         times = [leg.end]
@@ -162,10 +162,11 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
     deepest: Passage | None = None
     for time in times:
         x, y, vx, vy = _fallen(leg, time, fall)
-        then = line.nx * (line.x - x) + line.ny * (line.y - y) - r
+        there = laws.line(leg.circle, wall).at(arb(time))
+        then = there.nx * (there.x - x) + there.ny * (there.y - y) - r
         deeper = (first.min(arb(0)) - then).mid()
         size = size_of(deeper) if deeper > 0 else 0.0
-        speed = max(leg.speed, math.hypot(float(vx.mid()), float(vy.mid())))
+        speed = max(leg.speed, math.hypot(float(vx.mid()), float(vy.mid()))) + line.drift
         away = math.hypot(leg.x - float(line.x), leg.y - float(line.y)) + speed * (time - leg.start)
         sizes = math.hypot(leg.x, leg.y) + speed * time + line.size * (1 + away / line.length)
         steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
@@ -316,8 +317,9 @@ def _enclosed(
 
 def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
     """How far across a wall, or a face, a circle flies."""
-    line, radius = laws.line(leg.circle, wall), laws.things[leg.circle].radius
-    closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
+    line, radius = laws.line(leg.circle, wall).at(arb(leg.start)), laws.things[leg.circle].radius
+    speed = leg.speed + line.drift
+    closing = float(line.nears(leg.vx, leg.vy).mid())
     if closing <= 0.0:
         return None
     height = float(line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y))
@@ -325,8 +327,8 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
     away = math.hypot(leg.x - float(line.x), leg.y - float(line.y))
 
     def sizes(time: float) -> float:
-        far = line.size * (1 + (away + leg.speed * (time - leg.start)) / line.length)
-        return math.hypot(leg.x, leg.y) + leg.speed * time + far
+        far = line.size * (1 + (away + speed * (time - leg.start)) / line.length)
+        return math.hypot(leg.x, leg.y) + speed * time + far
 
     if gap - closing * (end - leg.start) > CLOSE * sizes(end):
         return None
@@ -335,7 +337,7 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
         end = min(end, _through(leg, line, height, closing, radius, blur))
     r = laws.things[leg.circle].r
     first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
-    then = first - (line.nx * leg.vx + line.ny * leg.vy) * (arb(end) - leg.start)
+    then = first - line.nears(leg.vx, leg.vy) * (arb(end) - leg.start)
     deeper = (first.min(arb(0)) - then).mid()
     room = ROOT_UNITS * laws.unit * (sizes(end) + radius) + LEAST
     room += leg.apart + leg.turned * (end - leg.t) if leg.apart else 0.0

@@ -11,15 +11,18 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from flint import arb, arb_mat
+from flint import arb
 
 from ...exact.numbers import ball
 from ...exact.replay.contact import Sides
+from ...scenarios.numbers.quantity import ZERO as NONE
 from ...scenarios.surfaces import parts_of
+from ..foreign.impulses import solved, strengths_of
 from .transcript import groups_of
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
+    from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
     from .transcript import Fall, ReportedFlight, ReportedInstant, Transcript
 
@@ -85,10 +88,13 @@ class Thing(NamedTuple):
     share: float
 
 
+ZERO = arb(0)
+
+
 class WallInBalls(NamedTuple):
     """A wall: a point of it, its unit normal; how far its points are from the origin and from each other.
 
-    Of a face, `thick` is half the thickness of its segment.
+    Of a face, `thick` is half the thickness of its segment. One that moves has the velocity (ux, uy), of size `drift`.
     """
 
     x: arb
@@ -98,6 +104,20 @@ class WallInBalls(NamedTuple):
     size: float
     length: float
     thick: float = 0.0
+    ux: arb = ZERO
+    uy: arb = ZERO
+    drift: float = 0.0
+
+    def at(self, time: arb) -> WallInBalls:
+        """Where it is at a time, of one that has been told where it is at time 0."""
+        if not self.drift:
+            return self
+        size = self.size + self.drift * abs(float(time.mid()))
+        return self._replace(x=self.x + self.ux * time, y=self.y + self.uy * time, size=size)
+
+    def nears(self, vx: arb | float, vy: arb | float) -> arb:
+        """How fast something of a velocity comes nearer to it."""
+        return self.nx * (vx - self.ux) + self.ny * (vy - self.uy)
 
 
 class SideInBalls(NamedTuple):
@@ -218,7 +238,7 @@ class Laws:
         self._lines: dict[int, tuple[WallInBalls, WallInBalls]] = {}
 
     def line(self, circle: int, wall: int) -> WallInBalls:
-        """A wall, with the normal from a circle towards it; of a face, to the side of its segment."""
+        """A wall at time 0, with the normal from a circle towards it; of a face, to the side of its segment."""
         if wall not in self._lines:
             exact = self.scene.walls[wall]
             x0, y0, x1, y1 = (ball.constant(value) for value in (exact.x0, exact.y0, exact.x1, exact.y1))
@@ -227,9 +247,11 @@ class Laws:
             size = max(math.hypot(float(x0), float(y0)), math.hypot(float(x1), float(y1)))
             length = float(span)
             thick = max((self.things[k].radius for k in self._ends_of.get(wall, ())), default=0.0)
+            ux, uy = ball.constant(exact.vx), ball.constant(exact.vy)
+            moves = (ux, uy, math.hypot(float(ux), float(uy)))
             self._lines[wall] = (
-                WallInBalls(x0, y0, nx / span, ny / span, size, length, thick),
-                WallInBalls(x0, y0, -nx / span, -ny / span, size, length, thick),
+                WallInBalls(x0, y0, nx / span, ny / span, size, length, thick, *moves),
+                WallInBalls(x0, y0, -nx / span, -ny / span, size, length, thick, *moves),
             )
         return self._lines[wall][self._sides.negative(circle, wall)]
 
@@ -354,9 +376,9 @@ class Laws:
         if j >= self.first_side:
             return self._at_side(i, self.sides[j - self.first_side], instant, events)
         if j >= self.count:
-            line = self.line(i, j - self.count)
+            line = self.line(i, j - self.count).at(instant.after[i].t if i in instant.after else instant.t)
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
-            opening = -(line.nx * a.vx + line.ny * a.vy)
+            opening = -line.nears(a.vx, a.vy)
             bounced = None
             if self.fall is not None and self.fall.step:
                 bounced = opening + (line.nx * self.fall.gx + line.ny * self.fall.gy) * self.fall.step
@@ -369,7 +391,7 @@ class Laws:
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             gap = height - self.things[i].r
-            return ImpactLaws(line.nx, line.ny, gap, opening, a.speed, room, turn, bounced=bounced)
+            return ImpactLaws(line.nx, line.ny, gap, opening, a.speed + line.drift, room, turn, bounced=bounced)
         b, xb, yb = instant.there(j)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
@@ -448,7 +470,7 @@ class Laws:
         met = self.meeting(pair, instant, events)
         yield Residual("gap", pair, size_of(met.gap), met.room)
         i, j = pair
-        a, wa = instant.before[i], self.things[i].weight
+        wa = self.things[i].weight
         wall = j >= self.count
         wb = arb(0) if wall else self.things[j].weight
         total = arb(1) if wall else wa + wb
@@ -467,7 +489,7 @@ class Laws:
                 dvx, dvy = dvx - push * met.nx, dvy - push * met.ny
             other = 0.0 if wall else instant.before[j if k == i else i].speed
             units = IMPULSE_UNITS * self.unit
-            granted = units * (before.speed + left.speed + 2 * share * (a.speed if wall else before.speed + other))
+            granted = units * (before.speed + left.speed + 2 * share * (met.speed if wall else before.speed + other))
             granted += units * (before.fallen + (0.0 if wall else instant.before[j if k == i else i].fallen))
             granted += 2 * share * met.bent + LEAST
             found = length_of(dvx, dvy)
@@ -491,7 +513,8 @@ class Laws:
         for place, (i, j) in enumerate(instant.impulses):
             met = self.meeting((i, j), instant, events)
             ends = [k for k in (i, j) if k < self.count]
-            va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (arb(0), arb(0)))
+            vx, vy = map(ball.constant, self.drift(j))
+            va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (vx, vy))
             opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
             begun = [(instant.before[k], instant.left(k)) for k in ends if k in instant.before]
             speed = sum(flight.speed + flight.fallen + left for flight, left in begun)
@@ -548,6 +571,9 @@ class Laws:
         bent = max(met[link].bend(2 * fastest, 2 * fastest) for link in links)  # two at rest may be fast a round later
         rounds = max(len(pairs), len(links))
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
+        # a wall that moves does work, and none as seen from itself; of two that move apart nothing is known
+        frames = {self.drift(j) for _, j in links if j >= self.count or not self.moving[j]}
+        ux, uy = map(ball.constant, next(iter(frames), (NONE, NONE)))
         for k in circles:
             x, y = _unexplained(k, self.things[k].weight, change[k], links, strengths, met)
             granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * bent + LEAST
@@ -556,11 +582,19 @@ class Laws:
                 worst = found
             before, left = instant.before[k], after.get(k, instant.before[k])
             mass = 1 / self.things[k].weight
-            energy += mass * (left.vx**2 + left.vy**2 - before.vx**2 - before.vy**2) / 2
+            gained = (left.vx - ux) ** 2 + (left.vy - uy) ** 2 - (before.vx - ux) ** 2 - (before.vy - uy) ** 2
+            energy += mass * gained / 2
             room += float(mass) * max(before.speed, left.speed) * granted
         yield worst
         lost = not self.scene.elastic and not energy > 0  # how much it loses depends on the order; it gains nothing
-        yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
+        if len(frames) < 2:
+            yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
+
+    def drift(self, place: int) -> tuple[Quantity, Quantity]:
+        """The velocity of a wall, by place; of everything else that stands 0."""
+        wall = place - self.count
+        exact = self.scene.walls[wall] if 0 <= wall < len(self.scene.walls) else None
+        return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
 
 
 def _unexplained(
@@ -590,7 +624,7 @@ def _sharpened(
             root = math.sqrt(laws.things[k].share)
             x, y = _unexplained(k, laws.things[k].weight, change[k], links, strengths, met)
             left[k] = float(x.mid()) / root, float(y.mid()) / root
-        for c, more in zip(pushing, _solved([columns[c] for c in pushing], left), strict=True):
+        for c, more in zip(pushing, solved([columns[c] for c in pushing], left), strict=True):
             strengths[c] += arb(more)
     return strengths
 
@@ -599,88 +633,3 @@ BITS_GAINED = 40
 """Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
 
 DOUBLE_BITS = 53
-
-
-MOST_SWEEPS = 200
-"""Sweeps of coordinate descent over the contacts of one instant, which find those that push."""
-
-MOST_DROPPED = 40
-"""How often contacts that would pull are left out before the strengths are taken as they are."""
-
-
-def strengths_of(
-    columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]
-) -> list[float]:
-    """Strengths s >= 0 of some contacts that come nearest to a change, by least squares.
-
-    Coordinate descent finds which of them push; the normal equations of these are solved in `AUDIT_BITS`. Contacts of
-    which one more is there than can be told apart (a raft of discs) share their strength.
-
-    Args:
-        columns: for each contact, what a unit of it does to each circle.
-        wanted: the change of each circle.
-
-    >>> strengths_of([{0: (1.0, 0.0)}, {0: (0.0, 1.0)}], {0: (2.0, -1.0)})
-    [2.0, 0.0]
-    """
-    found = _descent(columns, wanted)
-    pushing = [c for c, strength in enumerate(found) if strength > 0.0]
-    for _ in range(MOST_DROPPED):
-        solved = _solved([columns[c] for c in pushing], wanted)
-        pulling = [c for c, strength in zip(pushing, solved, strict=True) if strength < 0.0]
-        if not pulling:
-            found = [0.0] * len(columns)
-            for c, strength in zip(pushing, solved, strict=True):
-                found[c] = strength
-            break
-        pushing = [c for c in pushing if c not in pulling]
-    return found
-
-
-def _descent(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
-    """Strengths by coordinate descent, each kept from pulling."""
-    left = {k: [x, y] for k, (x, y) in wanted.items()}
-    squares = [sum(x * x + y * y for x, y in column.values()) for column in columns]
-    found = [0.0] * len(columns)
-    for _ in range(MOST_SWEEPS):
-        moved = False
-        for c, column in enumerate(columns):
-            if not squares[c]:
-                continue
-            pull = sum(left[k][0] * x + left[k][1] * y for k, (x, y) in column.items()) / squares[c]
-            step = max(-found[c], pull)
-            if abs(step) > 2.0**-56 * found[c]:
-                moved = True
-                found[c] += step
-                for k, (x, y) in column.items():
-                    left[k][0] -= step * x
-                    left[k][1] -= step * y
-        if not moved:
-            break
-    return found
-
-
-def _solved(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
-    """The strengths of contacts all of which push: G s = b, with a 2**-100th of G's trace on its diagonal."""
-    count = len(columns)
-    if not count:
-        return []
-    rows = [[arb(0)] * count for _ in range(count)]
-    for c, one in enumerate(columns):
-        for d in range(c, count):
-            other = columns[d]
-            total = arb(0)
-            for k in one.keys() & other.keys():
-                total += arb(one[k][0]) * other[k][0] + arb(one[k][1]) * other[k][1]
-            rows[c][d] = rows[d][c] = total
-    trace = sum((rows[c][c] for c in range(count)), arb(0))
-    for c in range(count):
-        rows[c][c] += trace * arb(2) ** -100
-    right = [
-        [sum((arb(wanted[k][0]) * x + arb(wanted[k][1]) * y for k, (x, y) in one.items()), arb(0))] for one in columns
-    ]
-    try:
-        told = arb_mat(rows).solve(arb_mat(right))
-    except ZeroDivisionError:
-        return [0.0] * count
-    return [float(told[c, 0].mid()) for c in range(count)]

@@ -77,6 +77,12 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
             f"the scene has gravity and circle {trajectory.scene.ids[min(trajectory.scene.pegs)]!r}, which is fixed: "
             "meetings of such are zeros of quartics, which certificates do not know; leave it out"
         )
+    if trajectory.scene.surfaces.pegs:
+        thing = (*trajectory.scene.segments, *trajectory.scene.polygons)[0]
+        raise CertificateError(
+            f"the scene has gravity and {thing.id!r}, which has ends: meetings with ends are zeros of quartics, "
+            "which certificates do not know; leave it out"
+        )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")

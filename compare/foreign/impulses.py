@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from flint import arb, arb_mat
+
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
 from ...scenarios.errors import SceneError
@@ -311,3 +313,90 @@ def least(square: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[n
             found[first], kept[first] = 0.0, False
         found = trial
     return found
+
+
+# -- strengths of the contacts of one instant, from the change of velocities
+
+MOST_SWEEPS = 200
+"""Sweeps of coordinate descent over the contacts of one instant, which find those that push."""
+
+MOST_DROPPED = 40
+"""How often contacts that would pull are left out before the strengths are taken as they are."""
+
+
+def strengths_of(
+    columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]
+) -> list[float]:
+    """Strengths s >= 0 of some contacts that come nearest to a change, by least squares.
+
+    Coordinate descent finds which of them push; the normal equations of these are solved in `AUDIT_BITS`. Contacts of
+    which one more is there than can be told apart (a raft of discs) share their strength.
+
+    Args:
+        columns: for each contact, what a unit of it does to each circle.
+        wanted: the change of each circle.
+
+    >>> strengths_of([{0: (1.0, 0.0)}, {0: (0.0, 1.0)}], {0: (2.0, -1.0)})
+    [2.0, 0.0]
+    """
+    found = _descent(columns, wanted)
+    pushing = [c for c, strength in enumerate(found) if strength > 0.0]
+    for _ in range(MOST_DROPPED):
+        sharp = solved([columns[c] for c in pushing], wanted)
+        pulling = [c for c, strength in zip(pushing, sharp, strict=True) if strength < 0.0]
+        if not pulling:
+            found = [0.0] * len(columns)
+            for c, strength in zip(pushing, sharp, strict=True):
+                found[c] = strength
+            break
+        pushing = [c for c in pushing if c not in pulling]
+    return found
+
+
+def _descent(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
+    """Strengths by coordinate descent, each kept from pulling."""
+    left = {k: [x, y] for k, (x, y) in wanted.items()}
+    squares = [sum(x * x + y * y for x, y in column.values()) for column in columns]
+    found = [0.0] * len(columns)
+    for _ in range(MOST_SWEEPS):
+        moved = False
+        for c, column in enumerate(columns):
+            if not squares[c]:
+                continue
+            pull = sum(left[k][0] * x + left[k][1] * y for k, (x, y) in column.items()) / squares[c]
+            step = max(-found[c], pull)
+            if abs(step) > 2.0**-56 * found[c]:
+                moved = True
+                found[c] += step
+                for k, (x, y) in column.items():
+                    left[k][0] -= step * x
+                    left[k][1] -= step * y
+        if not moved:
+            break
+    return found
+
+
+def solved(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
+    """The strengths of contacts all of which push: G s = b, with a 2**-100th of G's trace on its diagonal."""
+    count = len(columns)
+    if not count:
+        return []
+    rows = [[arb(0)] * count for _ in range(count)]
+    for c, one in enumerate(columns):
+        for d in range(c, count):
+            other = columns[d]
+            total = arb(0)
+            for k in one.keys() & other.keys():
+                total += arb(one[k][0]) * other[k][0] + arb(one[k][1]) * other[k][1]
+            rows[c][d] = rows[d][c] = total
+    trace = sum((rows[c][c] for c in range(count)), arb(0))
+    for c in range(count):
+        rows[c][c] += trace * arb(2) ** -100
+    right = [
+        [sum((arb(wanted[k][0]) * x + arb(wanted[k][1]) * y for k, (x, y) in one.items()), arb(0))] for one in columns
+    ]
+    try:
+        told = arb_mat(rows).solve(arb_mat(right))
+    except ZeroDivisionError:
+        return [0.0] * count
+    return [float(told[c, 0].mid()) for c in range(count)]

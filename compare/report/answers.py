@@ -381,6 +381,8 @@ def what_now(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | 
         told.append(f"Correct {candidate.engine}: no setting mends a law.")
     elif stopped(comparison, candidate):
         told.append(_onward(comparison))
+    elif candidate.verdict == "agree" and candidate.changed:
+        told.append(_where_it_matters(comparison, candidate))
     elif candidate.verdict == "agree":
         told.append(f"Nothing to change: {candidate.engine} is right to the end{_cheaper(comparison, candidate)}.")
     elif candidate.verdict == "unsettled" and _at_its_end(candidate):
@@ -403,6 +405,14 @@ def _onward(comparison: Comparison) -> str:
         told = f"{_capital(message.rpartition('; ')[2])}." if own else "Let it cost more (--work)."
     events = len(reference.events)
     return f"{told} Its first {counted(events, 'event')} can be compared alone." if events > 1 else told
+
+
+def _where_it_matters(comparison: Comparison, candidate: Candidate) -> str:
+    """What to take where every collision is right and an outcome is not."""
+    names = listed(sorted(name.replace("_", " ") for name in candidate.changed))
+    right = [c.engine for c in comparison.candidates if c.verdict == "agree" and not c.changed and not c.lawless]
+    instead = (right or [comparison.reference.engine])[0]
+    return f"Nothing to change if who hits whom is all that matters; for {names}, take {instead}."
 
 
 def _at_its_end(candidate: Candidate) -> bool:

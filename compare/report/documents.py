@@ -53,7 +53,7 @@ FORMS = {
     "scenarios.trajectory:Pocketing": "circle pocket time",
     "scenarios.trajectory:State": "time circles",
     "scenarios.trajectory:CircleState": "id x y vx vy",
-    "scenarios.trajectory:Trajectory": "scene engine stop certified collisions events final plan reversal? "
+    "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "
     "assumptions? notes? pocketed? definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from refuting import fallen, refute
 
 from truebreak.compare import compare
+from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import continuation, decision, given_scene
 from truebreak.compare.engines import engine as engine_named
@@ -160,3 +162,41 @@ def test_what_is_not_looked_for_is_refused_by_name() -> None:
     scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0)
     found = compare(scene, ["single"], events=9).candidates[0]
     assert found.diagnosis is None or "restitution is 0" in found.diagnosis.finding
+
+
+# -- the audit, where walls move
+
+
+MOVING = [scene for scene in map(fallen, range(60)) if scene.moving_walls]
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad", "rounded:bits=12", "pymunk:dt=1/64"])
+def test_engines_keep_the_laws_among_walls_that_move(name: str) -> None:
+    found = []
+    for k, scene in enumerate(MOVING[:8]):
+        floor = Wall(0, 0, 1, 0, id="floor", vy="1/50" if k % 2 else 0)
+        chosen, whole = engine_named(name), scene.with_changes(walls=[floor, *scene.walls[1:]])
+        found.append(audit_run(chosen.run(whole, events=40), chosen))
+    assert [audit.sentence for audit in found if audit.kept is not True] == []
+    assert sum(audit.impacts for audit in found) > 160
+
+
+class Misreads(PymunkEngine):
+    """Takes walls that move for slower ones."""
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        return replace(super().run(slower(scene), **limits), scene=scene)
+
+
+def slower(scene: Scene) -> Scene:
+    walls = [Wall(w.x0, w.y0, w.x1, w.y1, id=w.id, vx=w.vx * "24/25", vy=w.vy) for w in scene.walls]
+    return scene.with_changes(walls=walls)
+
+
+@pytest.mark.parametrize("steps", [False, True])
+def test_an_engine_that_takes_a_wall_for_a_slower_one_is_found(steps: bool) -> None:
+    for scene in MOVING[:6]:
+        chosen = Misreads(dt=1 / 64) if steps else engine_named("double")
+        run = chosen.run(scene if steps else slower(scene), events=40)
+        assert any("right" in pair for event in run.events for pair in event.impulses)
+        assert audit_run(replace(run, scene=scene), chosen).kept is False

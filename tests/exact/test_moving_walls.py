@@ -18,6 +18,7 @@ from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.deadline import Clock
 from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift, energy_gained
+from truebreak.compare.report.documents import trajectory_json
 from truebreak.compare.report.floats import floats_json
 from truebreak.compare.report.listing import print_trajectory
 from truebreak.compare.report.player import played
@@ -33,7 +34,7 @@ from truebreak.exact.replay.state import Flights, ReplayState
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.exact.simulation import prediction
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall, pictures
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall, catalogue, pictures
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.pictures import as_at
 
@@ -418,7 +419,7 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
             build()
         assert "\n" not in str(error.value)
     found = audit_run(DoubleEngine().run(scene, events=2), DoubleEngine())
-    assert (found.kept, found.reason) == (None, "walls that move are not audited yet")
+    assert found.kept
     assert energy_drift(DoubleEngine().run(scene, events=2)) is None
     assert unsupported(Box2DEngine(), scene) == "moving walls"
 
@@ -474,3 +475,12 @@ def test_what_moving_walls_brought_in_is_said(capsys):
     assert energy_gained(still) == pytest.approx(0, abs=1e-9)
     print_trajectory(run, exact=False, watch=Clock(None))
     assert "energy: walls that move brought in 40" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("text", "ending"), [("closing-wall", "80"), ("bounce", "19"), ("wedge", None)])
+def test_the_end_of_the_motion_itself_is_in_json(text: str, ending: str | None) -> None:
+    told = trajectory_json(ExactEngine().run(catalogue.build(text)), exact=True)
+    if ending is None:
+        assert not any(key.startswith("ending") for key in told)
+        return
+    assert (told["ending"], told["ending_exact"]) == (float(ending), ending)

@@ -19,10 +19,11 @@ from audit.planted import FAULTS, Planted
 from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.compare.audit.passages import FEW, passages
-from truebreak.compare.audit.residuals import AUDIT_BITS, Laws, strengths_of
+from truebreak.compare.audit.residuals import AUDIT_BITS, Laws
 from truebreak.compare.audit.transcript import Transcript
 from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording
+from truebreak.compare.foreign.impulses import strengths_of
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.grids.stress_families import drift, kick, scaled
 from truebreak.compare.scene_argument import scene_from

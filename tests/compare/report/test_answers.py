@@ -189,6 +189,13 @@ def test_a_scene_without_events_has_answers() -> None:
     assert answers(found).where == "Nowhere: nothing happens in this span."
 
 
+def test_where_only_an_outcome_changed_what_to_take_for_it_is_said() -> None:
+    made = compare(catalogue.build("wedge:slope=2"), ["double", "quad"], events=60)
+    assert "an outcome did (final velocities)" in verdict_line(made)
+    told = "Nothing to change if who hits whom is all that matters; for final velocities, take quad."
+    assert answers(made).what_now == told
+
+
 def test_where_the_reference_stops_not_knowing_no_engine_is_called_right_to_the_end() -> None:
     """Two marbles that push each other without end: nothing happens, and nothing of it is known."""
     made = compare(catalogue.build("beads"), ["double"])
