@@ -7,7 +7,7 @@ from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
-from .laws.formulas import speed_change
+from .laws.formulas import fall_speed, sag, speed_change
 from .numbers.system import N, solve_positive
 from .replay.arc_ranges import arc_chord, within_arc
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
@@ -177,9 +177,10 @@ class Foot(OfOne[AtWall]):
 
 
 class Beside(Plain):
-    """Is a circle that slides along the line of a face, at the time of a meeting, beyond its start? `far`: its end.
+    """Is a circle at the line of a face, at the time of a meeting, beyond its start (positive)? `far`: its end.
 
-    Without a meeting: at the instant at hand, at which it stands.
+    Of one that slides along that line; under gravity also of one that comes to it, at that very time. Without a
+    meeting: at the instant at hand, at which it stands.
     """
 
     def __init__(self, link: AtWall, far: bool, moment: Moment | None) -> None:
@@ -190,19 +191,26 @@ class Beside(Plain):
         return self.link.circles if self.moment is None else circles_of(self.link, self.moment.link)
 
     def value(self, state: ReplayState[N]) -> N:
-        along, slide, clock = state.face_place(self.link, self.far)
+        along, slide, bend, clock = state.face_place(self.link, self.far)
         if self.moment is None:
-            late = state.bodies[self.link.circle].flight.late
-            return along if late is None else along + slide * late
-        t, wait = self.moment.wait(state)
-        return along + slide * ((t - clock) + wait)
+            lag = state.bodies[self.link.circle].flight.late
+            if lag is None:
+                return along
+        else:
+            t, wait = self.moment.wait(state)
+            lag = wait if t is clock else (t - clock) + wait
+        return along + slide * lag if bend is None else sag(along, slide, bend, lag)
 
     def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         if self.moment is None:
             return self.value(state), state.zero, state.zero, state.zero, state.zero
-        along, slide, clock = state.face_place(self.link, self.far)
+        along, slide, bend, clock = state.face_place(self.link, self.far)
         p, q, d = self.moment.parts(state)
-        return along + slide * (p - clock), slide * q, d, state.zero, state.zero
+        lag = p - clock
+        if bend is None:
+            return along + slide * lag, slide * q, d, state.zero, state.zero
+        fixed = sag(along, slide, bend, lag) + bend * (q * q * d)
+        return fixed, fall_speed(slide, bend, lag) * q, d, state.zero, state.zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} are between its ends"

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from flint import arb
 
-from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
-from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.arc_ranges import faces_arc
+from ..exact.question import Question
 from ..exact.replay.contact import (
-    AtArc,
     AtWall,
     Body,
     Entry,
@@ -23,27 +19,24 @@ from ..exact.replay.contact import (
     Link,
     NamedContacts,
     Pair,
-    is_arc,
-    is_flat,
-    is_pair,
     name_of,
 )
 from ..exact.replay.round_falls import told_wait
 from ..exact.replay.state import ReplayState, Step
-from ..exact.simulation.arc_meetings import arc_contact, predict_falls
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
-from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, link_of
+from ..exact.simulation.prediction import ArrivalQueue
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, TieProof, Trajectory
+from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, Trajectory
 from .knots import DoubleMotion, FallingMotion
+from .plain_meetings import PlainMeetings
 
 # -- The state of a run in finite precision.
 
@@ -206,202 +199,6 @@ class PlainReading(Generic[M]):
         if time is None:
             return self._bounds(self._state.flip_time + self._state.flip_time)
         return self._bounds(self._state.constant(time))
-
-
-class PlainPegs(Predictor[M]):
-    """Predictions of scenes in which circles stand under gravity. See `Predictor`."""
-
-    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
-        """See `Predictor.predict`."""
-        predict_falls(self, moved, standing, gone, self._walls_of)
-
-    def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next meeting of a circle that falls with one that stands."""
-        link = link_of(a, peg)
-        assert is_pair(link)
-        wait = told_wait(self.state, link)
-        if wait is not None:
-            self.push(a.flight.t + wait, link)
-
-
-class PlainMeetings(Generic[M]):
-    """Predicts and orders meetings by the system's own comparisons.
-
-    Args:
-        scene: what runs.
-        state: its state.
-        queue: where arrivals go.
-        plan: counts what is predicted and what is skipped.
-        numbers: the state's system.
-        ask: decides questions.
-    """
-
-    def __init__(
-        self,
-        scene: Scene,
-        state: ReplayState[M],
-        queue: ArrivalQueue[M],
-        plan: Counter[str],
-        numbers: NumberSystem[M],
-        ask: Callable[[Question], int],
-    ) -> None:
-        made = PlainPegs if scene.pegs else Predictor
-        self._predictor = made(scene, state, queue, plan, numbers.bounds, self._unsure)
-        self.slides = self._predictor.slides
-        self._state = state
-        self._sign = numbers.sign
-        self._bounds = numbers.bounds
-        self._ask = ask
-
-    def off_rim(self, link: Entry) -> bool:
-        """Nothing is plain before it is asked."""
-        return False
-
-    def close(self) -> None:
-        """Lets go of its predictor and of who decides for it, which know it."""
-        self._predictor.close()
-        del self._predictor, self._ask
-
-    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
-        """Queues the next meetings of some circles."""
-        self._predictor.predict(moved, standing, gone)
-
-    def timed(self, arrival: Arrival[M]) -> Arrival[M]:
-        """Its time was computed when it was predicted."""
-        return arrival
-
-    def certainly_before(self, first: Arrival[M], second: Arrival[M]) -> bool:
-        """Whether the system's own comparison says so."""
-        assert first.time is not None
-        assert second.time is not None
-        return (first.time < second.time) is True
-
-    def order(self, first: Arrival[M], second: Arrival[M]) -> Decision:
-        """The sign of the difference of two times at hand, or of the question where that is not known."""
-        assert first.time is not None
-        assert second.time is not None
-        try:
-            sign = self._sign(first.time - second.time)
-        except Undecided:
-            sign = self._ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
-        return Decision(sign, "plain", TieProof.FLOAT)
-
-    def settled(self, arrival: Arrival[M]) -> Arrival[M] | None:
-        """The arrival if it comes.
-
-        Raises:
-            Undecided: where that cannot be told.
-        """
-        found = self._meeting(arrival.link)
-        if found is None:
-            return None
-        time, graze = found
-        low, high = self._bounds(time)
-        return arrival._replace(low=low, high=high, certain=True, time=time, graze=graze)
-
-    def _unsure(self, link: Link) -> None:
-        """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
-        try:
-            found = self._meeting(link)
-        except Undecided:
-            self._predictor.push_doubtful(link)
-            return
-        if found is not None:
-            self._predictor.push(found[0], link, found[1])
-
-    def _meeting(self, link: Link) -> tuple[M, bool] | None:
-        """The time of a meeting, and whether it is a graze; None where there is none.
-
-        Two that overlap by rounding and approach collide at once. Where the square of their speed is below all numbers
-        of the engine they do not come together, as far as it can tell. That is so of rounded numbers alone: what is
-        divided by an enclosure with 0 in it has no ends, and is no error.
-
-        Raises:
-            Undecided: where that cannot be told.
-        """
-        if is_arc(link):
-            return self._meeting_arc(link)
-        if is_flat(link) and (pull := self._pull(link)):
-            return self._meeting_fallen(link, pull)
-        approach = self._ask(Approach(link))
-        if is_flat(link) and link.wall in self._predictor.faces:
-            return self._meeting_face(link, approach)
-        if approach >= 0:
-            return None
-        disc = 1 if is_flat(link) else self._ask(Discriminant(link))
-        if disc < 0:
-            return None
-        if (gap := self._ask(Gap(link))) <= 0:
-            if not link.pushes or disc == 0 or (is_flat(link) and not self._state.scene.walls[link.wall].is_met(gap)):
-                return None
-            return link.later(self._state).flight.t, False
-        try:
-            clock, wait = Moment(link, disc == 0).wait(self._state)
-        except ZeroDivisionError:
-            return None
-        return clock + wait, disc == 0
-
-    def _meeting_arc(self, link: AtArc) -> tuple[M, bool] | None:
-        """As `_meeting`, of a side of an arc; what rounding has put into it is on its side, within it, not through."""
-        state = self._state
-        if self._ask(Approach(link)) < 0 and self._ask(Gap(link)) <= 0:
-            a, b = link.ends(state)
-            pair = state.relation(link)
-            through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
-            if through < 0 and self._sign(faces_arc(state, link, pair.dx, pair.dy)) > 0:
-                return a.flight.t, False
-        disc = arc_contact(link, self._ask, final=True)
-        if disc is None or disc < 0:
-            return None
-        try:
-            clock, wait = Moment(link, disc == 0).wait(state)
-        except ZeroDivisionError:
-            return None
-        return clock + wait, disc == 0
-
-    def _pull(self, link: AtWall) -> int:
-        """See `Sides.pull`; 0 without gravity."""
-        return 0 if self._state.falling is None else self._state.sides.pull(*link[:2])
-
-    def _meeting_fallen(self, link: AtWall, pull: int) -> tuple[M, bool] | None:
-        """As `_meeting`, under gravity; what rounding has put into a wall to which it is pulled comes back to it."""
-        state, approach, disc = self._state, self._ask(Approach(link)), 1
-        now = link.later(state).flight.t
-        if pull > 0 and (approach >= 0 or (disc := self._ask(Arrives(link))) < 0):
-            return None
-        if self._ask(Gap(link)) <= 0:
-            if approach <= 0:
-                return None if disc == 0 else (now, False)
-            if self._ask(Arrives(link)) < 0:  # in it for all of its way up and down
-                clock, wait = state.wall_graze(link)
-                return clock + wait, False
-        try:
-            clock, wait = Moment(link, disc == 0).wait(state)
-        except ZeroDivisionError:
-            return None
-        return clock + wait, disc == 0
-
-    def _meeting_face(self, link: AtWall, approach: int) -> tuple[M, bool] | None:
-        """As `_meeting`, of a face; what rounding has put into it is on its side, between its ends, and not through."""
-        if approach > 0:
-            return None
-        gap = self._ask(Gap(link))
-        if approach == 0:
-            if gap == 0:
-                self.slides.append(link)
-            return None
-        state = self._state
-        if gap <= 0:
-            through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
-            beside = any(self._ask(Beside(link, far, None)) <= 0 for far in (False, True))
-            return None if beside or (gap and self._sign(through) <= 0) else (link.later(state).flight.t, False)
-        if any(self._ask(Foot(link, far)) <= 0 for far in (False, True)):
-            return None
-        try:
-            clock, wait = link.hit(state)
-        except ZeroDivisionError:
-            return None
-        return clock + wait, False
 
 
 class PlainDecider(Generic[M]):

@@ -87,10 +87,10 @@ class Engine(Protocol):
 
 
 def refuse_pegs(scene: Scene, who: str, remedy: str) -> None:
-    """Refuses a scene in which a circle stands under gravity.
+    """Refuses a scene in which a circle stands under gravity, or a segment or polygon, whose ends are round.
 
     Raises:
-        SceneError: naming what does not take it, the circle, and what to do.
+        SceneError: naming what does not take it, the circle or the thing with ends, and what to do.
 
     >>> from truebreak.scenarios import Circle
     >>> scene = Scene([Circle(0, 9), Circle(0, 0, m="oo", id="peg")], gravity=(0, -1))
@@ -102,6 +102,10 @@ leave it out
     """
     for i in scene.pegs:
         raise SceneError(f"circle {scene.ids[i]!r} is fixed, under gravity, and {who} do not take that; {remedy}")
+    for kind, things in (("segment", scene.segments), ("polygon", scene.polygons)):
+        if things and scene.gravity is not None:
+            told = f"{kind} {things[0].id!r} has ends, which are round, under gravity"
+            raise SceneError(f"{told}, and {who} do not take that; {remedy}")
 
 
 class Unchangeable:

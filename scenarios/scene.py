@@ -58,7 +58,8 @@ class Scene:
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
             restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
-            beside anything but walls and circles that move; for a circle that two walls crush at time 0.
+            beside pockets or arcs, and beside a reversal where a circle is fixed or something has ends; for a circle
+            that two walls crush at time 0.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -191,19 +192,19 @@ class Scene:
     def _check_falling(self) -> None:
         """Refuses what is met under gravity in ways that are not there yet."""
         fixed = next((circle for circle in self.circles if circle.fixed), None)
-        if fixed is not None and (self.reverse_after is not None or self.reverse_at is not None):
+        if self.reverse_after is not None or self.reverse_at is not None:
             key = "reverse_at" if self.reverse_after is None else "reverse_after"
-            raise SceneError(f"gravity: circle {fixed.id!r} is fixed, and no run is turned back there; leave {key} out")
-        found = ""
-        for kind, things in (("pocket", self.pockets), ("segment", self.segments), ("polygon", self.polygons),
-                             ("arc", self.arcs)):  # fmt: skip
+            found = "" if fixed is None else f"circle {fixed.id!r} is fixed"
+            for kind, things in (("segment", self.segments), ("polygon", self.polygons)):
+                found = found or (f"{kind} {things[0].id!r} is there" if things else "")
+            if found:
+                raise SceneError(f"gravity: {found}, and no run is turned back there; leave {key} out")
+        for kind, things in (("pocket", self.pockets), ("arc", self.arcs)):
             if things:
-                found = f"{kind} {things[0].id!r} is there"
-        if found:
-            raise SceneError(
-                f"gravity: {found}; under gravity there are walls and circles, and nothing else yet: "
-                "leave the one or the other out"
-            )
+                raise SceneError(
+                    f"gravity: {kind} {things[0].id!r} is there; under gravity there are walls, circles, segments and "
+                    "polygons, and nothing else yet: leave the one or the other out"
+                )
 
     def _check_kinds(self) -> None:
         """Refuses what walls of other kinds are not known to be right with."""

@@ -68,8 +68,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
-    if trajectory.scene.arcs:
-        raise CertificateError("the scene has arcs, which certificates do not know yet")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:
@@ -78,6 +76,12 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(
             f"the scene has gravity and circle {trajectory.scene.ids[min(trajectory.scene.pegs)]!r}, which is fixed: "
             "meetings of such are zeros of quartics, which certificates do not know; leave it out"
+        )
+    if trajectory.scene.surfaces.pegs:
+        thing = (*trajectory.scene.segments, *trajectory.scene.polygons)[0]
+        raise CertificateError(
+            f"the scene has gravity and {thing.id!r}, which has ends: meetings with ends are zeros of quartics, "
+            "which certificates do not know; leave it out"
         )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:

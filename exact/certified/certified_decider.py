@@ -240,7 +240,9 @@ class CertifiedMeetings:
         if is_pair(link) and self._state.balls.on_peg(link):
             return self._settled_fall(arrival, link)
         if is_arc(link):
-            disc = arc_contact(link, lambda question: self._judge.decide(question).sign, final=True)
+            disc = arc_contact(link, self._decided, final=True)
+        elif isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+            disc = self.predictor.face_settled(link, self._sign, self._decided)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
         else:
@@ -338,6 +340,9 @@ class CertifiedMeetings:
         """Whether a wall is of a kind that does not meet what is at it, or behind it."""
         return is_flat(link) and not self.predictor.scene.walls[link.wall].is_met(gap)
 
+    def _decided(self, question: Question) -> int:
+        return self._judge.decide(question).sign
+
     def _overlap(self, link: Link) -> NoReturn:
         who, when = self._judge.name(link), self._precision.where()
         raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
@@ -367,6 +372,8 @@ class CertifiedMeetings:
         if isinstance(self.predictor, PegPredictor) and self._state.balls.on_peg(link):
             return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
+        if isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+            return self._push(link, self.predictor.face_unsure(link, self._sign, self._decided, self._overlap))
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:
                 self._overlap(link)

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from math import inf, isfinite, sqrt
-from typing import NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.system import Undecided
-from ..replay.contact import AtArc, Body, Link, Pair, is_pair, name_of
+from ..question import Approach, Beside, Gap, Question
+from ..replay.contact import AtArc, AtWall, Body, Link, Pair, is_flat, is_pair, name_of
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
-from ..simulation.arc_meetings import ArcSides, Predicting, predict_falls
+from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
 from ..simulation.prediction import ArrivalQueue
 from .filtered import (
     ACCURATE_BITS,
@@ -29,6 +30,9 @@ from .filtered import (
     DoubleFilter,
     FilteredPredictor,
 )
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
 
 
 class FloatArc(NamedTuple):
@@ -190,6 +194,50 @@ class PegPredictor(FilteredPredictor):
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`."""
         predict_falls(self, moved, standing, gone, self._walls_of)
+
+    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """See `Predictor.meet_faces`."""
+        self.prepare()
+        for k in self.faces:
+            fall_to_face(self, a, k, standing, rounded=False)
+
+    def has_face(self, link: Link) -> TypeIs[AtWall]:
+        """Whether a contact is with a face."""
+        return is_flat(link) and link.wall in self.faces
+
+    def face_unsure(
+        self,
+        link: AtWall,
+        sign: Callable[[Question], int | None],
+        decide: Callable[[Question], int],
+        overlap: Callable[[Link], None],
+    ) -> int | None:
+        """Whether a circle meets a face, where short balls do not tell: as `face_contact`, in full ones.
+
+        Where gravity pulls along the face's line a circle at that line may slide along it, which is noted.
+
+        Args:
+            sign: the sign of a question in full balls.
+            decide: the sign by whatever it takes.
+            overlap: told of a circle that has come to a face unseen.
+        """
+        pull, approach, gap = self.state.sides.pull(*link[:2]), Approach(link), Gap(link)
+        if not pull and not sign(approach) and not sign(gap) and decide(gap) == 0 == decide(approach):
+            self.slides.append(link)
+            return -1
+        found = face_contact(link, pull, sign)
+        at_line = found == -1 and sign(gap) == 0 and sign(approach) == -1
+        if at_line and all(sign(Beside(link, far, None)) == 1 for far in (False, True)):
+            overlap(link)
+        return found
+
+    def face_settled(
+        self, link: AtWall, sign: Callable[[Question], int | None], decide: Callable[[Question], int]
+    ) -> int | None:
+        """As `face_unsure`, once it would come next: what full balls leave open is decided."""
+        pull = self.state.sides.pull(*link[:2])
+        found = face_contact(link, pull, sign)
+        return face_contact(link, pull, decide) if found is None else found
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""

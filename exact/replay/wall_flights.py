@@ -75,6 +75,19 @@ def fall_of(
     return WallFall(sag(gap, zero, half, t), fall_speed(approach, half, t), half)
 
 
+def along_of(falling: Gravity[N], place: tuple[N, N], line: SeenWall[N], clock: N, zero: N) -> tuple[N, N, N]:
+    """Where along a face a circle that falls is at its clock, how fast that grows, and half of gravity along it.
+
+    Args:
+        place: the first two as its flight tells them (see `formulas.face_along`), in the frame that falls or in true
+            coordinates.
+    """
+    (along, slide), half = place, face_along(falling.hx, falling.hy, zero, zero, line.nx, line.ny)
+    if falling.bent:
+        return along, slide, half
+    return sag(along, zero, half, clock), fall_speed(slide, half, clock), half
+
+
 class WallFlights(Generic[N]):
     """What circles and walls do in one number system: a part of `Flights`, which has the attributes."""
 
@@ -187,9 +200,18 @@ class WallFlights(Generic[N]):
         foot = face_foot(along, slide, self._wall_gap(link, flight.x, flight.y), approach)
         return -(line.nn * approach) - foot if far else foot
 
-    def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N]:
-        """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock."""
+    def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N | None, N]:
+        """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock.
+
+        Before the clock: half of gravity along the face, None without; places and speeds are in true coordinates.
+        """
         flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
         along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
         slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
-        return (line.nn - along, -slide, flight.t) if far else (along, slide, flight.t)
+        bend = None
+        if self.falling is not None and self.scene.gravity is not None:
+            place = along_of(self.falling, (along, slide), line, flight.t, self.zero)
+            along, slide, bend = place
+        if not far:
+            return along, slide, bend, flight.t
+        return line.nn - along, -slide, None if bend is None else -bend, flight.t

@@ -1,4 +1,4 @@
-"""When a circle meets an arc next, or a circle that stands under gravity."""
+"""When a circle meets an arc next, or, under gravity, a circle that stands or a face of a segment or polygon."""
 
 from __future__ import annotations
 
@@ -10,17 +10,25 @@ from ...scenarios.scene import Scene
 from ..laws.formulas import (
     advance,
     arc_range,
+    face_along,
+    fall_discriminant,
+    fall_speed,
+    fall_time,
+    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
     pair_hit_time,
     pair_last_time,
+    sag,
+    wall_hit_time,
 )
 from ..numbers.system import M, Undecided
-from ..question import Approach, Discriminant, Gap, Question, Within
+from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Question, Within
 from ..replay.arc_ranges import arc_chord
-from ..replay.contact import AtArc, Body, Link
+from ..replay.contact import AtArc, AtWall, Body, Gravity, Link
 from ..replay.state import ReplayState
+from ..replay.wall_flights import SeenWall, along_of, fall_of
 
 # -- Arcs: the outside is met as a path comes to it, the inside as it leaves what is within.
 #
@@ -214,3 +222,137 @@ def predict_falls(
         predicted += len(others)
     if moved:
         predictor.plan["pairs predicted"] += predicted
+
+
+# -- A face under gravity: its line is met like a wall's, at the one zero at which the gap falls, and counts only where
+# the circle is strictly between the ends then.
+#
+# With the pull towards the line that zero is the later one, which is to come where the gap is above 0 or grows: so a
+# circle beside a face may rise above its line, and come down onto it. With the pull away from it, it is the earlier
+# one, to come where the gap is above 0 and falls; where the two zeros are one, the circle grazes. Without a pull there
+# is one. Right after a contact the gap is 0 and grows: it is met again, if it is, by the pull alone.
+
+
+def face_contact(link: AtWall, pull: int, sign: Callable[[Question], int | None]) -> int | None:
+    """Whether a circle under gravity meets a face, its flight as it is: 1, or 0 for a graze; -1: it does not.
+
+    Args:
+        pull: whether gravity pulls it to the face (negative), away from it (positive), or along it.
+        sign: the sign of a question; None where it is not known.
+
+    Returns:
+        None where a sign that is needed is not known.
+    """
+    reached = sign(Arrives(link)) if pull else 1
+    if reached is not None and (reached < 0 or (reached == 0 and pull < 0)):
+        return -1
+    approach = sign(Approach(link))
+    if pull >= 0 and approach is not None and approach >= 0:
+        return -1
+    ahead: int | None = 1
+    if pull >= 0 or approach is None or approach <= 0:
+        ahead = sign(Gap(link))
+        if ahead is not None and ahead <= 0 and (pull >= 0 or approach is not None):
+            return -1
+    known = ahead is not None and ahead > 0 and (approach is not None or pull < 0)
+    moment = Moment(link, graze=reached == 0)
+    for far in (False, True):
+        beside = sign(Beside(link, far, moment))
+        if beside is not None and beside <= 0:
+            return -1
+        known = known and beside is not None
+    return reached if known else None
+
+
+class FaceMeetings(Protocol[M]):
+    """What predicts meetings with faces under gravity: see `Predictor`."""
+
+    @property
+    def state(self) -> ReplayState[M]: ...
+    @property
+    def zero(self) -> M: ...
+    @property
+    def root(self) -> Callable[[M], M]: ...
+    @property
+    def falling(self) -> Gravity[M] | None: ...
+    @property
+    def two_sided(self) -> range: ...
+    @property
+    def unsure(self) -> Callable[[Link], None]: ...
+    def line(self, body: Body[M], wall: int) -> tuple[M, M, M, M, M]: ...
+    def prepare(self) -> None: ...
+    def push(self, time: M, link: Link, graze: bool = False) -> None: ...
+
+
+def fall_to_face(
+    predictor: FaceMeetings[M], a: Body[M], wall: int, standing: Collection[Link], *, rounded: bool
+) -> None:
+    """Queues the next hit of a circle, which has a new flight under gravity, with a face.
+
+    Args:
+        predictor: what queues it; where signs are not plain its `unsure` is asked.
+        a: the circle.
+        wall: which face.
+        standing: contacts at gap zero that do not approach.
+        rounded: whether rounding may have put the circle into the face, by less than its radius.
+    """
+    link = AtWall(a.index, wall)
+    if wall in predictor.two_sided:
+        first = predictor.two_sided.start
+        if AtWall(a.index, first + ((wall - first) ^ 1)) in standing:
+            return  # who flies from one side of a segment does not come to the other before something else
+    time = _time_to_face(predictor, a, link, link in standing, rounded)
+    if isinstance(time, bool):
+        if time:
+            predictor.unsure(link)
+            predictor.prepare()
+    else:
+        predictor.push(time, link)
+
+
+def _time_to_face(predictor: FaceMeetings[M], a: Body[M], link: AtWall, stands: bool, rounded: bool) -> M | bool:
+    """When a circle hits a face; False: it does not; True: that is not plain."""
+    state, zero, falling = predictor.state, predictor.zero, predictor.falling
+    assert falling is not None
+    pull = state.sides.pull(*link[:2])
+    if stands and pull >= 0:
+        return False
+    x0, y0, nx, ny, offset = predictor.line(a, link.wall)
+    line = SeenWall(x0, y0, nx, ny, nx * nx + ny * ny, nx)
+    at, late = a.q[4], a.flight.late
+    fall = fall_of(falling, a.q, line, offset, None, zero)
+    gap, approach, half = fall
+    still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
+    if stands:
+        if not now > zero:
+            return True
+        wait = fall_time_back(now, half, now)
+        wait = wait if late is None else late + wait
+    else:
+        if pull >= 0 and (now > zero or (now >= zero and (still > zero or still < zero))):
+            return False
+        behind = (still + offset if rounded else still) < zero
+        if behind and (pull >= 0 or now <= zero):
+            return False
+        disc = fall_discriminant(gap, approach, half) if pull else None
+        if disc is not None and (disc < zero or (pull < 0 and disc <= zero)) and (behind or not rounded or pull > 0):
+            return False
+        if pull < 0:
+            if not (still > zero or (now > zero and (behind or not rounded))):
+                return True
+        elif not (still > zero and now < zero):
+            return True
+        if disc is None:
+            wait = wall_hit_time(gap, approach)
+        elif disc > zero:
+            root = predictor.root(disc)
+            wait = fall_time(gap, approach, root) if approach < zero else fall_time_back(approach, half, root)
+        else:
+            return True
+    x, y, vx, vy, _ = a.q
+    straight = face_along(x, y, x0, y0, nx, ny), face_along(vx, vy, zero, zero, nx, ny)
+    foot = sag(*along_of(falling, straight, line, at, zero), wait)
+    beyond = line.nn - foot
+    if foot < zero or beyond < zero:
+        return False
+    return at + wait if foot > zero and beyond > zero else True

@@ -14,7 +14,7 @@ from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import fall_speed, sag
+from ..laws.formulas import face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
 from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, is_pair, name_of
@@ -30,7 +30,8 @@ from ..replay.state import Constant, ReplayState
 # That it meets nothing else until then is proved with a bound on all speeds. Collisions with e <= 1 add no kinetic
 # energy K, and gravity does at most |g| sqrt(m) sqrt(2 K) a unit of time, m the mass of all circles: so sqrt(2 K) grows
 # by at most |g| sqrt(m) a unit of time, and no circle of mass w is ever faster than sqrt(2 K / w). Of the circle itself
-# that holds until it meets something else, and so for all of the time if nothing is near enough for that. A wall that
+# that holds until it meets something else, and so for all of the time if nothing is near enough for that. On a face it
+# stays there: it cannot pass an end, which is a fixed circle, without coming near to that. A wall that
 # moves adds to K, each time, so that beside one nothing is said of other circles; on it, speeds are relative to it.
 #
 # A circle between two parallel walls that close has no room from a time on that the scene tells: hits on both come ever
@@ -249,10 +250,27 @@ class Endings:
                 nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
                 ux, uy, drift = self._pace(k)
                 x0, y0 = x0 + ux * now, y0 + uy * now
-                reach = radii[i] + way + drift * wait
-                if not abs(nx * (x - x0) + ny * (y - y0)) > reach * (nx * nx + ny * ny).sqrt():
+                length = (nx * nx + ny * ny).sqrt()
+                reach = (radii[i] + way + drift * wait) * length
+                if abs(nx * (x - x0) + ny * (y - y0)) > reach:
+                    continue
+                if k not in self.scene.faces or not self._is_clear_of(k, link.wall, x, y, way * length):
                     return False
         return True
+
+    def _is_clear_of(self, face: int, own: int, x: arb, y: arb, way: arb) -> bool:
+        """Whether a circle that bounces on one face, and is far from its ends, surely does not come to be over another.
+
+        Not the other side of the same segment: while it is over its own it stays on that side. Nor one before whose
+        start, or beyond whose end, it is by more than its way, which is in the scale of `formulas.face_along`.
+        """
+        sides = self.scene.two_sided
+        if face in sides and own in sides and (face - sides.start) ^ 1 == own - sides.start:
+            return True
+        wall = self.scene.walls[face]
+        nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
+        along = face_along(x, y, x0, y0, nx, ny)
+        return bool(along < -way) or bool(along > nx * nx + ny * ny + way)
 
     def _pace(self, k: int) -> tuple[arb, arb, arb]:
         """The velocity of a wall, and its speed."""

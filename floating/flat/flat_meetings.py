@@ -16,7 +16,7 @@ from ...exact.simulation import cells as crowding
 from ...exact.simulation.cells import FARTHEST as FAR
 from ...exact.simulation.cells import FloatFlight, cells_for
 from ...scenarios.scene import Scene
-from ..plain import PlainMeetings
+from ..plain_meetings import PlainMeetings
 from . import flying
 from .flat_flights import FlatFlight, FlatFlights, FlatLine, FlatQueue
 

@@ -26,7 +26,7 @@ from truebreak.floating import (
     RoundedEngine,
     SingleEngine,
 )
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.trajectory import StopReason
 
@@ -261,12 +261,12 @@ def test_a_file_keeps_gravity_and_scenes_without_have_no_such_key():
 @pytest.mark.parametrize(
     ("things", "named"),
     [
-        ({"segments": [Segment(0, 0, 1, 0, id="bar")]}, "segment 'bar' is there"),
+        ({"arcs": [Arc(0, 0, 3, full=True, id="ring")]}, "arc 'ring' is there"),
         ({"pockets": [Pocket(0, 9, 1, id="hole")]}, "pocket 'hole' is there"),
     ],
 )
 def test_what_is_round_and_fixed_is_refused_under_gravity(things, named):
-    with pytest.raises(SceneError, match=f"gravity: {named}; under gravity there are walls and circles, and nothing"):
+    with pytest.raises(SceneError, match=f"gravity: {named}; under gravity there are walls, circles, segments"):
         Scene(**{"circles": [Circle(0, 5)], "gravity": (0, -1), **things})
     for bad in ((0,), "down", (0, "x"), [1, 2, 3]):
         with pytest.raises(SceneError, match="gravity"):

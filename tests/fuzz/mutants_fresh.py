@@ -19,7 +19,7 @@ FILTERED, BALLS, LIVE = (
     "exact/replay/refinable.py",
 )
 PUSHING, MOTION, BALL = "exact/simulation/policies.py", "exact/exact_motion.py", "exact/numbers/ball.py"
-PLAIN = "floating/plain.py"
+PLAIN = "floating/plain_meetings.py"
 TOO_SMALL = " * 2.0**-20"
 
 CONTACTS = (
