@@ -229,16 +229,18 @@ def _compared(row: Row, run: Trajectory, expected: Mapping[str, Any]) -> Row:
     except Exception as error:
         note = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return replace(row, verdict="failed", mark=MapMark.FAILED.value, note=note)
-    row = replace(row, **divergence_of(found.alignment))
+    parts = divergence_of(found.alignment)
     if found.unable:
-        return replace(row, verdict="refused", mark=MapMark.REFUSED.value, note=found.run.stop.message)
+        parts |= {"verdict": "refused", "mark": MapMark.REFUSED.value, "note": found.run.stop.message}
+        return replace(row, **parts)
     changed = list(outcomes_changed(found, run, engine.step, None, expected).changed)
     mark = mark_of(found, changed=bool(changed))
     laws = laws_of(found.run, engine) if mark is MapMark.RIGHT else None
     if laws is not None and laws["kept"] is False:
         mark = MapMark.WRONG
     note = found.run.stop.message if mark is MapMark.UNDECIDED else None
-    return replace(row, mark=mark.value, laws=laws, note=note, changed=changed if mark is MapMark.WRONG else None)
+    parts |= {"mark": mark.value, "laws": laws, "note": note, "changed": changed if mark is MapMark.WRONG else None}
+    return replace(row, **parts)
 
 
 def mark_of(found: Followed, *, changed: bool) -> MapMark:

@@ -427,6 +427,26 @@ def double_among_few_segments(size: Workload) -> Figure:
     return few_segments("double", size, size.long_gas)
 
 
+def gas_of_games(what: str, most: float, size: Workload, **physics: Any) -> Figure:
+    """A certified event of the gas of ten with another key, against one of the gas as it is."""
+    plain = build(GAS).with_changes(until=None, events=None)
+    other = plain.with_changes(**physics)
+    ours, theirs = processor_times([running("exact", scene, size.gas) for scene in (other, plain)], size.repeats)
+    name = f"gas-{'gravity' if 'gravity' in physics else 'restitution'}"
+    told = f"an event, exact among 10 discs {what} / without; of {size.gas:,}"
+    return Figure(name, told, ours / size.gas, theirs / size.gas, Target("ratio", "at most", most))
+
+
+def gas_with_gravity(size: Workload) -> Figure:
+    """With gravity, whose walls fall."""
+    return gas_of_games("with gravity 1/10", 1.25, size, gravity=(0, "-1/10"))
+
+
+def gas_with_restitution(size: Workload) -> Figure:
+    """With a restitution of 9/10."""
+    return gas_of_games("with restitution 9/10", 1.1, size, restitution="9/10")
+
+
 def _growth(engine: str, size: Workload) -> Figure:
     counts = size.large_crowd, size.crowd
     events = [EVENTS_A_DISC * n for n in counts]
@@ -465,6 +485,8 @@ BENCHMARKS: dict[str, Benchmark] = {
     "crowd-segments": among_segments,
     "gas-segments-exact": exact_among_few_segments,
     "gas-segments-double": double_among_few_segments,
+    "gas-gravity": gas_with_gravity,
+    "gas-restitution": gas_with_restitution,
     "crowd-growth-exact": growth_exact,
     "crowd-growth-double": growth_double,
     "crowd-set-up-exact": set_up_exact,
