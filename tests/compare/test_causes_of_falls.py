@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from refuting import fallen, refute
@@ -162,6 +162,34 @@ def test_what_is_not_looked_for_is_refused_by_name() -> None:
     scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0)
     found = compare(scene, ["single"], events=9).candidates[0]
     assert found.diagnosis is None or "restitution is 0" in found.diagnosis.finding
+
+
+class Soft(PymunkEngine):
+    """Bounces too little, and says so of what is slower than its threshold."""
+
+    allows: ClassVar[Mapping[str, float]] = {"threshold": 0.5}
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        return replace(super().run(scene.with_changes(restitution="1/10"), **limits), scene=scene)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+def test_a_bounce_below_a_declared_speed_is_of_the_threshold_and_a_faster_one_breaks_the_law(slow: bool) -> None:
+    """Disc a comes back from the wall at .9 of its speed, and passes b; at .1 of it b hits it."""
+    u = "1/4" if slow else "1"
+    discs = [Circle(3, 0, vx=f"-{u}", id="a"), Circle("11/4", 7, vy=f"-{u} * 7/20", id="b")]
+    scene = Scene(discs, [Wall(0, 0, 0, 1, id="left")], restitution="9/10")
+    assert told(scene, PymunkEngine(dt=1 / 64), 6).verdict == "agree"
+    found = told(scene, Soft(dt=1 / 64), 6)
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    if slow:
+        adds_up(found)
+        shares = {row.cause.name: row for row in found.diagnosis.shares}
+        assert shares["THRESHOLD"].suffices
+        assert shares["THRESHOLD"].share == pytest.approx(1, abs=0.01)
+        assert "SOLVER" not in shares
+    assert [cause.name for cause in found.diagnosis.causes] == ["THRESHOLD" if slow else "LAW"]
 
 
 # -- the audit, where walls move
