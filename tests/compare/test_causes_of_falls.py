@@ -228,3 +228,31 @@ def test_an_engine_that_takes_a_wall_for_a_slower_one_is_found(steps: bool) -> N
         run = chosen.run(scene if steps else slower(scene), events=40)
         assert any("right" in pair for event in run.events for pair in event.impulses)
         assert audit_run(replace(run, scene=scene), chosen).kept is False
+
+
+# -- the restitution that bounces have
+
+
+def test_the_audit_says_the_restitution_that_bounces_have() -> None:
+    """Of doubles it is the one asked for; what pymunk's have under gravity is computed from its states, apart."""
+    scene = catalogue.build("bounce")
+    exact = audit_run(engine_named("double").run(scene, events=6), engine_named("double")).bounces
+    assert exact is not None
+    assert (exact.low, exact.high) == pytest.approx((0.9, 0.9), abs=1e-12)
+    chosen = PymunkEngine(dt=1 / 60)
+    run = chosen.run(scene, events=6)
+    found = audit_run(run, chosen).bounces
+    assert found is not None
+    ratios = [  # of the speed with which a step of g dt more brings it there, and with which it leaves
+        -float(run.after(event.index)["ball"].vy) / (float(run.at(float(event.time) - 1 / 120)["ball"].vy) - 10 / 60)
+        for event in run.events
+    ]
+    assert found.count == len(ratios)
+    assert (found.low, found.high) == pytest.approx((min(ratios), max(ratios)), rel=1e-6)
+    assert found.high < 0.899
+    assert f"; asked for restitution 0.9, its {len(ratios)} bounces have" in audit_run(run, chosen).sentence
+
+
+def test_an_elastic_scene_has_no_word_of_restitution() -> None:
+    chosen = engine_named("double")
+    assert audit_run(chosen.run(catalogue.build("wedge"), events=6), chosen).bounces is None
