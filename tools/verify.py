@@ -19,9 +19,9 @@ DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|qu
 POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
 QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r",
-          "segments": "x0 y0 x1 y1 length r"}
+          "segments": "x0 y0 x1 y1 length r", "arcs": "x y r x0 y0 x1 y1"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
-            "restitution", "gravity", "vx", "vy",  # those of a circle are asked for where read
+            "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1",  # read by kind
             "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
@@ -149,12 +149,29 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
     twice = cached_property(lambda m: m.closing + m.closing)
     near = cached_property(lambda m: m.slide * m.gap - m.twice * m.foot)  # where the gap is zero,
     beyond = cached_property(lambda m: -m.twice * m.square - m.near)  # both times -2 closing
+class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
+    hollow, bow = 0, ()
+    def turn(m, x): return -x if m.hollow else x
+    gap = cached_property(lambda m: m.turn(Nearing.gap.func(m)))
+    closing = cached_property(lambda m: m.turn(Nearing.closing.func(m)))
+    speed = cached_property(lambda m: m.turn(Nearing.speed.func(m)))
+    disc = cached_property(lambda m: m.turn(m.speed) * (m.reach * m.reach) - m.cross * m.cross)
+    foot = cached_property(lambda m: m.beside(m.d, m.reach))  # within the range, at gap zero
+    far = cached_property(lambda m: m.foot)
+    def beside(m, d, reach):  # d is the way to the middle, so long: the sign says whether within it
+        p, q, r, edge = m.bow
+        return -(p * d[0] + q * d[1]) * r - edge * reach
+    def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
+        return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
+    def there(m, again):  # whether that is within the range
+        wait = m.wait(again)
+        return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach)
 class Space:
     """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle (ends
-    come last), wall j - n (faces come last), or pocket -1 - j. What is computed of it is kept."""
+    come last), wall j - n (faces come last), side of an arc (after these), or pocket -1 - j."""
     def __init__(self, n, things, sides, limits, world, of):
         self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
-        e, pull, drift = world  # the restitution, half the gravity, the walls that move
+        e, pull, drift, self.bows = world  # restitution, half the gravity, walls that move, arcs
         self.loss, self.pull = of(e), [*map(of, pull)]
         self.drift = {k: [*map(of, v)] for k, v in drift.items()}
         self.things = {k: [*map(of, row)] for k, row in things.items()}
@@ -188,6 +205,12 @@ class Space:
             d, reach = (u - x, v - y), s if j < 0 else r + s
             return Nearing(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
         u, v, p, q, size, more, r, none = self.at(*self.things[j], self.things[i][4], self.none)
+        if j >= self.bows:
+            d, within = (u - x, v - y), (j - self.bows) % 2
+            arms = {i: d if within else (-d[0], -d[1])}
+            m = Bowing(d, (-vx, -vy), size - r if within else size + r, arms)
+            m.hollow, m.bow = within, (p, q, size, more)
+            return m
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
         x, y, time = x - u, y - v, self.times[age].at(self.bits)
         if self.pull:
@@ -214,7 +237,9 @@ class Space:
     def hit(self, c, again):  # when the gap of two falls through zero, perhaps from zero
         if self.read is Sum: return UNTOLD
         m = self.meeting(c, start := self.start(c))
-        wait = -(m.closing + m.closing) / m.speed if again else m.gap / (m.disc.sqrt() - m.closing)
+        if c[1] >= self.bows: wait = m.wait(again)
+        elif again: wait = -(m.closing + m.closing) / m.speed
+        else: wait = m.gap / (m.disc.sqrt() - m.closing)
         return self.times[start].at(self.bits) + wait
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
         for k in range(len(rows)):  # all rows lose their first number
@@ -249,9 +274,10 @@ class Space:
                 *_, u, v = self.fallen(age)
                 vx, vy = vx - (u + u), vy - (v + v)
             self.flights[i] = Flight(x, y, vx, vy, age, {})
-def ends_of(segments):  # as fixed circles; where ends are at one place, they are one: the largest
+def ends_of(segments, arcs):  # as fixed circles; those at one place are one: the largest
     found = {}
-    for x, y, u, v, _, r in segments:
+    rows = [(x, y, u, v, r) for x, y, u, v, _, r in segments]
+    for x, y, u, v, r in rows + [(*row[3:], NONE) for row in arcs if row[3:]]:
         for place in (x, y), (u, v):
             key = tuple(frozenset(z.items()) for z in place)
             sign = sign_of(r - found[key][4]) if key in found else 1
@@ -270,7 +296,8 @@ class Checker:
         refuse(len(roots := own + told["roots"]) > ROOTS, f"it has over {ROOTS} roots", Malformed)
         fits(told, shape(len(own), len(roots)))
         things = [thing for kind in THINGS for thing in scene.get(kind, ())]
-        area = n * (len(things) + 3 * len(scene.get("segments", ())))  # two faces and two ends
+        more = [*scene.get("segments", ()), *scene.get("arcs", ())]
+        area = n * (len(things) + 3 * len(more))  # two faces or sides, and two ends
         ids = {thing["id"] for thing in things}
         hows = {zero[2] for part in parts for zero in part.get("zeros", ())} - {"back"}
         large = n > CIRCLES or area > PAIRS or bits > min(BITS, SIZE // area)
@@ -287,28 +314,41 @@ class Checker:
         for text in roots:
             demand(sign_of(x := number(text)), [1], "what has a root is not positive", Malformed)
             Sum.squares, Ball.roots = [*Sum.squares, x], [*Ball.roots, enclosed(x).sqrt()]
-        circles, walls, pockets, segments = (
-            [[number(row[name]) for name in THINGS[kind].split()] for row in scene.get(kind, ())]
-            for kind in THINGS)
+        names = {kind: THINGS[kind].split() for kind in THINGS}
+        def read(kind, row):  # of an arc without ends, which is all of its circle, three
+            full = kind == "arcs" and not {*names[kind][3:]} & row.keys()
+            return [number(row[name]) for name in names[kind][:3 if full else None]]
+        circles, walls, pockets, segments, arcs = (
+            [read(kind, row) for row in scene.get(kind, ())] for kind in THINGS)
         loss, pull = number(scene.get("restitution", "1")), [*map(number, scene.get("gravity", ()))]
         pull = pull if any(pull) else []
         drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
                                             for row in scene.get("walls", ())) if any(v)}
-        refuse(pull and (pockets or segments or not all(row[5] for row in circles)),
+        refuse(pull and (pockets or segments or arcs or not all(row[5] for row in circles)),
                "under gravity it has more than walls and circles that fall", Malformed)
         refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),
                "a run that cannot be turned back is", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
         self.bounced = 1 if loss else 0  # the sign of what has pushed
-        circles, sides = circles + ends_of(segments), ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5))
+        sides, circles = ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5)), circles + ends_of(segments, arcs)
         faces = [[row[k] for k in side] for row, side in product(segments, sides)]
         lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
                  for x, y, u, v, length, *thick in walls + faces]
         first, n = n, len(circles)  # the first end, if there is one
         self.n, self.faces = n, range(n + len(walls), n + len(lines))
         self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
+        bows, arc_sizes = [], [row[2] for row in arcs]
+        for x, y, r, *ends in arcs:  # it lies beyond its chord: the normal of that, and how far
+            ends = [z - o for z, o in zip(ends, (x, y, x, y), strict=False)]
+            for p, q in (ends[:2], ends[2:]) if ends else ():
+                demand(sign_of(p * p + q * q - r * r), [0], "an end is on its arc", Malformed)
+            p, q = (ends[3] - ends[1], ends[0] - ends[2]) if ends else (NONE, NONE)
+            edge = p * ends[0] + q * ends[1] if ends else -ONE
+            if ends: demand(sign_of(p * p + q * q), [1], "an arc has one end", Malformed)
+            bows += [[x, y, p, q, r, edge]] * 2
+        self.arcs = range(n + len(lines), n + len(lines) + len(bows))
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
-        self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
+        self.things = dict(enumerate(circles + lines + bows)) | dict(enumerate(rims, -len(rims)))
         self.movable = {i for i, row in enumerate(circles) if row[5]}
         limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": limits["until"] = number(self.end["until"])
@@ -316,9 +356,14 @@ class Checker:
             demand(sign_of(p * p + q * q - size * size), [0], "a length", Malformed)
         for *_, u, v, _, w in circles: refuse((u or v) and not w, "what is fixed moves", Malformed)
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
+        sizes += arc_sizes
         for x in (*sizes, *limits.values()): demand(sign_of(x), [1], "a size or a time", Malformed)
         self.meets = {(i, j) for i, j in product(range(n), self.things) if self.movable & {i, j}
                       and (not 0 <= j < n or (i < j and (j >= first or not self.points(i, j))))}
+        def roomy(c):  # whether a side is wide enough
+            room = sign_of(self.things[c[1]][4] - self.things[c[0]][4]) if self.hollow(c) else 1
+            return demand(room, [-1, 0, 1], f"whether {c} fit") == 1
+        self.meets = {c for c in self.meets if roomy(c)}
         self.of = defaultdict(list)  # the contacts of each
         for c, i in ((d, i) for d in self.meets for i in d): self.of[i].append(c)
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
@@ -330,7 +375,7 @@ class Checker:
             sign = sign_of(p * pull[0] + q * pull[1])
             self.bends[c] = sides[c] * demand(sign, [-1, 0, 1], f"whether {c} are pulled together")
         sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
-        self.laws = laws = loss, [x * HALF for x in pull], self.drift
+        self.laws = laws = loss, [x * HALF for x in pull], self.drift, n + len(lines)
         self.worlds = [Space(n, self.things, sides, limits, laws, of) for of in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
@@ -347,6 +392,7 @@ class Checker:
             along, by = a * vy - b * vx, d * vy - e * vx  # the image of the way along a face
             vx, vy = a * vx + b * vy, d * vx + e * vy
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
+            zeros += [ONE] * (i in self.arcs or j in self.arcs)  # those are mapped by none
             if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
                 zeros += [ONE] * (i not in self.faces or j not in self.faces)
                 zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
@@ -386,7 +432,7 @@ class Checker:
         alike = other in self.met and self.image(images, c) == other
         if alike and (question == "gap" or first > abs(self.met[other])):
             return all(k in kept for k in c if 0 <= k < self.n)
-        if j >= self.n and question == "closing" and c not in self.bends:
+        if self.n <= j < self.arcs.start and question == "closing" and c not in self.bends:
             nx, ny = self.things[j][2:4]
             return images.get(i) == i in kept and not (a * nx + b * ny + nx or d * nx + e * ny + ny)
         unturned = question in ("closing", "speed") and not any((a - ONE, b, d, e - ONE))
@@ -400,7 +446,10 @@ class Checker:
         if self.zero(question, c, self.age): return 0
         raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
     def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
-    def other(self, c): return c[0], self.faces[(c[1] - self.faces[0]) ^ 1]  # of the same segment
+    def other(self, c):  # with the other face of the segment, or the other side of the arc
+        first = self.arcs.start if c[1] in self.arcs else self.faces.start
+        return c[0], first + ((c[1] - first) ^ 1)
+    def hollow(self, c): return c[1] in self.arcs and (c[1] - self.arcs.start) % 2  # from within
     def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
     def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
         if self.other(c) in self.parted: return
@@ -456,8 +505,9 @@ class Checker:
         return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if self.falls(c): return self.rises(c, age)
-        if c in self.parted: return charge(500)
+        if c in self.parted and not self.hollow(c): return charge(500)
         if c[1] in self.faces: return self.passes(c, age, last)
+        if c[1] in self.arcs: return self.misses(c, age, last)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
         for world in (self.few, self.ball):
             gaps, meet = [], True
@@ -470,6 +520,7 @@ class Checker:
         for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
             if self.zero(x, c, start): return
         raise Unsettled(f"whether {c} meet before it")
+    def again(self, c): return c in self.parted and (self.falls(c) or self.hollow(c))
     def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
     def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
         refuse(age is None, f"{c} meet in the end")
@@ -481,6 +532,43 @@ class Checker:
             else: gap = world.ask("gap", c, age)
             if gap.sign() == 1: return
         demand(gap.sign(), [1], f"{c} meet before it, or overlap")
+    def misses(self, c, age, last):  # as `clear`, of a side of an arc
+        other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
+        if start == age or other in self.parted or c in self.lasting: return charge(500)
+        if hollow and other in self.met: return charge(500)  # it was outside up to now
+        again = c in self.parted  # from within alone
+        for world in (self.few, self.ball):
+            charge(30_000)
+            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
+            gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
+            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
+            if disc == -1 and not again: return
+            if hollow:  # the gap is concave: it falls later than now, or fell before the start
+                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
+            elif gap == -1 or closing in (0, 1) or (gap2 == 1 and closing2 == -1): return  # convex
+            hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
+            if (there := m.there(again).sign() if hits else None) == -1: return
+        if hollow and not again and self.zero("disc", c, start): return  # it is never within
+        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
+            if self.zero(x, c, start): return
+        ends = closing2 == -1 and not later.foot.sign()  # does it fall right at its end?
+        if ends and self.zero("foot", c, age) and self.zero("gap", c, age): return
+        ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
+        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
+        refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
+        raise Unsettled(f"whether {c} meet on the way")
+    def across(self, c):  # at time 0: proves that a circle is not across an arc
+        m, inner = self.ball.meeting(c, 0), self.other(c)
+        sides = [x for x in (c, inner) if x in self.meets]
+        met = self.met.keys() & {*sides}
+        refuse(met and not self.things[c[0]][4], f"{c}: its centre is on the arc")
+        gaps = {self.ball.ask("gap", x, 0).sign() for x in sides}
+        if met or 1 in gaps: return
+        square = m.d[0] * m.d[0] + m.d[1] * m.d[1]
+        within = m.beside(m.d, square.sqrt()).sign() if square.sign() == 1 else None
+        if within == -1: return
+        if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
+        demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
@@ -494,23 +582,26 @@ class Checker:
         refuse(len({*met} & self.meets) < len(met) * (1 + turn), f"{met} cannot meet")
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(told[0]) if told
-                           else w.hit(met[0], met[0] in self.parted and self.falls(met[0])))
+                           else w.hit(met[0], self.again(met[0])))
         self.said(self.ball.times[age], entry["time"])
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
-            if face:
-                refuse(not self.within(c), f"{c}: its foot is beside the face")
+            if not face:
+                refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
+            if face or c[1] in self.arcs:
+                refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
-                refuse(not age and self.sign("height", c) < 1, f"{c}: its centre is on the line")
+                if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
                 refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
-            else: refuse(age and not self.met[c] and not self.sign("speed", c), f"{c} stay so")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn
         self.known = turned if turn else self.lasting | self.met
+        for c in () if age else self.meets:
+            if c[1] in self.arcs and not self.hollow(c): self.across(c)
         for c in () if age else self.bends.keys() - self.met.keys():
             if self.falls(c): demand(self.ball.ask("gap", c, 0).sign(), [1], f"{c} overlap")
         if turn: self.settle(self.movable)
@@ -592,7 +683,7 @@ class Checker:
         for i, row in enumerate(self.told["final"]["circles"]):
             for x, text in zip(self.ball.true(i, self.age), row, strict=True): self.said(x, text)
         scene = self.told["scene"]
-        kinds = [kind for kind in THINGS if kind in scene or kind != "segments"]
+        kinds = [kind for kind in THINGS if kind in scene or kind not in ("segments", "arcs")]
         many = [f"{len(scene.get(kind, ()))} {kind}" for kind in kinds]
         events = f"{self.count} event{'s' * (self.count != 1)}, to the end: {reason}"
         return f"{events}; {', '.join(many)}; scene sha256:{self.digest}"

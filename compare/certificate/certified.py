@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity
+from ...scenarios.things import Arc
 from ..writing import check_writable, write_whole
 from .outlines import bars_of
 
@@ -23,7 +24,13 @@ if TYPE_CHECKING:
     from ...scenarios.things import Circle, Pocket, Segment, Wall
     from ...scenarios.trajectory import Trajectory
 
-KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1 vx vy", "pockets": "x y r", "segments": "x0 y0 x1 y1 r"}
+KEYS = {
+    "circles": "x y r vx vy",
+    "walls": "x0 y0 x1 y1 vx vy",
+    "pockets": "x y r",
+    "segments": "x0 y0 x1 y1 r",
+    "arcs": "x y r",
+}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")
 
 
@@ -176,13 +183,12 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
     """
     if scene.other_walls:
         return f"it has no wall of kind {scene.other_walls[0].kind!r}, which certificates do not know"
-    if scene.arcs:
-        return "it has no arcs, which certificates do not know yet"
     roots: list[Quantity] = []
     for text in block.get("roots", ()):
         roots.append(_number(text, roots).sqrt())
-    things: dict[str, Sequence[Circle | Wall | Pocket | Segment]] = {
+    things: dict[str, Sequence[Circle | Wall | Pocket | Segment | Arc]] = {
         "circles": scene.circles, "walls": scene.walls, "pockets": scene.pockets, "segments": bars_of(scene),
+        "arcs": scene.arcs,
     }  # fmt: skip
     for kind, meant in things.items():
         told = block.get(kind, ())
@@ -196,6 +202,13 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
                 value: Quantity = getattr(thing, key)
                 if not _same(row.get(key, "0"), value, roots):
                     return f"{name}: {key} is {row.get(key, '0')}, not {value}"
+            ends = thing.ends if isinstance(thing, Arc) else ()
+            if isinstance(thing, Arc) and ("x0" in row) != bool(ends):
+                return f"{name} is {'no ' * (not ends)}full circle"
+            for k, end in enumerate(ends):
+                for key, value in zip((f"x{k}", f"y{k}"), end, strict=True):
+                    if not _same(row[key], value, roots):
+                        return f"{name}: {key} is {row[key]}, not {value}"
             if kind == "circles":
                 mass = getattr(thing, "m")  # noqa: B009 (only circles have one)
                 if not _same(row["w"], ZERO if isinstance(mass, str) else Quantity.of(1) / mass, roots):

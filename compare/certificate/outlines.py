@@ -45,6 +45,7 @@ def numbers_of(scene: Scene) -> dict[int, int]:
     seen, bars = scene.surfaces, bars_of(scene)
     count, walls = len(scene.circles), len(scene.walls)
     places = dict.fromkeys(place for bar in bars for place in ((bar.x0, bar.y0), (bar.x1, bar.y1)))
+    places |= dict.fromkeys(place for arc in scene.arcs for place in arc.ends)
     ends = {place: count + k for k, place in enumerate(places)}
     found = {k: k for k in range(count)}
     found |= {k: ends[seen.circles[k].x, seen.circles[k].y] for k in seen.ends}
@@ -53,4 +54,5 @@ def numbers_of(scene: Scene) -> dict[int, int]:
     both = 2 * len(scene.segments)
     for k in range(len(seen.faces)):  # of a segment both faces are there, of a side the one that looks outward
         found[before + walls + k] = first + walls + (k if k < both else both + 2 * (k - both))
-    return found
+    before, first = before + len(seen.walls), first + walls + 2 * len(bars)
+    return found | {before + k: first + k for k in range(2 * len(scene.arcs))}

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Facing, Nearing, Space, Unsettled, enclosed
+from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
@@ -121,7 +121,8 @@ class Prover(Checker):
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
         drift = {k: (Exact.of(x), Exact.of(y)) for k, (x, y) in self.drift.items()}
         pull = [Exact.of(x) for x in self.pull]
-        self.likely = Isometries(self.things_exact, self.n, self.faces, drift, (pull[0], pull[1]) if pull else None)
+        straight = {k: row for k, row in self.things_exact.items() if k not in self.arcs}
+        self.likely = Isometries(straight, self.n, self.faces, drift, (pull[0], pull[1]) if pull else None)
         told = self.form
         of = (told.sides, told.limits, self.laws)
         self.form = Recorded(self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
@@ -226,13 +227,13 @@ class Prover(Checker):
                 del w.times[-1]
             return
         wanted = sorted(contacts or {(i, j) for i, j in map(tuple, entry["enter"])})
-        near = [c for c in wanted if c not in self.lasting and (c not in self.parted or self.falls(c))]
-        hits = [(self.ball.hit(c, self._again(c)), c) for c in near if len(near) == 1 or self._hits(c)]
+        near = [c for c in wanted if c in self.meets and c not in self.lasting and not self._left(c)]
+        hits = [(self.ball.hit(c, bool(self.again(c))), c) for c in near if len(near) == 1 or self._hits(c)]
         if not hits:
             raise Unsettled("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
         self.ball.times.append(time)
-        self.form.times.append(self.form.hit(clock, self._again(clock)))
+        self.form.times.append(self.form.hit(clock, bool(self.again(clock))))
         self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < len(self.told["scene"]["circles"])}
         tried = {clock}
@@ -260,13 +261,9 @@ class Prover(Checker):
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
 
-    def _again(self, c: Contact) -> bool:
-        """Whether a contact's gap is zero where the flight starts, and falls to zero once more."""
-        return c in self.parted and bool(self.falls(c))
-
     def _left(self, c: Contact) -> bool:
         """Whether a contact was at gap zero on these flights, and does not come to it again."""
-        return c in self.parted and not self.falls(c)
+        return c in self.parted and not self.again(c)
 
     def _hits(self, c: Contact) -> bool:
         """Whether the gap of two falls through zero on their flights; few bits mostly tell."""
@@ -274,6 +271,12 @@ class Prover(Checker):
             return True
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
+            if isinstance(m, Bowing):
+                again, gap, closing = bool(self.again(c)), m.gap.sign(), m.closing.sign()
+                ahead = closing == 1 or (gap == 1 and not again) if m.hollow else gap == 1 and closing == -1
+                if ahead and (again or m.disc.sign() == 1) and m.there(again).sign() == 1:
+                    return True
+                continue
             signs = [m.closing.sign(), m.disc.sign()]
             if c[1] in self.faces and isinstance(m, Facing):
                 if m.gap.sign() == -1:  # it is behind, and was at gap zero before
@@ -284,8 +287,8 @@ class Prover(Checker):
         return False
 
     def _beside(self, c: Contact) -> bool:
-        """Of a face: whether the foot of the centre is between its ends."""
-        return c[1] not in self.faces or self.within(c)
+        """Of a face or an arc: whether the centre is beside it, between its ends."""
+        return (c[1] not in self.faces and c[1] not in self.arcs) or self.within(c)
 
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))
@@ -300,7 +303,7 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (self._left(c) and not leaving):
             return False
-        if c[1] in self.faces:
+        if c[1] in self.faces or c[1] in self.arcs:
             if self.other(c) in self.parted:
                 return False
         elif not self.falls(c) and self._apart(c):
@@ -310,6 +313,8 @@ class Prover(Checker):
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
                 return False
         if not (self.zero("gap", c, self.age) and self._beside(c)):
+            return False
+        if self.hollow(c) and not self.sign("closing", c):
             return False
         self._list(entry, c)
         return True
@@ -357,6 +362,11 @@ class Prover(Checker):
 
     def _witnesses(self, question: str, c: Contact, age: int) -> Iterator[Any]:
         """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
+        if c and c[1] in self.arcs:  # isometries map none
+            yield from (("back", *other) for other in [(), *((k,) for k in sorted(self.met))] if self.way)
+            if self._exact(cast(Lazy, self.form.ask(question, c, age))):
+                yield None
+            return
         others: list[tuple[Contact, ...]] = [()]
         if question in ("gap", "closing"):
             others += [(other,) for other in sorted(self.met) if other != self.clock]
@@ -365,7 +375,7 @@ class Prover(Checker):
             yield from ((k, *other) for other in others for k in places)
         if question == "gap":
             for other in others:
-                if to := other[0] if other else self.clock:
+                if (to := other[0] if other else self.clock) and to[1] not in self.arcs:
                     yield from ((k, *other) for k in self._new(self.likely.between(c, to)))
         elif question in ("closing", "speed"):
             yield from ((k,) for k in self._new(self.likely.holding(c)))

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Pocket, Segment, Wall
+from ...scenarios.things import Arc, Circle, Pocket, Segment, Wall
 from ...tools.verify import Sum, Unsettled
 from .outlines import bars_of
 
@@ -172,6 +172,13 @@ def _length(wall: Any) -> Exact:
     return (x * x + y * y).sqrt()
 
 
+def _bow(arc: Arc, told: dict[str, str]) -> dict[str, str]:
+    """An arc, with where it begins and ends on its circle."""
+    for k, (x, y) in enumerate(arc.ends):  # of a full one there are none
+        told |= {f"x{k}": text_of(exact_number(x)), f"y{k}": text_of(exact_number(y))}
+    return told
+
+
 def scene_part(scene: Scene) -> dict[str, Any]:
     """The part `scene` of a certificate; its roots are in `Exact.roots`, to which later numbers may add.
 
@@ -185,7 +192,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     """
     Exact.roots, Exact.most, Exact.work, Exact.budget = [], SCENE_ROOTS, 0, WORK
 
-    def row(thing: Circle | Wall | Pocket | Segment, keys: tuple[str, ...]) -> dict[str, str]:
+    def row(thing: Circle | Wall | Pocket | Segment | Arc, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}
 
     circles = []
@@ -217,6 +224,8 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         told["segments"] = [
             {**row(bar, ("x0", "y0", "x1", "y1", "r")), "length": text_of(_length(bar))} for bar in bars
         ]
+    if scene.arcs:
+        told["arcs"] = [_bow(arc, row(arc, ("x", "y", "r"))) for arc in scene.arcs]
     if Exact.roots:
         told["roots"] = [text_of(root) for root in Exact.roots]
     return told

@@ -68,8 +68,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
-    if trajectory.scene.arcs:
-        raise CertificateError("the scene has arcs, which certificates do not know yet")
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:

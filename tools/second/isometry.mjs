@@ -31,8 +31,9 @@ export class Isometry {
 
   /** What an index stands for; '' for nothing. */
   sort(i) {
-    const { n, size, pockets } = this.scene;
-    return i >= 0 ? (i < n ? 'circle' : i < this.scene.firstFace ? 'wall' : i < size ? 'face' : '') : (-1 - i < pockets.length ? 'pocket' : '');
+    const { n, size, pockets, firstFace, firstBow } = this.scene;
+    const flat = i < firstFace ? 'wall' : i < firstBow ? 'face' : i < size ? 'arc' : '';
+    return i >= 0 ? (i < n ? 'circle' : flat) : (-1 - i < pockets.length ? 'pocket' : '');
   }
 
   /** All that is said of it holds exactly. */
@@ -52,6 +53,7 @@ export class Isometry {
     for (const [i, j] of this.map) {
       const kind = this.sort(i), what = `${i} is mapped to ${j}`;
       if (kind !== this.sort(j)) refute(`${name}: ${what}, which is another kind`);
+      if (kind === 'arc') refute(`${name}: ${what}, and arcs are mapped by none`);
       if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
         const p = walls[i - n], q = walls[j - n];
         for (const k of [0, 1]) {
@@ -141,7 +143,7 @@ export class Isometry {
       const { n } = scene.walls[c.j - scene.n]; // turned or not: -n goes to n then
       return [0, 1].every(k => isZero((A, w) => A.add(this.image(A, w, [n[0][w], n[1][w]])[k], n[k][w])));
     }
-    if (c.kind === 'pocket') return false;
+    if (c.kind !== 'circle') return false;
     const [a, b, d, e] = this.matrix.map(m => m[2]), A = scene.worlds[2];
     const one = { den: 1n, terms: new Map([[0n, 1n]]) };
     if (![b, d, A.sub(a, one), A.sub(e, one)].every(x => A.sign(x) === 0)) return false;

@@ -89,7 +89,7 @@ export class Rounds {
   /** J of a contact: its direction on j, and against it on i; or that of the wall on i. [circle, vector] */
   jacobian(c, A, w) {
     const d = this.run.laws(c, A, w).direction();
-    return c.kind === 'wall' ? [[c.i, d]] : [[c.i, d.map(x => A.neg(x))], [c.j, d]];
+    return c.kind === 'wall' || c.kind === 'arc' ? [[c.i, d]] : [[c.i, d.map(x => A.neg(x))], [c.j, d]];
   }
 
   /** An entry of G. */

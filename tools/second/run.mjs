@@ -47,7 +47,7 @@ export class Run {
       if (e instanceof Verdict && !(e instanceof TooMuch)) e.message = `${this.place}: ${e.message}`;
       throw e;
     }
-    const kinds = ['circles', 'walls', 'pockets', ...(c.namesSegments ? ['segments'] : [])];
+    const kinds = ['circles', 'walls', 'pockets', ...c.named];
     const things = kinds.map(kind => `${c.scene[kind].length} ${kind}`).join(', ');
     return `${this.events} event${this.events === 1 ? '' : 's'}, to the end: ${c.end.reason}; ${things}; scene sha256:${c.digest}`;
   }
@@ -90,7 +90,7 @@ export class Run {
     const k = this.knownAt.get(c.key);
     return k !== undefined && this.movers(c).every(i => this.turnedAt[i] <= k);
   }
-  /** Of a wall to which a circle is pulled: was it at gap zero where the flight starts? */
+  /** Of a wall to which a circle is pulled, or the inside of an arc: was it at gap zero where the flight starts? */
   fromZero(c) { return this.parted(c) && this.flights[c.i].start === this.knownAt.get(c.key); }
   * contactsOf(i) {
     if (this.captured[i]) return;
@@ -114,6 +114,7 @@ export class Run {
    */
   apart(c, mode) {
     if (this.scene.falls(c)) { this.rises(c, mode); return; }
+    if (c.kind === 'arc') { this.misses(c, mode); return; }
     if (this.parted(c)) return;
     if (c.face) { this.passes(c, mode); return; }
     const start = name => (A, w) => this.laws(c, A, w, true)[name]();
@@ -162,6 +163,76 @@ export class Run {
     if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(`${c.name} meet, which is not told`);
   }
 
+  /** As `apart`, of a side of an arc: its gap does not fall through zero within its range. */
+  misses(c, mode) {
+    const { hollow } = c, other = this.scene.otherSide(c), ever = mode === 'ever';
+    if (this.flights[c.i].start === this.k && !ever) return;
+    if ((other && this.parted(other)) || (!hollow && this.parted(c))) return;
+    if (this.left.get(c.key)?.lasted && this.parted(c)) return; // it rests there
+    if (hollow && this.met.some(x => x.c.key === other.key)) return; // it was outside up to now
+    const what = `whether ${c.name} meet on the way`, again = hollow && this.fromZero(c);
+    const at = (name, start = true) => this.sign((A, w) => this.laws(c, A, w, start)[name]());
+    const gap = again ? 0 : at('gap'), closing = at('closing'), disc = at('disc');
+    const gapNow = ever ? undefined : at('gap', false), closingNow = ever ? undefined : at('closing', false);
+    if (disc < 0 && !again) return;
+    if (hollow) { // the gap is concave: it falls after now, or fell before the start
+      if (gapNow > 0 || closingNow > 0 || (gap < 0 && closing <= 0)) return;
+    } else if (gap < 0 || closing >= 0 || (gapNow > 0 && closingNow < 0)) return; // convex
+    const zero = again ? closing > 0 : disc > 0; // it falls once; where is that?
+    const there = zero ? this.sign((A, w) => this.falling(c, A, w, again)) : undefined;
+    if (there < 0) return;
+    if (!ever && closingNow < 0 && this.exactly(c, 'within') && this.meetsNow(c)) return; // it is at its end
+    const grazes = hollow ? (again ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : [];
+    for (const question of grazes) {
+      if (at(question) === 0) return;
+      try { return witness(this, question, c, what); } catch (e) {
+        if (!(e instanceof Verdict) || e.code !== 4 || e instanceof TooMuch) throw e;
+      }
+    }
+    const ahead = hollow ? gap > 0 || closing > 0 : gap > 0 && closing < 0;
+    const done = hollow ? closingNow < 0 && gapNow <= 0 : gapNow <= 0 || closingNow > 0;
+    if (ahead && there > 0 && (ever || done)) refute(`${c.name} meet, which is not told`);
+    undecided(what);
+  }
+  /** Is the gap of a side of an arc within its range where it falls through zero, seen from the start of the flight? */
+  falling(c, A, w, again) {
+    if (w === 2) return null; // there is a root, or a division
+    const l = this.laws(c, A, w, true), closing = l.closing(), disc = again ? null : l.disc();
+    if (disc && disc.lo <= 0n) return null;
+    const wait = A.div(A.neg(A.add(closing, again ? closing : A.sqrt(disc))), l.speed());
+    return wait && l.after(wait);
+  }
+  /** Is a number of a contact zero now, as exact numbers tell? */
+  exactly(c, name) {
+    const [, full, exact] = this.scene.worlds;
+    return !full.sign(this.laws(c, full, 1)[name]()) && exact.sign(this.laws(c, exact, 2)[name]()) === 0;
+  }
+  /** Is the gap of a contact shown to be zero now? */
+  meetsNow(c) {
+    const s = this.sign((A, w) => this.laws(c, A, w).gap());
+    if (s !== undefined) return s === 0;
+    try { witness(this, 'gap', c, ''); return true; } catch (e) {
+      if (!(e instanceof Verdict) || e.code !== 4 || e instanceof TooMuch) throw e;
+      return false;
+    }
+  }
+  /** At time 0: no circle lies across an arc. */
+  across(c, known) {
+    const sides = [c, this.scene.otherSide(c)].filter(x => x);
+    const there = sides.filter(x => known.has(x.key));
+    if (there.length && this.scene.circles[c.i].point) refute(`the centre of ${c.name} is on the arc`);
+    if (there.length) return;
+    const gaps = sides.map(x => this.sign((A, w) => this.laws(x, A, w).gap()));
+    if (gaps.some(s => s > 0)) return;
+    const within = this.sign((A, w) => {
+      const l = this.laws(c, A, w), square = w === 2 ? null : l.square();
+      return square && square.lo > 0n ? l.widely(A.sqrt(square)) : null;
+    });
+    if (within < 0 || sides.some(x => this.exactly(x, 'within') && this.meetsNow(x))) return;
+    if (within > 0 && gaps.every(s => s <= 0)) refute(`${c.name} lie across each other at time 0`);
+    undecided(`whether ${c.name} lie across each other`);
+  }
+
   /** As `apart`, of a face: it is not met; and, where a flight ends, it is not touched. */
   passes(c, mode) {
     if (this.parted(this.scene.otherFace(c))) return; // on the other side all the while
@@ -187,10 +258,10 @@ export class Run {
     if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
     undecided(`whether ${c.name} touch as the flight ends`);
   }
-  /** Is the foot of the centre now strictly between the ends of a face? */
+  /** Is the foot of the centre now strictly between the ends of a face, or the centre within the range of an arc? */
   within(c) {
     const what = `whether ${c.name} is beside it`;
-    return ['foot', 'far'].every(name => this.known((A, w) => this.laws(c, A, w)[name](), what) > 0);
+    return (c.kind === 'arc' ? ['within'] : ['foot', 'far']).every(name => this.known((A, w) => this.laws(c, A, w)[name](), what) > 0);
   }
 
   /** Ends the flights of these circles now: all that is not known did not meet. Then they fly on from here. */
@@ -246,6 +317,7 @@ export class Run {
     /** @type {Map<number, Known>} */ const known = new Map(this.met.map(x => [x.c.key, x]));
     for (const x of this.left.values()) if (turn || (x.lasted && (!x.c.face || this.within(x.c)))) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
     if (k === 0) for (const i of this.moving()) for (const c of this.contactsOf(i)) {
+      if (c.kind === 'arc' && !c.hollow) this.across(c, known);
       if (!scene.falls(c) || known.has(c.key)) continue;
       if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(`${c.name} overlap at time 0`);
     }
@@ -319,12 +391,18 @@ export class Run {
       const wait = full.div(full.twice(laws.closing()), full.neg(laws.speed())) ?? undecided(`when ${name} hits`);
       return this.scene.widen(full.add(this.startOf(c)[1], wait));
     }
+    const arc = c.kind === 'arc', zero = arc && c.hollow && this.fromZero(c);
+    if (zero) {
+      const wait = full.div(full.neg(full.twice(laws.closing())), laws.speed()) ?? undecided(`when ${name} hits`);
+      return this.scene.widen(full.add(this.startOf(c)[1], wait));
+    }
     const disc = this.known(law(l => l.disc()), `whether ${name} hits`);
     const leaves = () => c.kind === 'wall' && !pulled && this.known(law(l => l.closing()), `whether ${name} hits`) > 0;
     if (disc <= 0 || leaves()) refute(`${name} does not hit`);
     if (laws.disc().lo <= 0n) undecided(`when ${name} hits`); // known in exact numbers only
     const root = c.kind === 'wall' && !this.scene.steered(c) ? full.neg(laws.closing()) : full.sqrt(laws.disc());
-    const time = full.div(laws.gap(), full.sub(root, laws.closing())) ?? undecided(`when ${name} hits`);
+    const time = (arc ? full.div(full.neg(full.add(laws.closing(), root)), laws.speed())
+      : full.div(laws.gap(), full.sub(root, laws.closing()))) ?? undecided(`when ${name} hits`);
     return this.scene.widen(full.add(this.startOf(c)[1], time));
   }
 
@@ -340,16 +418,17 @@ export class Run {
   meet(c, tellsTime) {
     const law = name => (A, w) => this.laws(c, A, w)[name]();
     if (c.blunt) refute(`${c.name} are a point and a point: nothing says where they push`);
-    if (c.face) {
-      if (!this.within(c)) refute(`${c.name} is beside the face`);
-      if (this.parted(this.scene.otherFace(c))) refute(`${c.name} is on the other side`);
-      if (this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
+    if (c.face || c.kind === 'arc') {
+      const other = this.scene[c.face ? 'otherFace' : 'otherSide'](c);
+      if (!this.within(c)) refute(`${c.name} is beside it, beyond an end`);
+      if (other && this.parted(other)) refute(`${c.name} is on the other side`);
+      if (c.face && this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
     }
     if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
-    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) === 0) {
-      refute(`${c.name} is at gap zero all the time, and does not come to it`);
+    if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) <= 0) {
+      refute(`${c.name} is at gap zero all the time, or below it, and does not come to it`);
     }
     if (this.k && sign > 0) {
       if (c.kind !== 'pocket') refute(`${c.name} is at gap zero and parts`);

@@ -37,9 +37,11 @@ export class Scene {
     this.pockets = scene.pockets.map(all);
     this.half = this.number(fraction(1n, 2n));
     this.physics(scene);
-    this.segments(scene.segments);
+    this.segments(scene.segments, scene.arcs);
     this.n = this.circles.length;
-    this.size = this.n + this.walls.length;
+    this.firstBow = this.n + this.walls.length;
+    this.arcs = scene.arcs.map(arc => this.arc(arc));
+    this.size = this.firstBow + 2 * this.arcs.length;
     this.reverseAt = scene.reverse_at && this.number(scene.reverse_at);
     this.until = certificate.end.reason === 'horizon' ? this.number(certificate.end.until) : null;
     this.check();
@@ -55,7 +57,7 @@ export class Scene {
   }
 
   /** Restitution, gravity, the velocities of walls; and what is a scene with them. */
-  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments }) {
+  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs }) {
     const one = fraction(1n), zero = e => this.exact.sign(e) === 0;
     this.restitution = this.number(restitution ?? one);
     this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
@@ -68,7 +70,7 @@ export class Scene {
     if (turned && (!elastic || this.walls.some(x => x.way))) malformed('no scene: a run that cannot be turned back is');
     if (!this.gravity) return;
     const falls = this.circles.every(c => !zero(c.w[2]));
-    if (!falls || pockets.length || segments.length) malformed('no scene: under gravity there is more than walls and circles that fall');
+    if (!falls || pockets.length || segments.length || arcs.length) malformed('no scene: under gravity there is more than walls and circles that fall');
   }
   /** How far the frame has fallen at a time in which flights are straight, and how fast it is, in the world w. */
   fallen(A, w, time) {
@@ -82,26 +84,41 @@ export class Scene {
   }
 
   /** Segments: each is two faces, walls that are met from their left, after the walls; and ends, after the circles. */
-  segments(told) {
+  segments(told, arcs) {
     const zero = this.number(ZERO), ends = new Map();
     this.firstFace = this.circles.length + this.walls.length; // and as many as there are ends
+    const end = (id, x, y, thick) => {
+      const place = [x, y].map(v => this.spelled(v)).join(';'), there = ends.get(place);
+      if (!there) ends.set(place, { id, x: this.number(x), y: this.number(y), r: thick, vx: zero, vy: zero, w: zero, end: true });
+      else {
+        const larger = this.sign((A, w) => A.sub(thick[w], there.r[w]));
+        if (larger === undefined) undecided('which of two ends at one place is the larger');
+        if (larger > 0) there.r = thick;
+      }
+    };
     for (const { id, ...e } of told) {
       const [x0, y0, x1, y1, length, thick] = [e.x0, e.y0, e.x1, e.y1, e.length, e.r].map(v => this.number(v));
       this.walls.push({ id, x0, y0, x1, y1, length, thick, face: true });
       this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face: true });
-      for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) {
-        const place = [x, y].map(v => this.spelled(v)).join(';'), there = ends.get(place);
-        if (!there) ends.set(place, { id, x: this.number(x), y: this.number(y), r: thick, vx: zero, vy: zero, w: zero, end: true });
-        else {
-          const larger = this.sign((A, w) => A.sub(thick[w], there.r[w]));
-          if (larger === undefined) undecided('which of two ends at one place is the larger');
-          if (larger > 0) there.r = thick;
-        }
-      }
+      for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick);
     }
+    for (const { id, full, ...e } of arcs) if (!full) for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, zero);
     this.circles.push(...ends.values());
     this.firstFace += ends.size;
   }
+  /** An arc: what of its circle lies beyond the chord through its ends, on the side of `across`, which is `far` from its middle, times r. */
+  arc({ id, full, ...e }) {
+    const [x, y, r] = [e.x, e.y, e.r].map(v => this.number(v)), each = f => this.worlds.map(f);
+    if (full) return { id, x, y, r, full, across: [this.number(ZERO), this.number(ZERO)], far: each(A => A.of(fraction(-1n))), ends: [] };
+    const from = (a, b) => each((A, w) => A.sub(a[w], b[w]));
+    const ends = [[e.x0, e.y0], [e.x1, e.y1]].map(([a, b]) => [from(this.number(a), x), from(this.number(b), y)]);
+    const [[ax, ay], [bx, by]] = ends, across = [from(by, ay), from(ax, bx)];
+    const far = each((A, w) => A.add(A.mul(across[0][w], ax[w]), A.mul(across[1][w], ay[w])));
+    return { id, x, y, r, full, across, far, ends };
+  }
+  /** Of a contact with a side of an arc: the arc, and whether it is met from within. */
+  bow(c) { return { arc: this.arcs[(c.j - this.firstBow) >> 1], hollow: c.hollow }; }
+
   /** The same text for the same sum of terms. */
   spelled(e) {
     const { den, terms } = this.exact.reduced(e);
@@ -143,6 +160,17 @@ export class Scene {
     }
     this.bounced = demand(this.restitution, [0, 1], 'the restitution is not negative'); // the sign of what has pushed
     demand((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n))), this.factor[w]), [0, 1], 'the restitution is at most 1');
+    for (const { r, ends, across } of this.arcs) {
+      demand(r, [1], 'the radius of an arc is positive');
+      for (const [p, q] of ends) {
+        demand((A, w) => A.sub(A.add(A.square(p[w]), A.square(q[w])), A.square(r[w])), [0], 'the ends of an arc are on its circle');
+      }
+      const apart = (A, w) => A.add(A.square(across[0][w]), A.square(across[1][w]));
+      if (ends.length) demand(apart, [1], 'an arc begins and ends at two places');
+    }
+    /** Is there room for circle i on the inside of arc k? */
+    this.roomy = this.circles.map(c => this.arcs.map(({ r }) => !c.fixed
+      && (this.sign((A, w) => A.sub(r[w], c.r[w])) ?? undecided('whether a circle fits in an arc')) > 0));
     for (const wall of this.walls) {
       if (!wall.face) wall.side = this.circles.map((c, i) => {
         if (c.fixed) return 0;
@@ -169,15 +197,19 @@ export class Scene {
   contact(i, j) {
     const { circles, n } = this;
     if (!(i >= 0 && i < n && j < this.size && j >= -this.pockets.length)) return null;
-    const kind = j < 0 ? 'pocket' : j < n ? 'circle' : 'wall';
+    const kind = j < 0 ? 'pocket' : j < n ? 'circle' : j < this.firstBow ? 'wall' : 'arc';
     if (kind === 'circle') {
       const a = circles[i], b = circles[j];
       if (i >= j || (a.fixed && b.fixed) || (a.point && b.point && !b.end)) return null;
     } else if (circles[i].fixed) return null;
-    const face = j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
-    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt };
+    const hollow = kind === 'arc' && (j - this.firstBow) % 2 === 1;
+    if (hollow && !this.roomy[i][(j - this.firstBow) >> 1]) return null;
+    const face = kind === 'wall' && j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
+    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow };
   }
 
+  /** The same circle with the other side of the same arc; null where there is no room for it. */
+  otherSide(c) { return this.contact(c.i, c.j + (c.hollow ? -1 : 1)); }
   /** The same circle with the other face of the same segment. */
   otherFace(c) { return this.contact(c.i, c.j + ((c.j - this.firstFace) % 2 ? -1 : 1)); }
 
@@ -237,6 +269,25 @@ export class Scene {
         closing,
         speed,
         disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),
+      };
+    }
+    if (c.kind === 'arc') {
+      const { arc, hollow } = this.bow(c), d = minus([arc.x[w], arc.y[w]], p), own = [A.neg(u[0]), A.neg(u[1])];
+      const turn = x => (hollow ? A.neg(x) : x), reach = hollow ? A.sub(arc.r[w], radius) : A.add(arc.r[w], radius);
+      const pace = A.add(A.square(u[0]), A.square(u[1])), square = () => A.add(A.square(d[0]), A.square(d[1]));
+      // positive where the way from the middle, minus `to`, of such a length, leads to within the range
+      const range = (to, length) => A.neg(A.add(A.mul(A.add(A.mul(arc.across[0][w], to[0]), A.mul(arc.across[1][w], to[1])), arc.r[w]),
+        A.mul(arc.far[w], length)));
+      return {
+        direction: () => (hollow ? d : [A.neg(d[0]), A.neg(d[1])]),
+        gap: () => turn(A.sub(square(), A.square(reach))),
+        closing: () => turn(dot(d, own)),
+        speed: () => turn(pace),
+        disc: () => A.sub(A.mul(pace, A.square(reach)), A.square(A.sub(A.mul(d[0], own[1]), A.mul(d[1], own[0])))),
+        within: () => range(d, reach),
+        square,
+        widely: length => range(d, length),
+        after: wait => range(d.map((x, k) => A.add(x, A.mul(own[k], wait))), reach),
       };
     }
     const pocket = c.kind === 'pocket' && this.pockets[-1 - c.j];

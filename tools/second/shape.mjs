@@ -107,6 +107,7 @@ export function readCertificate(json, work) {
       'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length vx? vy?') })),
       'pockets?': listOf(of({ id: text, ...numbers('x y r') })),
       'segments?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length r') })),
+      'arcs?': listOf(of({ id: text, ...numbers('x y r x0? y0? x1? y1?') })),
     }),
     isometries: listOf(of({
       matrix: four(number),
@@ -126,19 +127,26 @@ export function readCertificate(json, work) {
   scene.walls ??= [];
   scene.pockets ??= [];
   scene.segments ??= [];
-  const pairs = n * (n + scene.walls.length + scene.pockets.length + 4 * scene.segments.length);
+  scene.arcs ??= [];
+  for (const arc of scene.arcs) {
+    const told = ['x0', 'y0', 'x1', 'y1'].filter(key => key in arc).length;
+    if (told % 4) malformed('an arc with some of its ends');
+    arc.full = told === 0;
+  }
+  const pairs = n * (n + scene.walls.length + scene.pockets.length + 4 * (scene.segments.length + scene.arcs.length));
   if (n > LIMITS.circles || pairs > LIMITS.pairs) malformed('too many circles, walls and pockets');
   if (c.bits > LIMITS.bits || pairs * c.bits > LIMITS.work) malformed('too many bits');
   if (scene.reverse_after !== undefined && scene.reverse_at !== undefined) malformed('two reversals');
   if (end.reason === 'horizon' && !end.until) malformed('a horizon without until');
   if (end.reason === 'events' && !end.limit) malformed('events without limit');
   if (c.final.circles.length !== n) malformed('final tells of other circles than the scene');
-  const ids = [...scene.circles, ...scene.walls, ...scene.pockets, ...scene.segments].map(x => x.id);
+  const ids = [...scene.circles, ...scene.walls, ...scene.pockets, ...scene.segments, ...scene.arcs].map(x => x.id);
   if (new Set(ids).size !== ids.length) malformed('an id comes twice');
   if (c.instants.some((e, k) => k && !(e.met || e.exact || e.turn))) malformed('an instant with neither `met` nor `exact` nor `turn`');
   for (const { zeros = [] } of [...c.instants, end]) {
     for (const { how } of zeros) if (how !== 'back' && how >= c.isometries.length) malformed(`there is no isometry ${how}`);
   }
   const digest = createHash('sha256').update(canonical(json.get('scene')), 'utf8').digest('hex');
-  return { ...c, exact, digest, namesSegments: json.get('scene').has('segments') };
+  const named = ['segments', 'arcs'].filter(kind => json.get('scene').has(kind));
+  return { ...c, exact, digest, named };
 }

@@ -172,8 +172,8 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ("[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]", ""), ("if ((disc === 0 && !c.blunt) || ", "if (disc === 0 || "), past_an_end_to_a_wall,
     ),
     "no centre is on a segment": (
-        ('refuse(not age and self.sign("height", c) < 1, ', "refuse(0, "),
-        ("if (this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(", "if (0) refute("), from_the_middle,
+        ('if face and not age: refuse(self.sign("height", c) < 1, ', "if 0: refuse(0, "),
+        ("if (c.face && this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(", "if (0) refute("), from_the_middle,
     ),
     "nothing starts across a segment": (
         ("clear = start or ", "clear = True or "), ("if (this.flights[c.i].start === 0 && !(", "if (0 && !("), across_a_segment,
@@ -194,7 +194,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ("if c[1] not in self.faces or self.within(c)}", "}"), (" && (!x.c.face || this.within(x.c))", ""), a_face_that_was_left,
     ),
     "a point is on one side": (
-        ("refuse(self.other(c) in self.parted, ", "refuse(0, "), ("if (this.parted(this.scene.otherFace(c))) refute(", "if (0) refute("), on_both_sides,
+        ("refuse(self.other(c) in self.parted, ", "refuse(0, "), ("if (other && this.parted(other)) refute(", "if (0) refute("), on_both_sides,
     ),
     "an isometry maps faces to their side": (
         ("[vx - wx, vy - wy, x + x", "[x + x"), ("same((A, w) => this.image(A, w, [p.n[0][w], p.n[1][w]])[k], q.n[k], what);", ""),

@@ -16,7 +16,7 @@ from certificate.checkers import NODE, by_node, by_python, needs_node
 from certificate.samples import samples
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, Segment, Wall
 from truebreak.scenarios.errors import SceneError
 
 Told = dict[str, Any]
@@ -196,13 +196,16 @@ def run_again(told: Told) -> Told:
     scene, end = told["scene"], told["end"]
     roots = scene.get("roots", []) + told["roots"]
 
-    def things(kind: Any, name: str, **more: Any) -> list[Any]:
-        rows = (
+    def rows(name: str) -> list[Told]:
+        return [
             {key: exact_text(v, roots) if key != "id" else v for key, v in row.items() if key not in ("w", "length")}
             | ({"m": mass(exact_text(row["w"], roots))} if "w" in row else {})
             for row in scene.get(name, ())
-        )
-        return [kind(**row, **(more if Quantity.of(row.get("r", "1")) == Quantity.of(0) else {})) for row in rows]
+        ]
+
+    def things(kind: Any, name: str, **more: Any) -> list[Any]:
+        found = rows(name)
+        return [kind(**row, **(more if Quantity.of(row.get("r", "1")) == Quantity.of(0) else {})) for row in found]
 
     built = Scene(
         things(Circle, "circles", point=True),
@@ -212,6 +215,7 @@ def run_again(told: Told) -> Told:
         reverse_at=exact_text(scene["reverse_at"], roots) if "reverse_at" in scene else None,
         pockets=things(Pocket, "pockets"),
         segments=things(Segment, "segments"),
+        arcs=[Arc(full="x0" not in row, **of) for row, of in zip(scene.get("arcs", ()), rows("arcs"), strict=True)],
         capture=scene.get("capture", False),
         restitution=exact_text(scene.get("restitution", "1"), roots),
         gravity=[exact_text(part, roots) for part in scene["gravity"]] if "gravity" in scene else None,

@@ -13,12 +13,25 @@ import pytest
 from certificate.checkers import both_verify, by_python, needs_node
 from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import WAYS, altered, refused
-from certificate.world_forgeries import WORLD_CONDITIONS, from_within_the_floor
-from certificate.world_samples import BOX, WORLD_WAYS, world_runs, world_samples
+from certificate.world_forgeries import (
+    WORLD_CONDITIONS,
+    across_an_arc,
+    beside_an_arc,
+    from_within_the_floor,
+)
+from certificate.world_samples import (
+    ARC_WAYS,
+    BOX,
+    WORLD_WAYS,
+    arc_runs,
+    arc_samples,
+    world_runs,
+    world_samples,
+)
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, Wall
+from truebreak.scenarios import Arc, Circle, Scene, Wall
 
 
 def test_both_verify_runs_with_gravity_restitution_and_moving_walls(tmp_path: Path) -> None:
@@ -31,15 +44,21 @@ def test_both_verify_runs_with_gravity_restitution_and_moving_walls(tmp_path: Pa
     both_verify(samples.items(), tmp_path)
 
 
+def test_both_verify_runs_among_arcs(tmp_path: Path) -> None:
+    assert sum(len(told["instants"]) for told in arc_samples().values()) > 150
+    both_verify(arc_samples().items(), tmp_path)
+
+
 def test_the_final_state_is_in_true_coordinates() -> None:
-    for name, run in world_runs().items():
-        told = world_samples()[name]["final"]
+    samples = {**world_samples(), **arc_samples()}
+    for name, run in {**world_runs(), **arc_runs()}.items():
+        told = samples[name]["final"]
         rows = [told["time"], *(x for row in told["circles"] for x in row)]
         final = run.at(run.final_time)
         if run.stop.reason.name in ("REST", "ACCUMULATION", "CRUSHED", "UNDECIDED"):
             continue  # the run ends later than its last instant
         mine = [final.time, *(x for c in final.circles for x in (c.x, c.y, c.vx, c.vy))]
-        if world_samples()[name]["end"]["reason"] in ("horizon", "return", "events"):
+        if samples[name]["end"]["reason"] in ("horizon", "return", "events"):
             assert [
                 abs(Decimal(x) - Decimal(y.digits(30))) < Decimal(10) ** -16 for x, y in zip(rows, mine, strict=True)
             ] == [True] * len(rows), name
@@ -49,8 +68,30 @@ def test_the_final_state_is_in_true_coordinates() -> None:
 @pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
 @pytest.mark.timeout(3600)
 def test_altered_runs_of_the_larger_world_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
-    tried = altered(count, (*WORLD_WAYS, *WAYS), "world", world_samples())
+    tried = altered(count, (*WORLD_WAYS, *WAYS), "worldA", world_samples())
     assert refused(tried, tmp_path) > count // 2
+
+
+@needs_node
+@pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.timeout(3600)
+def test_altered_runs_among_arcs_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    tried = altered(count, (*ARC_WAYS, *WAYS), "arcsA", arc_samples())
+    assert refused(tried, tmp_path) > count // 2
+
+
+def test_a_certificate_is_compared_with_the_arcs_that_are_meant() -> None:
+    bow, ring = Arc(0, 0, 5, 1, 0, -1, 0, id="bow"), Arc(0, 0, 5, full=True, id="bow")
+    scene = Scene([Circle(0, 1, vy=1)], arcs=[bow])
+    block = certificate_of(ExactEngine().run(scene, events=2))["scene"]
+    assert difference(block, scene) is None
+    assert difference(block, scene.with_changes(arcs=[ring])) == "arc 'bow' is no full circle"
+    assert difference(block, scene.with_changes(arcs=[])) == "it has 1 arcs, not 0"
+    assert (
+        difference(block, scene.with_changes(arcs=[Arc(0, 0, 6, 1, 0, -1, 0, id="bow")])) == "arc 'bow': r is 5, not 6"
+    )
+    longer = scene.with_changes(arcs=[Arc(0, 0, 5, 1, 0, 0, -1, id="bow")])
+    assert difference(block, longer) == "arc 'bow': x1 is -5, not 0"
 
 
 def test_a_certificate_is_compared_with_the_world_that_is_meant() -> None:
@@ -85,14 +126,14 @@ FAULTS = {
     ),
     "the rising zero": (
         [("m.gap / (m.disc.sqrt() - m.closing)", "m.gap / (-m.disc.sqrt() - m.closing)")],
-        [("full.sub(root, laws.closing())) ??", "full.sub(full.neg(root), laws.closing())) ??")],
+        [("full.sub(root, laws.closing()))) ??", "full.sub(full.neg(root), laws.closing()))) ??")],
     ),
     "the zero at 0, not the second one": (
-        [("m.closing) / m.speed if again else", "m.closing) * self.none if again else")],
+        [("elif again: wait = -(m.closing + m.closing) / m.speed", "elif again: wait = self.none")],
         [("full.div(full.twice(laws.closing()), full.neg(laws.speed()))", "full.sub(laws.closing(), laws.closing())")],
     ),
     "half the wait to the second zero": (
-        [("-(m.closing + m.closing) / m.speed", "-m.closing / m.speed")],
+        [("wait = -(m.closing + m.closing) / m.speed", "wait = -m.closing / m.speed")],
         [("full.div(full.twice(laws.closing()),", "full.div(laws.closing(),")],
     ),
     "walls that stand still": (
@@ -139,19 +180,66 @@ FAULTS = {
 """Of each what the first checker has instead, and the second."""
 
 
+ARC_FAULTS = {
+    "an arc without its range": (
+        [("        return -(p * d[0] + q * d[1]) * r - edge * reach\n", "        return reach\n")],
+        [("const range = (to, length) => A.neg(", "const range = (to, length) => length && A.neg(A.neg(length)) || A.neg(")],
+    ),
+    "the range on the other side of the chord": (
+        [("return -(p * d[0] + q * d[1]) * r - edge * reach", "return (p * d[0] + q * d[1]) * r + edge * reach")],
+        [("const range = (to, length) => A.neg(", "const range = (to, length) => A.neg(A.neg(")
+         , ("        A.mul(arc.far[w], length)));", "        A.mul(arc.far[w], length))));")],
+    ),
+    "the chord at the middle": (
+        [("* r - edge * reach", "* r - edge * reach * (edge - edge)")],
+        [("        A.mul(arc.far[w], length)));", "        A.sub(length, length)));")],
+    ),
+    "the earlier zero from within": (
+        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed", "return -(m.closing + (m.closing if again else -m.disc.sqrt() if m.hollow else m.disc.sqrt())) / m.speed")],
+        [("full.div(full.neg(full.add(laws.closing(), root)), laws.speed())", "full.div(full.neg(c.hollow ? full.sub(laws.closing(), root) : full.add(laws.closing(), root)), laws.speed())")],
+    ),
+    "half the chord after a bounce": (
+        [("(m.closing if again else m.disc.sqrt())", "(m.closing - m.closing if again else m.disc.sqrt())")],
+        [("full.neg(full.twice(laws.closing())), laws.speed())", "full.neg(laws.closing()), laws.speed())")],
+    ),
+    "no room taken by the disc within": (
+        [("size - r if within else size + r", "size if within else size + r")],
+        [("hollow ? A.sub(arc.r[w], radius) : A.add(arc.r[w], radius)", "hollow ? arc.r[w] : A.add(arc.r[w], radius)")],
+    ),
+    "the disc's radius the other way without": (
+        [("size - r if within else size + r", "size - r if within else size - r")],
+        [("hollow ? A.sub(arc.r[w], radius) : A.add(arc.r[w], radius)", "A.sub(arc.r[w], radius)")],
+    ),
+    "pushed outward from within": (
+        [("arms = {i: d if within else (-d[0], -d[1])}", "arms = {i: (-d[0], -d[1])}")],
+        [("direction: () => (hollow ? d : [", "direction: () => (0 ? d : [")],
+    ),
+    "ends that are not there": (
+        [("for row in arcs if row[3:]]", "for row in arcs if 0]")],
+        [("if (!full) for (const [x, y] of", "if (0) for (const [x, y] of")],
+    ),
+    "the sides exchanged": (
+        [("within = (u - x, v - y), (j - self.bows) % 2", "within = (u - x, v - y), (j - self.bows + 1) % 2")],
+        [("(j - this.firstBow) % 2 === 1", "(j - this.firstBow) % 2 === 0")],
+    ),
+}  # fmt: skip
+
+
 @needs_node
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", [*FAULTS, *ARC_FAULTS])
 def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
-    first, second = FAULTS[fault]
-    forged = completed(
-        from_within_the_floor(), lax(WORLD_CONDITIONS["nothing starts across a wall to which it is pulled"][0])
-    )
-    tried = {**world_samples(), "forged": forged}
+    first, second = {**FAULTS, **ARC_FAULTS}[fault]
+    if fault in FAULTS:
+        forged = {from_within_the_floor: "nothing starts across a wall to which it is pulled"}
+    else:
+        forged = {across_an_arc: "nothing starts across an arc", beside_an_arc: "an arc is met within its range"}
+    samples = world_samples() if fault in FAULTS else arc_samples()
+    wrong = [completed(make(), lax(WORLD_CONDITIONS[name][0])) for make, name in forged.items()]
     paths: list[Path] = []
-    for number, told in enumerate(tried.values()):
+    for number, told in enumerate([*samples.values(), *wrong]):
         paths.append(tmp_path / f"{number}.json")
         paths[-1].write_text(certificate_json(told), encoding="utf-8")
-    truth = [*([0] * len(world_samples())), 1]
+    truth = [*([0] * len(samples)), *([1] * len(wrong))]
     checker = lax(first)
     assert [checker.verdict(path)[0] for path in paths] != truth
     program = lax_second(second, tmp_path / "faulty")

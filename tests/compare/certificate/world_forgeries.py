@@ -95,14 +95,69 @@ def held_to_what_moves() -> Told:
     return entries(cert, {"met": [[0, 1]], "zeros": [["closing", [0, 1], 0]]})
 
 
+# -- arcs. Numbers: circles, then the ends of arcs, then the outside and the inside of each.
+
+BOW = {"id": "bow", "x": "0", "y": "0", "r": "5", "x0": "5", "y0": "0", "x1": "-5", "y1": "0"}
+"""The upper half of a circle."""
+
+RING = {key: BOW[key] for key in ("id", "x", "y", "r")}
+HORIZON = {"reason": "horizon", "until": "9"}
+
+
+def bowed(arcs: list[Told], *rows: tuple[Number, ...], end: Told | None = None, **scene: Any) -> Told:
+    """Circles among arcs, of which nothing is told."""
+    return {**bare(*rows, scene={"arcs": arcs, **scene}), "end": end or STOPPED}
+
+
+def beside_an_arc() -> Told:
+    """A disc bounces off the circle of an arc, where the arc is not."""
+    return entries(bowed([BOW], (20, -3, -1, 0)), {}, {"met": [[0, 3]], "rounds": [[[0, 3]]]})
+
+
+def hardly_on_an_arc() -> Told:
+    """A disc that meets an arc right beside its end, by very little, is said to meet the end."""
+    cert = bowed([BOW], (20, HAIR, -1, 0), roots=["2"])
+    return entries(cert, {}, {"met": [[0, 1]], "rounds": [[[0, 1]]]})
+
+
+def in_a_ring_that_hardly_fits() -> Told:
+    """A disc in the middle of a ring that is hardly larger flies on for ever."""
+    return bowed([RING], (0, 0, 1, 0, f"5-1*r1+{HAIR[5:]}"), roots=["2"], end=QUIET)
+
+
+def at_rest_on_an_arc() -> Told:
+    """A disc that rests on an arc is said to come to it."""
+    return entries(bowed([BOW], (0, 6, 0, 0)), {"met": [[0, 3]]}, {"exact": "1", "met": [[0, 3]]})
+
+
+def a_point_on_an_arc() -> Told:
+    """A point starts on an arc, and is said to leave it outward."""
+    return entries(bowed([BOW], (0, 5, 0, 1, 0)), {"met": [[0, 3]]})
+
+
+def across_an_arc() -> Told:
+    """A disc starts across an arc, and leaves it."""
+    return bowed([BOW], (0, "11/2", 0, 1), end=QUIET)
+
+
+def hardly_across_an_arc() -> Told:
+    """The same, by very little."""
+    return bowed([BOW], (0, f"6-1*r1+{HAIR[5:]}", 0, 1), roots=["2"], end=QUIET)
+
+
+def with_an_arc(arc: Told, **values: Any) -> Told:
+    """A disc at rest far from an arc that is none; or an isometry beside."""
+    return {**bowed([{**BOW, **arc}], (90, 90, 0, 0)), **values}
+
+
 Changes = tuple[str, str] | list[tuple[str, str]]
 CANNOT_TURN = (
     'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),',
     "if (turned && (!elastic || this.walls.some(x => x.way))) malformed(",
 )
 MORE = (
-    "refuse(pull and (pockets or segments or not all(row[5] for row in circles)),",
-    "if (!falls || pockets.length || segments.length) malformed(",
+    "refuse(pull and (pockets or segments or arcs or not all(row[5] for row in circles)),",
+    "if (!falls || pockets.length || segments.length || arcs.length) malformed(",
 )
 WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "no restitution is above 1": (
@@ -136,7 +191,7 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
         ('refuse(age is None, f"{c} meet in the end")', "if age is None: return"), ("if (mode === 'ever') refute(`${c.name} meet in the end`);", "if (mode === 'ever') return;"), never_down,
     ),
     "what is not pulled does not come again": (
-        ("met[0] in self.parted and self.falls(met[0])", "met[0] in self.parted"), None,  # the second one asks first whether it hits
+        ("c in self.parted and (self.falls(c) or self.hollow(c))", "c in self.parted"), None,  # the second one asks first whether it hits
         grazed_twice,
     ),
     "whether gravity pulls to a wall is decided": (
@@ -152,6 +207,44 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     ),
     "nothing comes back before the run is turned": (
         ("back = back and self.way and self.out", "back = back and self.out"), ("if (!run.turnTime) continue;", ""), not_back_but_again,
+    ),
+    "no arc is under gravity": (
+        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(arcs=[BOW]),
+    ),
+    "an arc is met within its range": (
+        ("refuse(not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_an_arc,
+    ),
+    "whether an arc is met is decided": (
+        ('raise Unsettled(f"whether {c} meet on the way")', "return"), ("    undecided(what);\n  }\n  /** Is the gap of a side", "  }\n  /** Is the gap of a side"), hardly_on_an_arc,
+    ),
+    "whether there is room within is decided": (
+        [('demand(room, [-1, 0, 1], f"whether {c} fit")', "(room or 0)"), ('demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")', "return")],
+        [("undecided('whether a circle fits in an arc')", "0"), ("undecided(`whether ${c.name} lie across each other`)", "void 0")], in_a_ring_that_hardly_fits,
+    ),
+    "what rests on an arc does not come to it": (
+        ("refuse(age and not self.met[c]", "refuse(0 and not self.met[c]"), ("sign === 0 && this.signed(law('speed')", "0 && this.signed(law('speed')"), at_rest_on_an_arc,
+    ),
+    "no point starts on an arc": (
+        ("refuse(met and not self.things[c[0]][4], ", "refuse(0, "), ("if (there.length && this.scene.circles[c.i].point) refute(", "if (0) refute("), a_point_on_an_arc,
+    ),
+    "nothing starts across an arc": (
+        ('demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")', "return"), [("if (within > 0 && gaps.every(s => s <= 0)) refute(", "if (0) refute("), ("undecided(`whether ${c.name} lie across each other`)", "void 0")], across_an_arc,
+    ),
+    "whether something starts across an arc is decided": (
+        ('demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")', "return"), ("undecided(`whether ${c.name} lie across each other`)", "void 0"), hardly_across_an_arc,
+    ),
+    "an arc's ends are on its circle": (
+        ('demand(sign_of(p * p + q * q - r * r), [0], "an end is on its arc", Malformed)', "0"), ("demand((A, w) => A.sub(A.add(A.square(p[w]), A.square(q[w])), A.square(r[w]))", "void ((A, w) => A.zero"), lambda: with_an_arc({"x0": "4"}),
+    ),
+    "an arc begins and ends at two places": (
+        ('demand(sign_of(p * p + q * q), [1], "an arc has one end", Malformed)', "0"), ("if (ends.length) demand(apart,", "if (0) demand(apart,"), lambda: with_an_arc({"x1": "5"}),
+    ),
+    "an arc's radius is positive": (
+        ("sizes += arc_sizes", "0"), ("demand(r, [1], 'the radius of an arc is positive')", "0"), lambda: with_an_arc({"r": "-5"}),
+    ),
+    "an isometry maps no arc": (
+        ("            zeros += [ONE] * (i in self.arcs or j in self.arcs)  # those are mapped by none\n", ""), ("if (kind === 'arc') refute(", "if (kind === 'arc') continue; if (0) refute("),
+        lambda: with_an_arc({}, isometries=[{**SAME, "map": [[3, 3]]}]),
     ),
     "no mirror holds to a wall that moves": (
         ('question == "closing" and c not in self.bends:', 'question == "closing":'), (" || scene.steered(c)", ""), held_to_what_moves,

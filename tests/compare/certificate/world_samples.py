@@ -1,4 +1,4 @@
-"""Certificates of runs with restitution, gravity and walls that move; and ways to alter those."""
+"""Certificates of runs with restitution, gravity, walls that move, and arcs; and ways to alter those."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from functools import cache
 from random import Random
 from typing import Any
 
+from arc_scenes import scene_of as arc_scene
+
 from certificate.test_tampering import Told, other_digit
 from truebreak.compare.certificate import certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Scene, SceneError, Segment, Wall, catalogue
 from truebreak.scenarios.trajectory import Trajectory
 
 SEEDS = range(24)
@@ -113,6 +115,135 @@ def world_samples() -> dict[str, Told]:
     return {name: certificate_of(run) for name, run in world_runs().items()}
 
 
+ARC_SEEDS = range(60)
+TABLES = ("stadium", "mushroom", "lemon", "round-table")
+
+
+def arcs_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
+    """Scenes with arcs, and until when: there and back, joints, ends, points, pockets, what rests, what is struck."""
+    ring, bow = Arc(0, 0, 5, full=True, id="ring"), Arc(0, 0, 5, 1, 0, -1, 0, id="bow")
+    cup = Arc(0, 0, 5, -3, -4, 3, -4, id="cup")
+    long_one = Arc(0, 0, 5, 0, -1, -1, 0, id="long")  # three quarters
+    low = Segment(-9, 0, -5, 0, id="low")
+    point = Circle(1, 2, r=0, point=True, vx="3/7", vy=1)
+    return {
+        "a ring there and back": (Scene([Circle(1, 0, vx="1/3", vy=1)], arcs=[ring], reverse_after=5), {}),
+        "two in a ring there and back": (
+            Scene([Circle(2, 0, vx="1/3", vy=1), Circle(-2, 0, m=2)], arcs=[ring], reverse_at=20), {},
+        ),
+        "a point in a ring": (Scene([point], arcs=[ring]), {"events": EVENTS}),
+        "a point out of a bow": (Scene([point], arcs=[bow]), {"events": EVENTS}),
+        "a point onto a bow": (Scene([Circle(1, 20, r=0, point=True, vy=-1)], arcs=[bow]), {}),
+        "within three quarters": (Scene([Circle(0, 1, vx=1, vy="1/5")], arcs=[long_one]), {"events": EVENTS}),
+        "onto an end": (Scene([Circle(5, -9, vy=1)], arcs=[bow]), {}),
+        "beside an end": (Scene([Circle("21/4", -9, vy=1)], arcs=[bow]), {}),
+        "a graze": (Scene([Circle(-20, 6, vx=1)], arcs=[ring]), {}),
+        "along a joint": (Scene([Circle(-8, 1, vx=1)], segments=[low], arcs=[bow]), {}),
+        "past it, inward": (Scene([Circle(0, -9, vx="1/9", vy=1)], arcs=[bow]), {"events": 3}),
+        "at rest in a cup": (Scene([Circle(0, -4), Circle(0, 3, vy=-1)], arcs=[cup]), {"events": 4}),
+        "at rest on a ring": (Scene([Circle(0, 6), Circle(9, 6, vx=-1)], arcs=[ring]), {"events": 3}),
+        "a pocket in a ring": (
+            Scene(
+                [Circle(2, 0, vx=-1, vy="1/9"), Circle(-2, 0, vy=1)],
+                pockets=[Pocket(0, 3, 1)],
+                capture=True,
+                arcs=[ring],
+            ),
+            {"events": EVENTS},
+        ),
+        "less each time": (Scene([Circle(1, 0, vx="1/3", vy=1)], arcs=[ring], restitution="1/2"), {"events": EVENTS}),
+        "a horizon at a hit": (Scene([Circle(0, 0, vx=1)], arcs=[ring]), {"until": 4}),
+        "a horizon at the second hit": (Scene([Circle(0, 0, vx=1)], arcs=[ring]), {"until": 12}),
+        "one by one": (
+            Scene([Circle(2, 0, vx=1), Circle(-2, 0, vx=-1)], arcs=[ring], tie_policy="sequential:seed=4"),
+            {"events": 6},
+        ),
+        "no room within": (Scene([Circle(9, 1, r=6, vx=-1)], arcs=[Arc(0, 0, 2, 0, 1, 0, -1, id="small")]), {}),
+        "out of three": (Scene([Circle(0, -1, vy=-1)], arcs=[Arc(0, 0, 5, 4, -3, -4, -3, id="jar")]), {"events": 3}),
+    }  # fmt: skip
+
+
+def two_at_once(told: Told, draw: Random) -> None:
+    """A contact of one instant is said to come at another too."""
+    listed = [entry for entry in told["instants"] if entry.get("met")]
+    if len(listed) > 1:
+        one, other = draw.sample(listed, 2)
+        pair, pushes = [*draw.choice(other["met"])], draw.random() < 0.5
+        if "segments" in told["scene"] and listed.index(other) < listed.index(one):
+            return  # a circle may slide along a face from the one to the other
+        one["met"].append(pair)
+        if pushes:
+            one.setdefault("rounds", []).append([[*pair]])
+
+
+@cache
+def arc_runs() -> dict[str, Trajectory]:
+    """Runs among arcs: of these, of tables of the catalogue, and of random scenes."""
+    cases = {**arcs_by_hand(), **{spec: (catalogue.build(spec), {"events": EVENTS}) for spec in TABLES}}
+    for seed in ARC_SEEDS:
+        if (scene := arc_scene(seed)) is not None:
+            turns = scene.reverse_at is not None or scene.reverse_after is not None
+            cases[f"arcs {seed}"] = scene, {} if turns else {"until": 20, "events": 5}
+    return {name: ExactEngine().run(scene, **limits) for name, (scene, limits) in cases.items()}
+
+
+@cache
+def arc_samples() -> dict[str, Told]:
+    """The certificates of these."""
+    return {name: certificate_of(run) for name, run in arc_runs().items()}
+
+
+def another_radius(told: Told, draw: Random) -> None:
+    """An arc has another radius, or a circle has."""
+    row = draw.choice(told["scene"][draw.choice(["arcs", "circles"])])
+    row["r"] = draw.choice(["1", "0", row["r"] + "+1/1" + "0" * 40, row["r"] + "-1/8"])
+
+
+def moved_bow(told: Told, draw: Random) -> None:
+    """An arc is somewhere else, with its ends."""
+    row, by = draw.choice(told["scene"]["arcs"]), draw.choice(["+1", "-1", "+1/8", "-1/1000", "+1/1" + "0" * 30])
+    for key in draw.choice([("x", "x0", "x1"), ("y", "y0", "y1"), ("x",), ("x0",)]):
+        if key in row:
+            row[key] += by
+
+
+def turned_bow(told: Told, draw: Random) -> None:
+    """An arc is the rest of its circle, all of it, or the half beyond its first end."""
+    row = draw.choice(told["scene"]["arcs"])
+    if "x0" not in row:
+        row.update(x0=f"{row['x']}+{row['r']}", y0=row["y"], x1=row["x"], y1=f"{row['y']}+{row['r']}")
+    elif draw.random() < 0.7:
+        row.update(x0=row["x1"], y0=row["y1"], x1=row["x0"], y1=row["y0"])
+    else:
+        for key in ("x0", "y0", "x1", "y1"):
+            del row[key]
+
+
+def no_bow(told: Told, draw: Random) -> None:
+    """An arc is not there."""
+    told["scene"]["arcs"].pop(draw.randrange(len(told["scene"]["arcs"])))
+
+
+def other_side(told: Told, draw: Random) -> None:
+    """A contact with an arc is one with its other side, with another arc, or with an end."""
+    n = len(told["scene"]["circles"])
+    pairs = [
+        row
+        for part in (*told["instants"], told["end"])
+        for row in (*part.get("met", ()), *(push for one in part.get("rounds", ()) for push in one))
+        if row[1] >= n
+    ]
+    if pairs:
+        row = draw.choice(pairs)
+        old, new = row[1], draw.choice([row[1] + 1, row[1] - 1, n + draw.randrange(9)])
+        for other in pairs if draw.random() < 0.7 else [row]:
+            if other[:2] == [row[0], old]:
+                other[1] = new
+
+
+ARC_WAYS = (another_radius, moved_bow, turned_bow, no_bow, other_side, two_at_once)
+
+
 def another_loss(told: Told, draw: Random) -> None:
     """The restitution is another."""
     told["scene"]["restitution"] = draw.choice(["1", "0", "1/2", "3/2", "-1/2", "1-1/1" + "0" * 40, "99/100"])
@@ -148,16 +279,6 @@ def digit_of_the_world(told: Told, draw: Random) -> None:
     if places:
         where, key = draw.choice(places)
         where[key] = other_digit(where[key], draw)
-
-
-def two_at_once(told: Told, draw: Random) -> None:
-    """A contact of one instant is said to come at another too."""
-    listed = [entry for entry in told["instants"] if entry.get("met")]
-    if len(listed) > 1:
-        one, other = draw.sample(listed, 2)
-        one["met"].append([*draw.choice(other["met"])])
-        if draw.random() < 0.5:
-            one.setdefault("rounds", []).append([[*one["met"][-1]]])
 
 
 WORLD_WAYS = (another_loss, another_pull, another_way, digit_of_the_world, two_at_once)
