@@ -1,7 +1,6 @@
 """Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed.
 
-`schema.py` makes the JSON Schemas of the same table: types are those of the attributes, meanings those of the
-docstrings. A number is the nearest double, and null where it is infinite or not known.
+`schema.py` makes the JSON Schemas of it, by types and docstrings. A number is the nearest double; null: infinite, unknown.
 """
 
 from __future__ import annotations
