@@ -89,7 +89,7 @@ def check_arcs(
         if circle.fixed:
             continue
         for k, arc in enumerate(arcs):
-            if circle.r == arc.r and not arc.full:
+            if circle.r == arc.r and _fits(circle, arc):
                 told = f"circle {circle.id!r}: r = {circle.r.brief()} is that of arc {arc.id!r}"
                 raise SceneError(f"{told}, which it fits all along, with no one normal; change one of them")
             part = _touched(circle, arc)
@@ -97,6 +97,14 @@ def check_arcs(
                 outer.append((i, k))
                 inner.append((i, 2 * k + part, False) if isinstance(part, int) else (i, places[part], True))
     return outer, inner
+
+
+def _fits(circle: Circle, arc: Arc) -> bool:
+    """Whether a circle as wide as an arc lies on it all along, or may come to: by the opening of a half-turn or less.
+
+    What is longer than that has an opening narrower than the circle, which meets its ends.
+    """
+    return (circle.x, circle.y) == (arc.x, arc.y) or (not arc.full and arc.chord[2].sign() >= 0)
 
 
 def _touched(circle: Circle, arc: Arc) -> int | Point | None:

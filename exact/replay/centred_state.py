@@ -116,7 +116,7 @@ class CentredState(BallState):
             super().go(source, bodies)
             return
         held = self._deviations
-        if held is None or not held.holds(bodies):
+        if held is None or not held.holds(self._flying(bodies)):
             held = self._deviations = self._begin()
         flying = [body for i in bodies if not (body := self.bodies[i]).flight.rest]
         before = [body.flight for body in flying]
@@ -208,9 +208,13 @@ class CentredState(BallState):
             self._break -= self._break > 0
             return False
         movers = self._movers_of(link)
-        if sorted(body.index for body in movers) != sorted(bodies) or not self.outside.isdisjoint(bodies):
+        if sorted(body.index for body in movers) != self._flying(bodies) or not self.outside.isdisjoint(bodies):
             return False
         return all(body.flight.rest or _is_inexact(body) for body in movers)
+
+    def _flying(self, bodies: tuple[int, ...]) -> list[int]:
+        """Those of some circles that move, in order: an end, or another that is fixed, is no part of the set."""
+        return sorted(i for i in bodies if not self.scene.circles[i].fixed)
 
     def _begin(self) -> Deviations:
         """Boxes: the bodies' balls as they are."""

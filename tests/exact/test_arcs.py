@@ -36,7 +36,7 @@ from truebreak.exact.replay.contact import AtArc, Body, Flight
 from truebreak.exact.simulation import arc_meetings
 from truebreak.exact.simulation.arc_meetings import ArcSides
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, arcs, surfaces
+from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, Wall, arcs, surfaces
 from truebreak.scenarios.engine import SCENE_KEYS
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
@@ -60,7 +60,7 @@ def differs(scene: Scene) -> str:
         names = {tuple(pair) for pair in theirs.contacts}
         if not mine.approaching <= names <= mine.touching:
             return f"event {theirs.index}: {names}, not {mine.approaching}"
-    if AT_END in run.stop.message:  # refused by name, whatever comes of it
+    if AT_END in run.stop.message or ALONG in run.stop.message:  # refused by name, whatever comes of it
         return ""
     if "no normal" in run.stop.message or told.blunt is not None:
         return "" if "no normal" in run.stop.message and told.blunt is not None else "a corner"
@@ -406,6 +406,8 @@ def test_files_keep_arcs():
         (lambda: Scene([Circle(0, 0)], arcs=[Arc(0, 0, "1/2", full=True)]), "lies across arc 'a1', by 1/2"),
         (lambda: Scene([Circle(0, 5)], arcs=[Arc(0, 0, 3, 1, 0, 0, 1), Arc(0, 0, 3, 1, 1, 0, 1)]), "make them one"),
         (lambda: Scene([Circle(0, 5)], arcs=[Arc(0, 0, 1, 1, 0, 0, 1)]), "which it fits all along"),
+        (lambda: Scene([Circle(0, 5)], arcs=[Arc(0, 0, 1, 1, 0, -1, 0)]), "which it fits all along"),
+        (lambda: Scene([Circle(0, 0)], arcs=[Arc(0, 0, 1, full=True)]), "which it fits all along"),
         (lambda: Scene([Circle(3, 4, r=0, point=True)], arcs=[Arc(0, 0, 5, full=True)]), "centre lies on arc"),
         (lambda: loads_toml('[[arc]]\nid="a"\nx=0\ny=0\nr=1\nx0=1\ny0=0\nx1=1'), "y1 is missing"),
         (lambda: loads_toml('[[arc]]\nid="a"\nx=0\ny=0\nr=1\nfull="yes"'), "is not true or false"),
@@ -498,3 +500,31 @@ def test_the_mean_chord_of_a_stadium():
     mean = sum(blocks) / len(blocks)
     error = (sum((b - mean) ** 2 for b in blocks) / len(blocks) / (len(blocks) - 1)) ** 0.5
     assert abs(mean - math.pi * (math.pi + 4) / (2 * math.pi + 4)) < 3 * error
+
+
+def fitting(seed: int) -> Scene | None:
+    """Circles as wide as an arc of more than a half-turn, most of them on their way to its middle."""
+    draw = Random(seed)
+    r = draw.choice(["1", "2", "3/2"])
+    circles: list[Circle] = []
+    try:
+        arc = Arc(0, 0, r, *(draw.randint(-9, 9) for _ in range(4)))
+        if arc.chord[2].sign() >= 0:
+            return None
+        for _ in range(draw.randint(1, 3)):
+            x, y = draw.randint(-6, 6), draw.randint(-6, 6)
+            aimed = draw.random() < 0.7
+            vx, vy = (-x, -y) if aimed else (draw.randint(-3, 3), draw.randint(-3, 3))
+            beside = f" + 1/10**{draw.randint(3, 20)}" if aimed and draw.random() < 0.3 else ""
+            circles.append(Circle(x, y, r=r if draw.random() < 0.7 else "1/2", vx=f"{vx}{beside}", vy=vy))
+        box = [Wall(-9, 0, -9, 1), Wall(9, 0, 9, 1), Wall(0, -9, 1, -9), Wall(0, 9, 1, 9)]
+        return Scene(circles, box, arcs=[arc])
+    except SceneError:
+        return None
+
+
+def test_circles_as_wide_as_an_arc_meet_its_outside_and_its_ends() -> None:
+    scenes = [scene for seed in range(120) if (scene := fitting(seed)) is not None]
+    wide = [scene for scene in scenes if any(circle.r == scene.arcs[0].r for circle in scene.circles)]
+    assert len(wide) > 20
+    assert [found for scene in wide if (found := differs(scene))] == []

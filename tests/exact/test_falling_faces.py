@@ -107,6 +107,31 @@ def differs(scene: Scene, events: int) -> str | None:
     return ""
 
 
+def goes_otherwise(scene: Scene, more: int = 24) -> str | None:
+    """Where a run ends as infinitely many bounces, what the circle meets besides by then; empty for nothing.
+
+    None where it ends otherwise, or the referee has nothing.
+    """
+    run = ExactEngine(max_bits=2000, work=1_000_000).run(scene, events=80)
+    if run.stop.reason is not StopReason.ACCUMULATION or run.ending is None:
+        return None
+    (last,) = run.events[-1].contacts
+    try:
+        course = FaceReferee(scene).run(mpf(10) ** 9, len(run.events) + more)
+    except (TieMet, NotForThis):
+        return None
+    with workdps(60):
+        end = mpf(run.ending.digits(40))
+        row = [hit for hit in course.hits[len(run.events) :] if hit.time < end and last.first in hit.pair]
+    others = {hit.pair for hit in row if sorted(hit.pair) != sorted(last)}
+    return f"{others}" if others else "" if row else "no further bounce"
+
+
+@pytest.mark.parametrize("seed", [1, 4, 12, 14])
+def test_bounces_that_are_said_to_end_meet_nothing_else(seed: int) -> None:
+    assert goes_otherwise(drawn(seed)) == ""
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_the_history_is_that_of_the_referee(seed: int) -> None:
     assert differs(drawn(seed), 10) in ("", None)

@@ -13,9 +13,11 @@ from truebreak.exact.laws.tangent_formulas import pair_tangent_blocks
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.contact import Pair
 from truebreak.exact.replay.error_bounds import Collision, Mirror, Spent
 from truebreak.exact.replay.error_set import ErrorSet
-from truebreak.scenarios import StopReason, catalogue
+from truebreak.exact.replay.state import Go
+from truebreak.scenarios import Circle, Polygon, Quantity, Segment, StopReason, catalogue
 from truebreak.scenarios.files import loads_toml
 
 FEW, MANY = 500, 4096
@@ -47,6 +49,55 @@ def test_every_number_lies_in_its_ball(scene):
     found = list(deviations(scene, 120))
     assert max(found) <= 0.0
     assert max(found[len(found) // 2 :]) > -60.0
+
+
+EDGES = (Segment(3, 5, 4, 9), Segment(11, 4, 14, "11/2", r="1/4"), Segment(13, 14, "33/2", "29/2"))
+
+
+def among_edges(kind):
+    """A gas of four in a box, among what is fixed: segments, thick ones, solids, circles."""
+    plain = catalogue.build("gas:n=4,seed=3").with_changes(until=None, events=None)
+    size = max(float(wall.x0) for wall in plain.walls)
+    taken = [(float(c.x), float(c.y)) for c in plain.circles]
+    places = [(x / 4, y / 4) for x in range(8, int(4 * size) - 8) for y in range(8, int(4 * size) - 8)]
+    free = [(x, y) for x, y in places if all(abs(x - a) + abs(y - b) > 3.5 for a, b in taken)]
+    x, y = (Quantity.of(round(4 * value)) / 4 for value in free[len(free) // 2])
+    things = {
+        "segment": {"segments": [Segment(x, y, x + "3/4", y + "1/3")]},
+        "thick": {"segments": [Segment(x, y, x + "1/2", y, r="1/5")]},
+        "solid": {"polygons": [Polygon([(x, y), (x + "3/4", y), (x + "1/3", y + "1/2")])]},
+        "circle": {"circles": [*plain.circles, Circle(x, y, r="1/3", m="oo", id="peg")]},
+    }
+    return plain.with_changes(**things[kind])
+
+
+@pytest.mark.parametrize("kind", ["segment", "thick", "solid", "circle"])
+def test_every_number_lies_in_its_ball_among_what_is_fixed(kind):
+    """As above, and one set is carried through ends and corners, not begun anew at each."""
+    scene = among_edges(kind)
+    run = ExactEngine().run(scene, events=150)
+    ends = [step for step in run.motion.log.steps if isinstance(step, Go) and is_end(scene.surfaces, step.source)]
+    assert len(ends) > 8
+    assert max(deviations(scene.surfaces, 150)) <= 0.0
+
+
+def is_end(whole, source):
+    """Whether a contact is with something round that is fixed."""
+    return isinstance(source, Pair) and any(whole.circles[k].fixed for k in source)
+
+
+def test_among_edges_bits_go_as_fast_too():
+    """Ten discs among three segments."""
+    scene = catalogue.build("gas:n=10,seed=1").with_changes(until=None, events=None, segments=EDGES)
+    events = 900
+    run = ExactEngine().run(scene, events=events)
+    with ball.precision(3000):
+        state = CentredState(scene.surfaces)
+        for step in run.motion.log.steps:
+            state.do(step)
+        radii = [float(body.flight.x.rad().log()) / log(2) for k, body in state.bodies.items() if k < 10]
+    growth = error_growth(run, events) * events
+    assert growth < 3000 + max(radii) < 1.1 * growth + 0.05 * events
 
 
 @pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
