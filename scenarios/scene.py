@@ -422,21 +422,12 @@ class Scene:
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
-        table = html_table(f"{self.name}: {self.made_of}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
+        table = html_table(f"{self.name}: {made_of(self)}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
         return shown(table, self, lambda: scene_picture(self, standalone=True), f"{self.name} at time 0")
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""
-        return f"{self.name}: {self.made_of}"
-
-    @property
-    def made_of(self) -> str:
-        """Of how many things it is made: "10 circles, 4 walls"."""
-        kinds = (
-            *(("circle", self.circles), ("wall", self.walls), ("segment", self.segments)),
-            *(("polygon", self.polygons), ("arc", self.arcs), ("pocket", self.pockets)),
-        )
-        return ", ".join(f"{len(things):,} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things)
+        return f"{self.name}: {made_of(self)}"
 
     @property
     def digest(self) -> str:
@@ -447,6 +438,19 @@ class Scene:
         told = {"name", "description", "source", "until", "events"}
         data = {key: value for key, value in self.data().items() if key not in told}
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def made_of(scene: Scene) -> str:
+    """Of how many things a scene is made.
+
+    >>> made_of(Scene([Circle(0, 0)], [Wall(0, -2, 1, -2), Wall(0, 2, 1, 2)]))
+    '1 circle, 2 walls'
+    """
+    kinds = (
+        *(("circle", scene.circles), ("wall", scene.walls), ("segment", scene.segments)),
+        *(("polygon", scene.polygons), ("arc", scene.arcs), ("pocket", scene.pockets)),
+    )
+    return ", ".join(f"{len(things):,} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things)
 
 
 Thing = TypeVar("Thing", Circle, Wall, Pocket, Segment, Polygon, Arc)

@@ -132,9 +132,9 @@ class Horizon:
         engine: as it was asked for.
         model: what its declarations say of its error.
         unit: log2 of its unit of error: of its last bit, or of its time step.
-        expected: half of all engines in such a place have left the history by then.
+        expected: half of all engines in such a place have diverged by then.
         low, high: the band; it is to hold nine in ten of the departures.
-        by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that is not told from zero.
+        by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that may be zero.
         seen: what happened; None if the engine was not run, or could not be.
     """
 

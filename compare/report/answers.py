@@ -18,11 +18,14 @@ from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
 from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
+    CALM_BITS,
+    CHAOS_BITS,
     about,
     account_rows,
     all_of,
     counted,
     ending_phrase,
+    growth_phrase,
     head_phrase,
     headline,
     listed,
@@ -54,9 +57,6 @@ MOST_OUTCOMES = 3
 
 ALIKE = (0.75, 1.5)
 """Ratios of times, each measured once, between which they are called the same."""
-
-CHAOS_BITS, CALM_BITS = 10.0, 3.0
-"""Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def answers(comparison: Comparison, candidate: Candidate | None = None, foreseen
     return Answers(
         chosen.engine,
         where(comparison, chosen),
-        why(comparison, chosen),
+        why(comparison, chosen, foreseen),
         so_what(comparison, chosen),
         what_now(comparison, chosen, foreseen),
         command(comparison, chosen),
@@ -224,8 +224,12 @@ def _times(*times: float | None) -> list[str]:
 # -- Why.
 
 
-def why(comparison: Comparison, candidate: Candidate) -> str:
-    """The largest shares of the account in words; for an engine that does not keep the law, what it does instead."""
+def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None = None) -> str:
+    """The largest shares of the account in words; for an engine that does not keep the law, what it does instead.
+
+    Args:
+        foreseen: with it also whether errors grow, of an engine that agrees, or where no margin is known.
+    """
     name, found = candidate.engine, candidate.diagnosis
     if candidate.unable:
         return f"{_capital(candidate.trajectory.stop.message)}."
@@ -237,13 +241,18 @@ def why(comparison: Comparison, candidate: Candidate) -> str:
         if candidate.verdict == "agree":
             if candidate.laws is None or candidate.laws.kept is None:
                 law = "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
-                return f"Every error of {name} stays too small to change an event.{law}"
-            return f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
+                small = f"Every error of {name} stays too small to change an event.{law}"
+            else:
+                small = f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
+            return " ".join(filter(None, [small, growth_phrase(comparison, candidate, foreseen)]))
+        if candidate.verdict == "diverged":
+            return " ".join(filter(None, ["Not looked into.", growth_phrase(comparison, candidate, foreseen)]))
         message = f"{_capital(candidate.trajectory.stop.message)}."
         return message if _at_its_end(candidate) else f"Not looked into. {message}"
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
-    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), _growth_words(candidate)]))
+    grown = _growth_words(candidate) or growth_phrase(comparison, candidate, foreseen)
+    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), grown]))
 
 
 def _share_words(candidate: Candidate) -> str:
@@ -607,8 +616,7 @@ COARSER = "single"
 
 
 def measurable(comparison: Comparison) -> int:
-    """Over how many events of the reference the growth of errors can be measured: all of them, or up to where nearby
-    runs are not its image under one linear map."""
+    """Over how many events of the reference the growth of errors can be measured: those that have a tangent map."""
     reference = comparison.reference
     if motion_of(reference) is None or not reference.events:
         return 0

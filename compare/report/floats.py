@@ -79,7 +79,7 @@ def floats_csv(scene: Scene) -> str:
     _check_exported(scene)
     for key, used in (("gravity", scene.gravity is not None), ("restitution", not scene.elastic)):
         if used:
-            raise SceneError(f"{scene.name!r}: has {key}, of which rows of things do not tell; leave out --csv")
+            raise SceneError(f"{scene.name!r}: has {key}, which no row of a thing can say; leave out --csv")
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     rows: list[tuple[str, str | None, list[tuple[float, float]]]] = []

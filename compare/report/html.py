@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ...scenarios.pictures import PICTURED_CIRCLES, scene_picture
+from ...scenarios.scene import made_of
 from ..causes.diagnosis import CauseName
 from ..chaos.foreseen import foreseen
 from ..outcomes.outcome import room_of, same_outcome
@@ -369,7 +370,7 @@ def world_phrase(scene: Scene) -> str:
         f"restitution {scene.restitution.brief()}" if not scene.elastic else "",
         f"{counted(moving, 'wall')} that move{'s' * (moving == 1)}" if moving else "",
     ]
-    return "; ".join(filter(None, [scene.made_of, ", ".join(filter(None, acts))]))
+    return "; ".join(filter(None, [made_of(scene), ", ".join(filter(None, acts))]))
 
 
 def _warnings(comparison: Comparison) -> list[str]:

@@ -124,10 +124,11 @@ class TextTable:
 
     def styled(self, width: int, rule: str = "─") -> list[Line]:
         """The table in lines of pieces with their styles."""
-        if width < self.least():
+        folded = width < self.least()
+        if width < self.least(folded=True):
             return self._listed(width)
         wide = [max(size(line) for cell in column for line in cell.split("\n")) for column in self._columns()]
-        least, room = self._least(), width - 2 - BETWEEN * (len(wide) - 1)
+        least, room = self._least(folded), width - 2 - BETWEEN * (len(wide) - 1)
         level = max(wide)
         while sum(sizes := [min(n, max(m, level)) for n, m in zip(wide, least, strict=True)]) > room:
             level -= 1
@@ -152,21 +153,24 @@ class TextTable:
                 line += [(room, ""), (text, cell.style)] if heading in self.right else [(text, cell.style), (room, "")]
         return lines
 
-    def least(self) -> int:
+    def least(self, *, folded: bool = False) -> int:
         """Fewest columns in which it can be read as a table.
+
+        Args:
+            folded: with headings that take a line a word, but no other word in parts.
 
         >>> table = grid("engine", "position error", whole=("engine",))
         >>> table.add_row("interval:bits=100", "4.44e-16")
         >>> table.least()
         30
         """
-        return 2 + BETWEEN * (len(self.headings) - 1) + sum(self._least())
+        return 2 + BETWEEN * (len(self.headings) - 1) + sum(self._least(folded))
 
     def _columns(self) -> list[tuple[str, ...]]:
         rows = [self.headings, *(tuple(cell.text for cell in cells) for cells, _ in self.rows)]
         return list(zip(*rows, strict=True))
 
-    def _least(self) -> list[int]:
+    def _least(self, folded: bool) -> list[int]:
         """Columns that each column takes at least: its lines, its words, or the parts of its words."""
         found = []
         for heading, cells in zip(self.headings, self._columns(), strict=True):
@@ -174,7 +178,9 @@ class TextTable:
             words = [word for line in lines for word in line.split()]
             parts = max((size(part) for word in words for part in JOINT.split(word)), default=1)
             longest = max(map(size, words), default=1)
-            found.append(max(map(size, lines)) if heading in self.whole else max(min(longest, NARROWEST), parts))
+            whole = [*heading.split(), *lines[heading.count("\n") + 1 :]] if folded else lines
+            least = longest if folded else max(min(longest, NARROWEST), parts)
+            found.append(max(map(size, whole)) if heading in self.whole else least)
         return found
 
     def _listed(self, width: int) -> list[Line]:

@@ -13,16 +13,22 @@ from ..causes.diagnosis import NO_CAUSE
 from ..files.amounts import counted
 from ..foreign.recording import RECORD_ENDS
 from ..outcomes.permitted import PatternRelation
+from ..tangent.growth import error_growth
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
+    from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
 
 
 LONGEST_LIMIT = 48
 """Characters of a reason to stop with a time limit that is read at a glance."""
+
+
+CHAOS_BITS, CALM_BITS = 10.0, 3.0
+"""Bits by which errors have grown at a divergence from which on it is called chaos, and below which a close call."""
 
 
 def verdict_sentence(comparison: Comparison) -> str:
@@ -320,6 +326,30 @@ def ending_phrase(run: Trajectory) -> str:
     'it ends there: infinitely many collisions in finite time: ball and floor by 19'
     """
     return f"it ends there: {run.stop.message}" if run.stop.reason in AT_AN_END else ""
+
+
+def _by_flight(time: float) -> float:
+    """Bits by which a displacement of a velocity grows into one of a place in free flight: that is no chaos."""
+    return math.log2(max(1.0, time)) if math.isfinite(time) else 0.0
+
+
+def growth_phrase(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None) -> str:
+    """How errors can grow to the end, or to a divergence without a margin, in the direction that grows most."""
+    reference, parted = comparison.reference, candidate.alignment.divergence
+    if foreseen is None or (parted is None and foreseen.reason):
+        return ""
+    events = foreseen.events if parted is None else parted.expected_event
+    growth = error_growth(reference, events) if events <= foreseen.events else None
+    if growth is None:
+        return ""
+    bits, last = growth * events, float(reference.events[events - 1].time)
+    if bits - _by_flight(last) >= CHAOS_BITS:
+        longer = parted is None and reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON)
+        beyond = "; a longer run may diverge" if longer else ""
+        return f"Errors can grow by {growth:.3g} bits an event, which is chaos{beyond}."
+    if bits - _by_flight(last) < CALM_BITS:
+        return "It is not chaos: errors hardly grow on the way."
+    return f"Errors can grow by {bits:.2g} bits on the way."
 
 
 def ended_phrase(run: Trajectory) -> str:

@@ -84,19 +84,18 @@ def moving_picture(name: str) -> str:
     motion, view = shown["runs"][0], View(*shown["view"], across=320.0, up=220.0)
     gravity, end = shown.get("gravity", [0.0, 0.0]), motion["end"]
     flights: dict[int, list[list[float]]] = {}
+    pieces = BENDS if any(gravity) else 1
     for k, body, *state in motion["knots"]:
         flights.setdefault(int(body), []).append([motion["times"][int(k)], *state])
     rules, bodies = list[str](), list[str]()
     for body, circle in enumerate(scene.circles):
-        rows, steps = flights[body], []
-        for (time, x, y, vx, vy), (after, *_) in pairwise([*rows, [end]]):
-            for since in ((after - time) * k / BENDS for k in range(BENDS)) if any(gravity) else (0.0,):
+        rows, steps = flights[body], list[tuple[float, str]]()
+        for left, ((time, x, y, vx, vy), (after, *_)) in enumerate(pairwise([*rows, [end]]), start=1 - len(rows)):
+            for k in range(pieces + (not left)):  # the last flight with its end
+                since = (after - time) * k / pieces
                 bent = [gravity[0] * since**2 / 2, gravity[1] * since**2 / 2]
                 place = f"{view.x(x + vx * since + bent[0]):.1f}px,{view.y(y + vy * since + bent[1]):.1f}px"
                 steps.append((time + since, place))
-        time, x, y, vx, vy = rows[-1]
-        since = end - time
-        steps.append((end, f"{view.x(x + vx * since):.1f}px,{view.y(y + vy * since):.1f}px"))
         kind, radius = "fixed" if circle.fixed else "circle", max(float(circle.r) * view.scale, 2.0)
         moves = len({place for _, place in steps}) > 1
         if moves:

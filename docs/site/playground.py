@@ -21,6 +21,7 @@ import tempfile
 import webbrowser
 import zipfile
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -250,7 +251,8 @@ def main() -> int:
             print(f"http://127.0.0.1:{server.server_port}/ (Ctrl-C ends it)", flush=True)
             if asked.open:
                 webbrowser.open(f"http://127.0.0.1:{server.server_port}/")
-            server.serve_forever()
+            with suppress(KeyboardInterrupt):
+                server.serve_forever()
     return 0
 
 

@@ -39,10 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--discs", type=int, action="append", metavar="N", help="only gases of N discs")
     parser.add_argument("--engine", action="append", metavar="E", help="only this engine")
     options = parser.parse_args(arguments)
-    print(
-        "| discs | engine | left the history at event | shadowed over all | least carried | median distance "
-        "| blocked by |"
-    )
+    print("| discs | engine | diverges at event | shadowed over all | least carried | median distance | blocked by |")
     print("|---|---|---|---|---|---|---|")
     for n in options.discs or DISCS:
         for engine in options.engine or ENGINES:

@@ -299,7 +299,7 @@ def test_what_is_written_for_other_programs_has_gravity_and_restitution_or_is_re
     told = floats_json(GRIDS[0])
     assert (told["gravity"], told["restitution"]) == ([0.0, -10.0], 0.5)
     for scene, key in ((GRIDS[1], "gravity"), (GRIDS[0].with_changes(gravity=None), "restitution")):
-        with pytest.raises(SceneError, match=f"has {key}, of which rows of things do not tell"):
+        with pytest.raises(SceneError, match=f"has {key}, which no row of a thing can say"):
             floats_csv(scene)
 
 

@@ -1,5 +1,5 @@
 // The scene in the address of the page: short rows, compressed, in letters that any program passes on.
-import { KINDS, checked } from "./scene.js";
+import { KINDS, checked, stands } from "./scene.js";
 
 const MOST_ADDRESS = 60_000; // letters of an address that are read
 const MOST_UNPACKED = 400_000; // bytes that they may stand for
@@ -9,7 +9,8 @@ const DEFAULTS = { tie_policy: "simultaneous", restitution: "1" };
 export async function packed(scene) {
   const rows = { n: scene.name };
   for (const [kind, { keys, letter }] of Object.entries(KINDS)) {
-    if (scene[kind].length) rows[letter] = scene[kind].map((thing) => [thing.id, ...keys.map((key) => thing[key]), ...(thing.point ? [1] : thing.full ? [2] : [])]);
+    const own = (thing) => (kind === "wall" && stands(thing) ? keys.slice(0, 4) : keys);
+    if (scene[kind].length) rows[letter] = scene[kind].map((thing) => [thing.id, ...own(thing).map((key) => thing[key]), ...(thing.point ? [1] : thing.full ? [2] : [])]);
   }
   for (const key of OTHERS) if (scene[key] !== undefined && scene[key] !== DEFAULTS[key]) rows[key] = scene[key];
   const bytes = await through(new Blob([JSON.stringify(rows)]).stream().pipeThrough(new CompressionStream("deflate-raw")), Infinity);

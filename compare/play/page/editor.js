@@ -75,7 +75,13 @@ export class Editor {
   handles() {
     const [thing, kind] = [this.model.thing(), this.model.chosen?.[0]];
     if (!thing) return [];
-    if (kind === "wall" || kind === "segment") return [["start", value(thing.x0), value(thing.y0)], ["end", value(thing.x1), value(thing.y1)]];
+    if (kind === "wall" || kind === "segment") {
+      const ends = [["start", value(thing.x0), value(thing.y0)], ["end", value(thing.x1), value(thing.y1)]];
+      if (kind === "segment") return ends;
+      const [x, y, vx, vy] = going(thing);
+      const rest = vx === 0 && vy === 0 ? ARROW * this.pixel : 0;
+      return [...ends, ["throw", x + vx + rest * Math.SQRT1_2, y + vy + rest * Math.SQRT1_2]];
+    }
     if (kind === "polygon") return outline(thing).map(([x, y], k) => [k, x, y]);
     const [x, y, r] = [value(thing.x), value(thing.y), value(thing.r)];
     if (kind === "arc" && !thing.full) return [["start", ...onBow(bow(thing), 0)], ["end", ...onBow(bow(thing), 1)], ["size", ...onBow(bow(thing), 1 / 2)]];
@@ -156,7 +162,10 @@ export class Editor {
     else if (part === "place") put(ends);
     else if (part === "start") put({ x0: x, y0: y });
     else if (part === "end") put({ x1: x, y1: y });
-    else if (part === "throw") put({ vx: x - value(thing.x), vy: y - value(thing.y) });
+    else if (part === "throw") {
+      const [u, v] = "x0" in thing ? going(thing) : [value(thing.x), value(thing.y)];
+      put({ vx: x - u, vy: y - v });
+    }
     else if (part === "size") put({ r: Math.max(Math.hypot(x - value(thing.x), y - value(thing.y)), 2 * this.pixel) });
     else if (part === "cue") put({ vx: value(thing.x) - x, vy: value(thing.y) - y });
     this.model.tell("drag");
@@ -252,7 +261,7 @@ export class Editor {
     const style = getComputedStyle(document.documentElement);
     const colour = (name) => style.getPropertyValue(name).trim();
     const look = { frame: colour("--frame"), line: colour("--line"), soft: colour("--soft"), text: colour("--text"), colour: colour("--reference"), dash: [], marked: null, ghost: null };
-    const { circle } = this.model.scene;
+    const { circle, wall } = this.model.scene;
     this.pane.data = this.data();
     const [kind, k] = this.model.chosen ?? [];
     if (kind === "circle") look.marked = { bodies: [k], walls: [] };
@@ -263,6 +272,7 @@ export class Editor {
     pen.lineWidth = 1.6;
     pen.strokeStyle = pen.fillStyle = look.text;
     for (const c of circle) this.arrow(value(c.x), value(c.y), value(c.vx), value(c.vy));
+    for (const w of wall) this.arrow(...going(w));
     if (this.held?.part === "cue") this.line(this.pointer[0], this.pointer[1], value(circle[k].x), value(circle[k].y), [8, 4]);
     pen.strokeStyle = pen.fillStyle = look.colour;
     if (this.corners) {
@@ -324,6 +334,12 @@ export class Editor {
     const thing = this.model.thing();
     return thing ? described(this.model.chosen[0], thing) : "";
   }
+}
+
+// The middle of the two points of a wall, and its velocity.
+function going(wall) {
+  const [x0, y0, x1, y1, vx, vy] = ["x0", "y0", "x1", "y1", "vx", "vy"].map((key) => value(wall[key]));
+  return [(x0 + x1) / 2, (y0 + y1) / 2, vx, vy];
 }
 
 // How far a point is from the line of a wall or a segment.

@@ -168,7 +168,7 @@ for (const kind of ["wall", "segment"]) {
     const [left, bottom, width, height] = editor.view;
     const at = (share, from, size) => rounded(from + share * size, editor.pixel);
     const y = kind === "wall" ? at(0.04, bottom, height) : editor.free(RADIUS())[1];
-    model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : {}) });
+    model.add(kind, { x0: at(0.4, left, width), y0: y, x1: at(0.6, left, width), y1: y, ...(kind === "segment" ? { r: "0" } : { vx: "0", vy: "0" }) });
   });
 }
 // Open below, with its ends beside each other; or all round what is there.
@@ -309,7 +309,7 @@ function tell(last) {
   say(verdict, last.verdict);
   const proved = last.exact.proved ? "every decision proved" : "not every decision proved";
   const cut = last.cut.length ? ` Left out, as the seconds were over: ${last.cut.join(", ")}.` : "";
-  say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} events, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
+  say($("exactness"), `Exact: ${last.exact.events.toLocaleString("en")} event${last.exact.events === 1 ? "" : "s"}, ${proved}; ${last.exact.stop}. All of it took ${last.seconds.toFixed(2)} s.${cut}`);
   say($("home"), last.turned ? home(last) : "");
   $("after").hidden = false;
   $("checked").hidden = true;

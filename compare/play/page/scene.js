@@ -1,7 +1,7 @@
 // The scene as it is edited: numbers as exact text, every change kept for undo.
 export const KINDS = {
   circle: { keys: ["x", "y", "r", "vx", "vy", "m"], letter: "c", name: "disc" },
-  wall: { keys: ["x0", "y0", "x1", "y1"], letter: "w", name: "wall" },
+  wall: { keys: ["x0", "y0", "x1", "y1", "vx", "vy"], letter: "w", name: "wall" },
   segment: { keys: ["x0", "y0", "x1", "y1", "r"], letter: "s", name: "segment" },
   polygon: { keys: ["points", "r"], letter: "g", name: "polygon" },
   arc: { keys: ["x", "y", "r", "x0", "y0", "x1", "y1"], letter: "a", name: "arc" },
@@ -119,11 +119,14 @@ function text(found, where, most = MOST_LETTERS) {
   return told;
 }
 
+export const stands = (wall) => wall.vx === "0" && wall.vy === "0";
+
 // The scene as a file has it: no empty lists, and no thickness where there is none.
 export function plain(scene) {
   const told = structuredClone(scene);
   for (const kind of ["wall", "segment", "polygon", "arc", "pocket"]) if (!told[kind].length) delete told[kind];
   for (const thing of [...(told.segment ?? []), ...(told.polygon ?? [])]) if (thing.r === "0") delete thing.r;
+  for (const thing of told.wall ?? []) if (stands(thing)) delete thing.vx, delete thing.vy;
   if (told.restitution === "1") delete told.restitution;
   if (told.gravity?.every((part) => part === "0")) delete told.gravity;
   return told;

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import gzip
 import json
 import shutil
+import signal
 import subprocess
 import sys
 import threading
+import urllib.request
 from collections.abc import Iterator
 from http.server import ThreadingHTTPServer
 from pathlib import Path
@@ -23,7 +26,7 @@ from truebreak.scenarios import catalogue
 ROOT = Path(__file__).resolve().parent.parent.parent.parent
 sys.path.append(str(ROOT / "docs" / "site"))
 
-from playground import DIGESTS, NotToBeHad, bare, served, write_playground  # noqa: E402
+from playground import DIGESTS, NUMBERS, NotToBeHad, bare, served, sources, write_playground  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -98,6 +101,32 @@ def test_it_is_small(site: Path) -> None:
     assert sum(packed.values()) < 15_000_000
     own = sum(size for name, size in packed.items() if name not in DIGESTS and name != "flint.zip")
     assert own < 500_000
+
+
+def test_the_kinds_of_numbers_that_are_loaded_are_those_that_are_taken() -> None:
+    """Of python-flint: a name that a module imports and the page's copy does not hand on would fail in the browser."""
+    taken = {
+        name.name
+        for source in sources().values()
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.ImportFrom) and node.module == "flint"
+        for name in node.names
+    }
+    assert taken == set(NUMBERS)
+
+
+def test_it_is_served_until_ctrl_c(site: Path, tmp_path: Path) -> None:
+    """`make play`: prints where it is, answers there, and ends without a word."""
+    script, command = ROOT / "docs" / "site" / "playground.py", [str(tmp_path / "play"), "--serve"]
+    with subprocess.Popen(
+        [sys.executable, str(script), *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as run:
+        assert run.stdout is not None and run.stderr is not None
+        assert b" files, " in run.stdout.readline()
+        address = run.stdout.readline().decode().split()[0]
+        assert urllib.request.urlopen(f"{address}worker.js").headers["Content-Type"] == "text/javascript"
+        run.send_signal(signal.SIGINT)
+        assert (run.wait(), run.stderr.read()) == (0, b"")
 
 
 def test_a_part_that_is_another_is_refused(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

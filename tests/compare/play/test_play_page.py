@@ -19,6 +19,7 @@ from truebreak.compare.play.play_server import PlayServer
 from truebreak.compare.report.answers import answers, verdict_line
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Arc, Circle, Polygon, Scene, Segment, Wall, catalogue
+from truebreak.scenarios.files import loads_toml
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -122,6 +123,37 @@ def test_a_wall_is_dragged_by_its_end(page: PagePlayed) -> None:
     wall = page.thing("left")
     assert (wall["x0"], wall["y0"]) == ("-9", "0")
     assert float(wall["x1"]) == pytest.approx(-8, abs=0.1) and float(wall["y1"]) == pytest.approx(2, abs=0.1)
+
+
+def test_a_wall_is_thrown_and_runs_as_it_moves(page: PagePlayed) -> None:
+    """By the end of its arrow, by keys, and in numbers; a link keeps it, and one that stands takes no more letters."""
+    disc, still, right = (
+        ["a", "0", "0", "1", "1", "0", "1"],
+        ["left", "-6", "-3", "-6", "3"],
+        ["piston", "6", "-3", "6", "3"],
+    )
+    page.open(packed({"n": "x", "events": 6, "c": [disc], "w": [still, right]}))
+    room = 0.12 * 12 + 1e-9
+    shown = -6 - room, -1 - room, 12 + 2 * room, 2 + 2 * room
+    assert page.thing("piston") == {"x0": "6", "y0": "-3", "x1": "6", "y1": "3", "vx": "0", "vy": "0"}
+    page.browser.ask(
+        "[...document.querySelectorAll('#fields input')].forEach((e) => { if (e.name === 'vx') { e.value = '-2'; "
+        "e.dispatchEvent(new Event('change', {bubbles: true})); } })"
+    )
+    page.drag(page.place(4, 0, shown), page.place(5, 0, shown))  # the end of its arrow, from two to one
+    moved = opened(page)["w"][1]
+    assert moved[:5] == right and moved[6] == "0"
+    assert float(moved[5]) == pytest.approx(-1, abs=0.1)
+    assert opened(page)["w"][0] == still
+    piston = Wall(6, -3, 6, 3, vx=moved[5], id="piston")
+    scene = Scene([Circle(0, 0, 1, 1, 0, id="a")], [Wall(-6, -3, -6, 3, id="left"), piston], name="x")
+    verdict = page.run()
+    assert verdict == verdict_line(compare(scene, ["double"], events=6))
+    true = ExactEngine().run(scene, events=6)
+    assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.events]
+    page.press("copy-toml")
+    assert loads_toml(page.says("copied-text", "piston")).digest == scene.digest
+    assert page.browser.messages == []
 
 
 def test_a_finger_drags_as_a_mouse_does(page: PagePlayed) -> None:
@@ -593,6 +625,23 @@ def test_arcs_are_drawn_dragged_and_run(page: PagePlayed) -> None:
     assert page.browser.ask("data.runs[0].events.map((e) => e[1])") == [float(e.time) for e in true.events]
     assert len(page.browser.ask("data.arcs")) == 2
     assert page.browser.messages == []
+
+
+def test_a_part_of_an_arc_is_sized_by_its_middle(page: PagePlayed) -> None:
+    """Its ends stay where they are seen from its centre, and what is run is what is drawn."""
+    disc, half = ["a", "0", "0", "1/2", "0", "1", "1"], ["bow", "0", "0", "3", "3", "0", "-3", "0"]
+    ring = ["ring", "0", "0", "6", None, None, None, None, 2]
+    page.open(packed({"n": "x", "events": 3, "c": [disc], "a": [ring, half]}))
+    room = 0.12 * 12 + 1e-9
+    shown = -6 - room, -6 - room, 12 + 2 * room, 12 + 2 * room
+    page.thing("bow")
+    page.drag(page.place(0, 3, shown), page.place(0, 4, shown))
+    sized = opened(page)["a"][1]
+    assert float(sized[3]) == pytest.approx(4, abs=0.1)
+    assert [*sized[:3], *sized[4:]] == [*half[:3], *half[4:]]
+    page.run()
+    first = page.browser.ask("data.runs[0].events[0][1]")
+    assert first == pytest.approx(float(sized[3]) - 0.5)  # straight up at speed 1, from the centre to the bow
 
 
 def test_an_arc_and_a_ring_are_added_and_a_stadium_is_picked(page: PagePlayed) -> None:

@@ -257,6 +257,21 @@ def test_growth_is_measured_only_where_it_can_be() -> None:
         )
 
 
+@pytest.mark.parametrize(
+    ("name", "engine", "said"),
+    [
+        ("drop-pair", "double", "an event, which is chaos; a longer run may diverge."),  # agrees
+        ("drop-pair", "pymunk", "an event, which is chaos."),  # diverges, of a cause that is not looked for
+        ("galperin", "double", "an event, which is chaos."),  # agrees; nothing comes after it
+        ("wedge", "double", "It is not chaos: errors hardly grow on the way."),  # free flight alone gains 7 bits
+        ("ghost", "double", "stay too small to change an event."),  # a graze: no tangent map
+    ],
+)
+def test_whether_errors_grow_is_said_on_a_page_without_an_account(name: str, engine: str, said: str) -> None:
+    found = compare(catalogue.build(name), [engine], causes=False)
+    assert answers(found, foreseen=foreseen(found)).why.endswith(said)
+
+
 def test_one_event_is_one() -> None:
     found = answers(compare(catalogue.build("ghost"), ["double"]))
     assert found.where == "Nowhere: double has the one event of the exact run."

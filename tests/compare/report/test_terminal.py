@@ -11,7 +11,7 @@ from pages import comparison, page
 from truebreak.compare import compare
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.cli import main
-from truebreak.compare.report.output import PLAIN_WIDTH, columns, console
+from truebreak.compare.report.output import PLAIN_WIDTH, columns, console, grid
 from truebreak.compare.report.sentences import about, margin_phrase, short
 from truebreak.compare.report.terminal import print_comparison
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
@@ -84,6 +84,16 @@ def test_the_report_is_twelve_lines_and_the_rest_comes_when_asked_for(
     whole = printed("gas", capsys, verbose=True)
     assert "kind of error" in whole
     assert "kind of error" not in "\n".join(lines)
+
+
+def test_headings_give_way_before_a_table_becomes_a_list() -> None:
+    """A list takes a line a cell: of four engines two dozen. No word is parted for it."""
+    table = grid("engine", "differs at", "position error", whole=("differs at", "position error"), close=True)
+    table.add_row("double", "event 19", "4.07e-11")
+    assert table.lines(40)[0].split() == ["engine", "differs", "at", "position", "error"]
+    assert [line.split() for line in table.lines(31)[:2]] == [["differs", "position"], ["engine", "at", "error"]]
+    assert table.lines(31)[-1].split() == ["double", "event", "19", "4.07e-11"]
+    assert table.lines(29)[1].split() == ["engine", "double"]
 
 
 def test_who_agrees_gets_the_verdict_and_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
