@@ -125,11 +125,11 @@ class Scene:
             restitution=restitution,
             gravity=gravity,
         )
-        self._check_things()
-        self._check_kinds()
+        _check_things(self)
+        _check_kinds(self)
         touching = check_apart(self.circles, self.walls)
         if self.moving_walls:
-            self._check_moving()
+            _check_moving(self)
         if self.segments or self.polygons or self.arcs:
             from .surfaces import check_surfaces
 
@@ -187,51 +187,7 @@ class Scene:
                 f"restitution = {self.restitution.brief()}: cannot be turned back, as energy is lost; leave {key} out"
             )
         if self.gravity is not None:
-            self._check_falling()
-
-    def _check_falling(self) -> None:
-        """Refuses what is met under gravity in ways that are not there yet."""
-        fixed = next((circle for circle in self.circles if circle.fixed), None)
-        if self.reverse_after is not None or self.reverse_at is not None:
-            key = "reverse_at" if self.reverse_after is None else "reverse_after"
-            found = "" if fixed is None else f"circle {fixed.id!r} is fixed"
-            for kind, things in (("segment", self.segments), ("polygon", self.polygons)):
-                found = found or (f"{kind} {things[0].id!r} is there" if things else "")
-            if found:
-                raise SceneError(f"gravity: {found}, and no run is turned back there; leave {key} out")
-        for kind, things in (("pocket", self.pockets), ("arc", self.arcs)):
-            if things:
-                raise SceneError(
-                    f"gravity: {kind} {things[0].id!r} is there; under gravity there are walls, circles, segments and "
-                    "polygons, and nothing else yet: leave the one or the other out"
-                )
-
-    def _check_kinds(self) -> None:
-        """Refuses what walls of other kinds are not known to be right with."""
-        hindrances = {
-            "gravity": self.gravity is not None,
-            "reverse_after": self.reverse_after is not None,
-            "reverse_at": self.reverse_at is not None,
-            "walls that move": self.moving_walls,
-        }
-        found = next((name for name, there in hindrances.items() if there), None)
-        if self.other_walls and found:
-            wall = self.other_walls[0]
-            raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave one of them out")
-
-    def _check_moving(self) -> None:
-        """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
-        wall = next(wall for wall in self.walls if wall.moves)
-        if self.reverse_after is not None or self.reverse_at is not None:
-            key = "reverse_at" if self.reverse_after is None else "reverse_after"
-            raise SceneError(f"wall {wall.id!r}: moves: cannot be turned back, as walls go on; leave {key} out")
-        for crushed in self.closing:
-            if crushed.time.sign() == 0:
-                one, other = (self.ids[len(self.circles) + k] for k in crushed.walls)
-                raise SceneError(
-                    f"circle {self.ids[crushed.circle]!r}: walls {one!r} and {other!r} touch it and close at time 0; "
-                    "move them apart"
-                )
+            _check_falling(self)
 
     @kept
     def moving_walls(self) -> bool:
@@ -251,17 +207,6 @@ class Scene:
         from .neighbours import closing_of
 
         return closing_of(self.circles, self.walls[: self.faces.start])
-
-    def _check_things(self) -> None:
-        if not self.circles:
-            raise SceneError("the scene has no circle; add at least one circle")
-        if len(self.circles) > MAX_CIRCLES:
-            raise SceneError(f"the scene has {len(self.circles)} circles; at most {MAX_CIRCLES}")
-        seen: set[str | None] = set()
-        for thing in (*self.circles, *self.walls, *self.pockets, *self.segments, *self.polygons, *self.arcs):
-            if thing.id in seen:
-                raise SceneError(f"id {thing.id!r} is used twice; give everything an id of its own")
-            seen.add(thing.id)
 
     @kept
     def _hash(self) -> int:
@@ -359,9 +304,9 @@ class Scene:
         for name in ("_hash", "surfaces", "pegs"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
-        twin._check_kinds()
+        _check_kinds(twin)
         if twin.moving_walls:
-            twin._check_moving()
+            _check_moving(twin)
         return twin
 
     def data(self) -> dict[str, Any]:
@@ -472,3 +417,65 @@ def _texts(thing: Any, keys: tuple[str, ...]) -> dict[str, Any]:
         value = getattr(thing, key)
         row[key] = value if isinstance(value, str) else value.text()
     return row
+
+
+# -- what is refused
+
+
+def _check_falling(scene: Scene) -> None:
+    """Refuses what is met under gravity in ways that are not there yet."""
+    fixed = next((circle for circle in scene.circles if circle.fixed), None)
+    if scene.reverse_after is not None or scene.reverse_at is not None:
+        key = "reverse_at" if scene.reverse_after is None else "reverse_after"
+        found = "" if fixed is None else f"circle {fixed.id!r} is fixed"
+        for kind, things in (("segment", scene.segments), ("polygon", scene.polygons)):
+            found = found or (f"{kind} {things[0].id!r} is there" if things else "")
+        if found:
+            raise SceneError(f"gravity: {found}, and no run is turned back there; leave {key} out")
+    for kind, things in (("pocket", scene.pockets), ("arc", scene.arcs)):
+        if things:
+            raise SceneError(
+                f"gravity: {kind} {things[0].id!r} is there; under gravity there are walls, circles, segments and "
+                "polygons, and nothing else yet: leave the one or the other out"
+            )
+
+
+def _check_kinds(scene: Scene) -> None:
+    """Refuses what walls of other kinds are not known to be right with."""
+    hindrances = {
+        "gravity": scene.gravity is not None,
+        "reverse_after": scene.reverse_after is not None,
+        "reverse_at": scene.reverse_at is not None,
+        "walls that move": scene.moving_walls,
+    }
+    found = next((name for name, there in hindrances.items() if there), None)
+    if scene.other_walls and found:
+        wall = scene.other_walls[0]
+        raise SceneError(f"wall {wall.id!r}: a {wall.kind} does not go with {found}; leave one of them out")
+
+
+def _check_moving(scene: Scene) -> None:
+    """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
+    wall = next(wall for wall in scene.walls if wall.moves)
+    if scene.reverse_after is not None or scene.reverse_at is not None:
+        key = "reverse_at" if scene.reverse_after is None else "reverse_after"
+        raise SceneError(f"wall {wall.id!r}: moves: cannot be turned back, as walls go on; leave {key} out")
+    for crushed in scene.closing:
+        if crushed.time.sign() == 0:
+            one, other = (scene.ids[len(scene.circles) + k] for k in crushed.walls)
+            raise SceneError(
+                f"circle {scene.ids[crushed.circle]!r}: walls {one!r} and {other!r} touch it and close at time 0; "
+                "move them apart"
+            )
+
+
+def _check_things(scene: Scene) -> None:
+    if not scene.circles:
+        raise SceneError("the scene has no circle; add at least one circle")
+    if len(scene.circles) > MAX_CIRCLES:
+        raise SceneError(f"the scene has {len(scene.circles)} circles; at most {MAX_CIRCLES}")
+    seen: set[str | None] = set()
+    for thing in (*scene.circles, *scene.walls, *scene.pockets, *scene.segments, *scene.polygons, *scene.arcs):
+        if thing.id in seen:
+            raise SceneError(f"id {thing.id!r} is used twice; give everything an id of its own")
+        seen.add(thing.id)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
-from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
+from .fits import NEAR, BounceRatios, Drift, Fit, Sample, bounces_of, drifts, fit_of, sampled
 from .passages import Passage, passages, passes_between
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
@@ -92,6 +92,7 @@ class Audit:
         defects: of an engine of steps: each kind of defect, and how it falls with the step.
         declared: what the engine declares of its model, as far as steps make use of it, and how many do.
         phantoms: contacts whose impulse is below rounding: how many, the first one's event and approach.
+        bounces: of a scene whose restitution is below 1, the restitution that the run's bounces have.
         horizon: of a record without states: how many events of the reference its times were compared to.
     """
 
@@ -108,6 +109,7 @@ class Audit:
     declared: Mapping[str, int] = field(default_factory=dict[str, int])
     phantoms: tuple[int, int, float] | None = None
     horizon: int | None = None
+    bounces: BounceRatios | None = None
 
     @property
     def first(self) -> Violation | None:
@@ -144,7 +146,8 @@ class Audit:
         if self.kept:
             through = any(defect.kind == "tunnelling" for defect in self.defects)
             passes = "; between the ends of its steps it passes through what it should hit" if through else ""
-            return f"keeps the law in all of its {self.steps}{self._phantoms}{passes}"
+            told = "" if self.bounces is None else f"; {self.bounces}"
+            return f"keeps the law in all of its {self.steps}{self._phantoms}{passes}{told}"
         if self.kept is None:
             return f"whether it keeps the law is not determined: {self.reason}"
         total = sum(self.counts.values())
@@ -203,7 +206,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     unit = unit_of(engine, transcript)
     with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide, fall=transcript.fall)
-        return _audited(transcript, laws, run, allowances(engine, run.scene))
+        found = _audited(transcript, laws, run, allowances(engine, run.scene))
+        return found if run.scene.elastic else replace(found, bounces=bounces_of(transcript, laws))
 
 
 class _Notes:
@@ -319,6 +323,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     with ball.precision(AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input, step, transcript.fall)
         fit = fit_of(laws, measures.samples, measures.drifts, laws.scene.ids)
+        bounced = None if run.scene.elastic else bounces_of(transcript, laws)
     law = (
         fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
     )
@@ -339,6 +344,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
         kept, reason, measures.impacts, measures.flights,
         tuple(sorted(firsts.values(), key=lambda violation: violation.time)) if kept is False else (),
         dict(counts) if kept is False else {}, {}, unit, law or (fit if kept is False else None), told, declared,
+        bounces=bounced,
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,10 +14,13 @@ from ...exact.numbers import ball
 from .residuals import Laws, length_of
 
 if TYPE_CHECKING:
-    from .transcript import ReportedInstant
+    from .transcript import ReportedInstant, Transcript
 
 SPREAD = 0.01
 """Values that differ among themselves by less than this share of what they differ from the law by are one value."""
+
+SEEN = 2.0**12
+"""Units in the last place of the speeds from which on an approach shows its restitution: to a 4,000th."""
 
 NEAR = 16.0
 """How many times the rounding of a step a description may leave of it."""
@@ -158,6 +162,60 @@ def sampled(laws: Laws, instant: ReportedInstant, events: int, back: float = 0.0
             continue
         found += _sample(laws, pair, instant, events, back)
     return found
+
+
+@dataclass(frozen=True)
+class BounceRatios:
+    """The restitution that a run's bounces have: the normal speed after one over that before, as the run reports them.
+
+    Attributes:
+        asked: that of the scene.
+        mean, low, high: over all bounces.
+        count: contacts alone at their instant whose approach is more than rounding.
+    """
+
+    asked: float
+    mean: float
+    low: float
+    high: float
+    count: int
+
+    def __str__(self) -> str:
+        """In words.
+
+        >>> str(BounceRatios(0.9, 0.89, 0.875, 0.9, 12))
+        'asked for restitution 0.9, its 12 bounces have 0.89 on average, 0.875 to 0.9'
+        """
+        has = f"its {self.count:,} bounces have" if self.count > 1 else "its bounce has"
+        spread = f" on average, {self.low:.4g} to {self.high:.4g}" if self.count > 1 else ""
+        return f"asked for restitution {self.asked:.4g}, {has} {self.mean:.4g}{spread}"
+
+
+def bounces_of(transcript: Transcript, laws: Laws) -> BounceRatios | None:
+    """The restitution of a run's bounces; None where it has none. To be used at `AUDIT_BITS`."""
+    ratios: list[float] = []
+    events = 0
+    for instant in transcript.instants():
+        shared = Counter(k for pair in instant.impulses for k in pair if k < laws.count and laws.moving[k])
+        for pair in instant.impulses if not instant.turned else ():
+            if any(shared[k] > 1 for k in pair):
+                continue
+            met = laws.meeting(pair, instant, events)
+            ends = [(instant.before[k], instant.after.get(k, instant.before[k])) for k in pair if k < laws.count]
+            (a, la), (b, lb) = ends[0], ends[-1]
+            wx, wy = map(ball.constant, laws.drift(pair[1]))
+            second = [(b.vx, b.vy), (lb.vx, lb.vy)] if len(ends) > 1 else [(wx, wy), (wx, wy)]
+            before, after = (
+                float((met.nx * (vx - first.vx) + met.ny * (vy - first.vy)).mid())
+                for first, (vx, vy) in zip((a, la), second, strict=True)
+            )
+            if -before > SEEN * laws.unit * (met.speed + a.fallen):
+                ratios.append(-after / before)
+        events += len(instant.events)
+    if not ratios:
+        return None
+    mean = math.fsum(ratios) / len(ratios)
+    return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios))
 
 
 def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events: int, back: float) -> Iterable[Sample]:

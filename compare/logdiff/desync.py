@@ -107,7 +107,7 @@ class FirstPartners(TypedDict):
     lines: list[int | None]
 
 
-class GrowthRate(TypedDict):
+class DifferenceGrowth(TypedDict):
     """How fast a difference grows, in bits.
 
     Attributes:
@@ -179,7 +179,7 @@ class PairDocument(TypedDict):
     first_partners: FirstPartners | None
     first_hash: LogPlace | None
     first_input: LogPlace | None
-    growth: GrowthRate | None
+    growth: DifferenceGrowth | None
     bodies: list[BodyGrowth]
     contacts: list[int]
     alone: list[int]

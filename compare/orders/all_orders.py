@@ -137,7 +137,7 @@ class Scripted(Policy):
         return frozenset(link for link in self.asleep if link != chosen and mine.isdisjoint(link.circles))
 
 
-class Drawn(Sequential):
+class DrawnOrder(Sequential):
     """An order drawn from a seed, given up after `MOST_CHOICES` at one instant."""
 
     _choices = 0
@@ -344,7 +344,7 @@ def all_orders(
     if stack:
         had = {_impulses(outcome.trajectory) for outcome in outcomes}
         for drawn in range(seed, seed + samples):
-            trajectory = engine.run_with(scene, Drawn(drawn), until=until, events=events)
+            trajectory = engine.run_with(scene, DrawnOrder(drawn), until=until, events=events)
             sampled += 1
             if _impulses(trajectory) not in had and not (ends and known.repeated(trajectory)):
                 had.add(_impulses(trajectory))

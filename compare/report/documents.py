@@ -1,7 +1,6 @@
 """Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed.
 
-`schema.py` makes the JSON Schemas of the same table: types are those of the attributes, meanings those of the
-docstrings. A number is the nearest double, and null where it is infinite or not known.
+`schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: infinite, unknown.
 """
 
 from __future__ import annotations
@@ -56,7 +55,8 @@ FORMS = {
     "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "
     "assumptions? notes? pocketed? definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
-    "phantoms horizon",
+    "phantoms horizon bounces?",
+    "compare.audit.fits:BounceRatios": "asked mean low high count",
     "compare.audit.audit:Violation": "kind event time bodies size bound=room",
     "compare.audit.fits:Fit": "description=what kind value spread explained of",
     "compare.audit.audit:Defect": "kind size order finest step of_step",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from refuting import fallen, refute
@@ -164,6 +164,34 @@ def test_what_is_not_looked_for_is_refused_by_name() -> None:
     assert found.diagnosis is None or "restitution is 0" in found.diagnosis.finding
 
 
+class Soft(PymunkEngine):
+    """Bounces too little, and says so of what is slower than its threshold."""
+
+    allows: ClassVar[Mapping[str, float]] = {"threshold": 0.5}
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        return replace(super().run(scene.with_changes(restitution="1/10"), **limits), scene=scene)
+
+
+@pytest.mark.parametrize("slow", [True, False])
+def test_a_bounce_below_a_declared_speed_is_of_the_threshold_and_a_faster_one_breaks_the_law(slow: bool) -> None:
+    """Disc a comes back from the wall at .9 of its speed, and passes b; at .1 of it b hits it."""
+    u = "1/4" if slow else "1"
+    discs = [Circle(3, 0, vx=f"-{u}", id="a"), Circle("11/4", 7, vy=f"-{u} * 7/20", id="b")]
+    scene = Scene(discs, [Wall(0, 0, 0, 1, id="left")], restitution="9/10")
+    assert told(scene, PymunkEngine(dt=1 / 64), 6).verdict == "agree"
+    found = told(scene, Soft(dt=1 / 64), 6)
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    if slow:
+        adds_up(found)
+        shares = {row.cause.name: row for row in found.diagnosis.shares}
+        assert shares["THRESHOLD"].suffices
+        assert shares["THRESHOLD"].share == pytest.approx(1, abs=0.01)
+        assert "SOLVER" not in shares
+    assert [cause.name for cause in found.diagnosis.causes] == ["THRESHOLD" if slow else "LAW"]
+
+
 # -- the audit, where walls move
 
 
@@ -200,3 +228,31 @@ def test_an_engine_that_takes_a_wall_for_a_slower_one_is_found(steps: bool) -> N
         run = chosen.run(scene if steps else slower(scene), events=40)
         assert any("right" in pair for event in run.events for pair in event.impulses)
         assert audit_run(replace(run, scene=scene), chosen).kept is False
+
+
+# -- the restitution that bounces have
+
+
+def test_the_audit_says_the_restitution_that_bounces_have() -> None:
+    """Of doubles it is the one asked for; what pymunk's have under gravity is computed from its states, apart."""
+    scene = catalogue.build("bounce")
+    exact = audit_run(engine_named("double").run(scene, events=6), engine_named("double")).bounces
+    assert exact is not None
+    assert (exact.low, exact.high) == pytest.approx((0.9, 0.9), abs=1e-12)
+    chosen = PymunkEngine(dt=1 / 60)
+    run = chosen.run(scene, events=6)
+    found = audit_run(run, chosen).bounces
+    assert found is not None
+    ratios = [  # of the speed with which a step of g dt more brings it there, and with which it leaves
+        -float(run.after(event.index)["ball"].vy) / (float(run.at(float(event.time) - 1 / 120)["ball"].vy) - 10 / 60)
+        for event in run.events
+    ]
+    assert found.count == len(ratios)
+    assert (found.low, found.high) == pytest.approx((min(ratios), max(ratios)), rel=1e-6)
+    assert found.high < 0.899
+    assert f"; asked for restitution 0.9, its {len(ratios)} bounces have" in audit_run(run, chosen).sentence
+
+
+def test_an_elastic_scene_has_no_word_of_restitution() -> None:
+    chosen = engine_named("double")
+    assert audit_run(chosen.run(catalogue.build("wedge"), events=6), chosen).bounces is None
