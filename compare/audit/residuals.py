@@ -387,7 +387,7 @@ class Laws:
             place = math.hypot(float(xa), float(ya))
             blur = self._blurred(a, place, time, events, instant.left(i))
             turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
-            turn += self._bent_at_end(j - self.count, line, xa, ya, blur, self.things[i].radius)
+            turn += _bent_at_end(self, j - self.count, line, xa, ya, blur, self.things[i].radius)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             gap = height - self.things[i].r
@@ -429,28 +429,8 @@ class Laws:
         opening = -(nx * a.vx + ny * a.vy)
         room += self.underflown(a.speed, abs(float(opening.mid()) * wide))
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
-        turned = min(1.0, blur / near) + self._bent_beside(side, x, y, near, blur, self.things[i].radius)
+        turned = min(1.0, blur / near) + _bent_beside(self, side, x, y, near, blur, self.things[i].radius)
         return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched)
-
-    def _bent_beside(self, side: SideInBalls, x: arb, y: arb, near: float, blur: float, radius: float) -> float:
-        """As `_bent_at_end`, of an arc: how near the point of it that is met is to its ends."""
-        share = side.radius / near
-        fx, fy = float(side.x + (x - side.x) * share), float(side.y + (y - side.y) * share)
-        blur *= 1.0 + share
-        for end in side.ends:
-            circle = self.scene.circles[end]
-            if math.hypot(fx - float(circle.x), fy - float(circle.y)) <= blur:
-                return min(1.0, blur / (radius or blur))
-        return 0.0
-
-    def _bent_at_end(self, wall: int, line: WallInBalls, x: arb, y: arb, blur: float, radius: float) -> float:
-        """By what angle the normal may turn where rounding may make of a face the end beside it; 0 elsewhere."""
-        if wall not in self.scene.faces:
-            return 0.0
-        foot = float(line.nx * (y - line.y) - line.ny * (x - line.x))
-        beside = min(abs(foot), abs(line.length - foot))
-        blur += ROOT_UNITS * self.unit * (line.size + radius)
-        return min(1.0, blur / ((radius + line.thick) or blur)) if beside <= blur else 0.0
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -595,6 +575,28 @@ class Laws:
         wall = place - self.count
         exact = self.scene.walls[wall] if 0 <= wall < len(self.scene.walls) else None
         return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
+
+
+def _bent_beside(laws: Laws, side: SideInBalls, x: arb, y: arb, near: float, blur: float, radius: float) -> float:
+    """As `_bent_at_end`, of an arc: how near the point of it that is met is to its ends."""
+    share = side.radius / near
+    fx, fy = float(side.x + (x - side.x) * share), float(side.y + (y - side.y) * share)
+    blur *= 1.0 + share
+    for end in side.ends:
+        circle = laws.scene.circles[end]
+        if math.hypot(fx - float(circle.x), fy - float(circle.y)) <= blur:
+            return min(1.0, blur / (radius or blur))
+    return 0.0
+
+
+def _bent_at_end(laws: Laws, wall: int, line: WallInBalls, x: arb, y: arb, blur: float, radius: float) -> float:
+    """By what angle the normal may turn where rounding may make of a face the end beside it; 0 elsewhere."""
+    if wall not in laws.scene.faces:
+        return 0.0
+    foot = float(line.nx * (y - line.y) - line.ny * (x - line.x))
+    beside = min(abs(foot), abs(line.length - foot))
+    blur += ROOT_UNITS * laws.unit * (line.size + radius)
+    return min(1.0, blur / ((radius + line.thick) or blur)) if beside <= blur else 0.0
 
 
 def _unexplained(

@@ -213,14 +213,6 @@ class Continuation:
 
     # -- states
 
-    def _load(self, state: ReplayState[arb], rows: Mapping[int, Row]) -> None:
-        """Sets some circles' flights. Which clock is taken for the later does not matter to what is computed."""
-        bodies = state.bodies
-        for k, (t, x, y, vx, vy) in rows.items():
-            bodies[k].flight = Flight(x, y, vx, vy, t, t, None, 1)
-        state.steps_done = 2
-        state.instant, state.late, state.met = state.zero, None, None
-
     def _told(self, flight: OwnRow) -> Row:
         """A flight of the engine's own, in the frame that falls as the scene does that it is given."""
         return fallen(self._given.falling, flight[:5])
@@ -304,7 +296,7 @@ class Continuation:
         for link in links:
             if link.turns and turned is None:
                 raise NoContinuation("its run does not turn back")
-            mine = set(turned.events) & of.keys() if link.turns and turned is not None else self._own_events(link)
+            mine = set(turned.events) & of.keys() if link.turns and turned is not None else _own_events(self, link)
             known = {of[c] for c in mine if c in of}
             if len(known) > 1:
                 raise NoContinuation("it takes several instants as one, in another order")
@@ -315,17 +307,6 @@ class Continuation:
             groups[place][1].update(mine)
             of.update(dict.fromkeys(mine, place))
         return self._with_changes(groups, by_event, turned, told)
-
-    def _own_events(self, link: Link) -> set[int]:
-        """The engine's events that are matched with a component."""
-        found: set[int] = set()
-        for k in link.pushed:
-            walked = self.walks.get(str(self.scene.ids[k]))
-            mine = {c for m, c in walked.pairs if m == link.event} if walked is not None else set[int]()
-            if not mine:
-                raise NoContinuation("it does not have every contact that leads to the decision")
-            found |= mine
-        return found
 
     def _with_changes(
         self,
@@ -401,7 +382,7 @@ class Continuation:
             if link.single is not None and (here or (isinstance(first, Go) and first.source == link.single)):
                 mine.update(bounce(state, link.single, mine, here))
                 continue
-            self._load(state, mine)
+            _load(state, mine)
             for step in link.steps:
                 state.steps_done += 1
                 if isinstance(step, Go) and not here:
@@ -424,7 +405,7 @@ class Continuation:
         if not stretch.links:
             moved: Rows = {k: flown(before[k], after[k][0]) for k in stretch.bodies}
             if self._fall is not None:
-                meant: Rows = {k: self._fallen_by_steps(before[k], after[k][0], self._fall) for k in stretch.bodies}
+                meant: Rows = {k: _fallen_by_steps(before[k], after[k][0], self._fall) for k in stretch.bodies}
                 stretch.defects[INTEGRATOR] = less(meant, moved)
                 moved = meant
             left = less({k: after[k] for k in stretch.bodies}, moved)
@@ -436,7 +417,7 @@ class Continuation:
         by_steps = exact
         if self._fall is not None and stretch.at_once:
             now = after[stretch.bodies[0]][0]
-            before = {k: self._fallen_by_steps(row, now, self._fall) for k, row in before.items()}
+            before = {k: _fallen_by_steps(row, now, self._fall) for k, row in before.items()}
             by_steps = self._law(state, stretch, before)
             stretch.defects[INTEGRATOR] = less(by_steps, exact)
         if others or link.turns or not stretch.at_once:
@@ -454,7 +435,7 @@ class Continuation:
         stretch.defects[LATENESS] = less(late, met)
         stretch.defects[OVERLAP] = less(pushed, late)
         if self._fall is not None and link.single is not None and is_flat(link.single):
-            gained = self._bounced_before_gain(state, link.single, pushed, self._fall)
+            gained = _bounced_before_gain(state, link.single, pushed, self._fall)
             stretch.defects[INTEGRATOR] = added(stretch.defects[INTEGRATOR], less(gained, pushed))
             pushed = gained
         left = less({k: after[k] for k in stretch.bodies}, pushed)
@@ -476,20 +457,6 @@ class Continuation:
             ):
                 return True
         return False
-
-    def _fallen_by_steps(self, row: Row, time: arb, fall: Fall) -> Row:
-        """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""
-        (t, x, y, vx, vy), span = flown(row, time), time - row[0]
-        way, gain = fall.fallen(span)
-        way, gain = way - span * span / 2, gain - span
-        return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
-
-    def _bounced_before_gain(self, state: ReplayState[arb], link: AtWall, pushed: Rows, fall: Fall) -> Rows:
-        """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
-        line, (t, x, y, vx, vy) = state.line(link.circle, link.wall), pushed[link.circle]
-        restitution = arb(1) if state.share is None else 2 * state.share - 1
-        more = restitution * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
-        return {link.circle: (t, x, y, vx + more * line.nx, vy + more * line.ny)}
 
     def _is_slow(self, state: ReplayState[arb], there: Rows, pushed: Rows) -> bool:
         """Whether two meet more slowly than the engine says that anything bounces."""
@@ -603,6 +570,43 @@ class Continuation:
         hits = self.decision.rival is not None and found is not None and ball.sign_of(found) == -1
         self.forestalled = hits and (None if self._known_to_be_first else reader.comes_late(self.decision))
         return found
+
+
+def _load(state: ReplayState[arb], rows: Mapping[int, Row]) -> None:
+    """Sets some circles' flights. Which clock is taken for the later does not matter to what is computed."""
+    bodies = state.bodies
+    for k, (t, x, y, vx, vy) in rows.items():
+        bodies[k].flight = Flight(x, y, vx, vy, t, t, None, 1)
+    state.steps_done = 2
+    state.instant, state.late, state.met = state.zero, None, None
+
+
+def _own_events(run: Continuation, link: Link) -> set[int]:
+    """The engine's events that are matched with a component."""
+    found: set[int] = set()
+    for k in link.pushed:
+        walked = run.walks.get(str(run.scene.ids[k]))
+        mine = {c for m, c in walked.pairs if m == link.event} if walked is not None else set[int]()
+        if not mine:
+            raise NoContinuation("it does not have every contact that leads to the decision")
+        found |= mine
+    return found
+
+
+def _fallen_by_steps(row: Row, time: arb, fall: Fall) -> Row:
+    """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""
+    (t, x, y, vx, vy), span = flown(row, time), time - row[0]
+    way, gain = fall.fallen(span)
+    way, gain = way - span * span / 2, gain - span
+    return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
+
+
+def _bounced_before_gain(state: ReplayState[arb], link: AtWall, pushed: Rows, fall: Fall) -> Rows:
+    """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
+    line, (t, x, y, vx, vy) = state.line(link.circle, link.wall), pushed[link.circle]
+    restitution = arb(1) if state.share is None else 2 * state.share - 1
+    more = restitution * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
+    return {link.circle: (t, x, y, vx + more * line.nx, vy + more * line.ny)}
 
 
 class _Carried(RunReader):

@@ -155,16 +155,11 @@ class Prover(Checker):
         times = cast(list[Lazy], self.form.times)
         for age, entry in enumerate(self.told["instants"]):
             if age and times[age].told and "turn" not in entry:
-                entry["exact"] = self._text(times[age])
+                entry["exact"] = _text(times[age])
             for push, s in zip(entry["rounds"], self.form.struck.get(age, ()), strict=True):
                 if any(x.told for x in s):
-                    push[:] = [[i, j, self._text(x)] for (i, j), x in zip(push, s, strict=True)]
+                    push[:] = [[i, j, _text(x)] for (i, j), x in zip(push, s, strict=True)]
         self.told["roots"] = [text_of(root) for root in Exact.roots[len(self.told["scene"].get("roots", ())) :]]
-
-    def _text(self, x: Lazy) -> str:
-        Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
-        _compute(x, [])
-        return text_of(cast(Exact, x.value))
 
     # -- what the checker reads, and this writes
 
@@ -364,7 +359,7 @@ class Prover(Checker):
         """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
         if c and c[1] in self.arcs:  # isometries map none
             yield from (("back", *other) for other in [(), *((k,) for k in sorted(self.met))] if self.way)
-            if self._exact(cast(Lazy, self.form.ask(question, c, age))):
+            if _exact(cast(Lazy, self.form.ask(question, c, age))):
                 yield None
             return
         others: list[tuple[Contact, ...]] = [()]
@@ -380,28 +375,8 @@ class Prover(Checker):
         elif question in ("closing", "speed"):
             yield from ((k,) for k in self._new(self.likely.holding(c)))
         yield from (("back", *other) for other in others if self.way and c)
-        if self._exact(cast(Lazy, self.form.ask(question, c, age))):
+        if _exact(cast(Lazy, self.form.ask(question, c, age))):
             yield None
-
-    def _exact(self, value: Lazy) -> bool:
-        """Whether a number is zero exactly, within the roots and the work that it may take."""
-        before, spent = len(Exact.roots), Exact.work
-        Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
-        done: list[Lazy] = []
-        zero = False
-        try:
-            _compute(value, done)
-            zero = not value.value
-        except Unsettled:
-            Exact.work = spent
-        if zero:
-            value.tell()
-            return True
-        for now in done:
-            if now.value is not None and now.value.k > before:
-                now.value = None
-        del Exact.roots[before:]
-        return False
 
     def _new(self, found: Iterable[dict[str, Any]]) -> Iterator[int]:
         """The places of isometries in the certificate's list, to which new ones are added."""
@@ -417,6 +392,33 @@ class Prover(Checker):
                 self.isometries.append(g)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]
+
+
+def _text(x: Lazy) -> str:
+    Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
+    _compute(x, [])
+    return text_of(cast(Exact, x.value))
+
+
+def _exact(value: Lazy) -> bool:
+    """Whether a number is zero exactly, within the roots and the work that it may take."""
+    before, spent = len(Exact.roots), Exact.work
+    Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
+    done: list[Lazy] = []
+    zero = False
+    try:
+        _compute(value, done)
+        zero = not value.value
+    except Unsettled:
+        Exact.work = spent
+    if zero:
+        value.tell()
+        return True
+    for now in done:
+        if now.value is not None and now.value.k > before:
+            now.value = None
+    del Exact.roots[before:]
+    return False
 
 
 def _compute(value: Lazy, done: list[Lazy]) -> None:

@@ -161,7 +161,7 @@ class ErrorWalk:
                     self.grown.go_through(index)
                 except NoTangentMap as none:
                     return self._ended(index, OutOfReach(index, float(event.time), f"{none}"))
-                if self.local.order is not None and self._tied(index) and self.linear is None:
+                if self.local.order is not None and _tied(self, index) and self.linear is None:
                     self.linear = index  # an engine of steps solves a tie by iterations, of which the last is not told
                 self.found.time.append(late)
                 self._note_states(index)
@@ -181,7 +181,7 @@ class ErrorWalk:
     def _hindrance(self, index: int) -> OutOfReach | None:
         """What errors are not carried through: a tie, a reversal, a circle out of play."""
         run, time = self.run, float(self.run.events[index].time)
-        if self._tied(index) and not self.grown.in_rounds:
+        if _tied(self, index) and not self.grown.in_rounds:
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
             decided = self._decided(index)
             if decided is not None and decided.time < time:  # on the way there
@@ -193,11 +193,6 @@ class ErrorWalk:
         if run.scene.capture and any(float(entry.time) <= time for entry in run.pocketings):
             return OutOfReach(index, time, "a circle has left play before it, and errors are carried no farther")
         return None
-
-    def _tied(self, index: int) -> bool:
-        """Whether a circle has several contacts at the instant of an event."""
-        movers = [k for contact in self.run.events[index].contacts for k in self.grown.movers(contact)]
-        return len(movers) != len(set(movers))
 
     def _lateness(self, index: int) -> float:
         """How far off an event's time may be."""
@@ -211,7 +206,7 @@ class ErrorWalk:
     def _flown_together(self, index: int) -> list[tuple[int, int]]:
         """The contacts of an event, without those that others' impulses at the same instant lead to."""
         found = self.grown.met(index)
-        if len(found) == 1 or not self._tied(index):
+        if len(found) == 1 or not _tied(self, index):
             return found
         return [(i, j) for i, j in found if self.reader.hit_time(self._pairing(i, j)) is not None]
 
@@ -328,7 +323,7 @@ class ErrorWalk:
                 return None
         apart = self.near.shift(columns, i, j, time + wait, time) - own
         room = float(np.abs(apart).sum()) + self.local.unit * (time + wait) + 2 * self.local.lateness
-        return self._told(index, time, i, j, "whether {} would meet {} first", wait, room, self._meeting(index, i))
+        return self._told(index, time, i, j, "whether {} would meet {} first", wait, room, _meeting(self, index, i))
 
     def _slides(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
         """That a circle at the line of a face which flies along it does not meet it."""
@@ -338,10 +333,6 @@ class ErrorWalk:
             return None
         told = f"whether {self.names[i]}, which flies along {self.names[j]}, meets it"
         return OutOfReach(index, time, told, abs(closing), turned)
-
-    def _meeting(self, index: int, body: int) -> Pairing:
-        """Whom a circle meets at an event."""
-        return self._pairing(*next(pair for pair in self.grown.met(index) if body in pair))
 
     def _told(
         self,
@@ -389,7 +380,7 @@ class ErrorWalk:
             for j in range(grown.count, len(self.names)):
                 moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
                 if grown.weights[i] and abs(moved) <= turned:
-                    return self._earliest(self._drift(end, i, j, abs(moved), turned), end, quiet)
+                    return self._earliest(_drift(self, end, i, j, abs(moved), turned), end, quiet)
         return self._earliest(None, end, quiet)
 
     def _earliest(self, limit: OutOfReach | None, time: float, quiet: bool = False) -> OutOfReach | None:
@@ -405,7 +396,7 @@ class ErrorWalk:
         d, v = self.near.relative(i, j)
         speed, turned = math.sqrt(float(v @ v)), float(np.hypot(*(columns[j] - columns[i])[2:]).sum())
         if quiet and speed <= turned:
-            return self._drift(end, i, j, speed, turned)
+            return _drift(self, end, i, j, speed, turned)
         if not speed:
             return None
         near = end - float(d @ v) / speed**2
@@ -416,9 +407,21 @@ class ErrorWalk:
         room, reach = self.near.across(columns, i, j, near, end), float(self.grown.radii[i] + self.grown.radii[j])
         return self._passed(len(self.run.events), i, j, gap, room, near - math.sqrt(4 * reach * room) / speed)
 
-    def _drift(self, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
-        what = f"whether {self.names[i]} and {self.names[j]} never meet, by their relative speed"
-        return OutOfReach(len(self.run.events), end, what, speed, room)
+
+def _tied(walk: ErrorWalk, index: int) -> bool:
+    """Whether a circle has several contacts at the instant of an event."""
+    movers = [k for contact in walk.run.events[index].contacts for k in walk.grown.movers(contact)]
+    return len(movers) != len(set(movers))
+
+
+def _meeting(walk: ErrorWalk, index: int, body: int) -> Pairing:
+    """Whom a circle meets at an event."""
+    return walk._pairing(*next(pair for pair in walk.grown.met(index) if body in pair))
+
+
+def _drift(walk: ErrorWalk, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
+    what = f"whether {walk.names[i]} and {walk.names[j]} never meet, by their relative speed"
+    return OutOfReach(len(walk.run.events), end, what, speed, room)
 
 
 # ----------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import combinations
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -253,15 +254,15 @@ class _Run:
             with endable():
                 return self._run()
         except SymbolicUndecided as error:
-            return self._stop(StopReason.UNDECIDED, str(error))
+            return _stop(StopReason.UNDECIDED, str(error))
         except UnendingCollision as error:
-            return self._stop(StopReason.BUDGET, str(error))
+            return _stop(StopReason.BUDGET, str(error))
         except TimeIsUp as error:
             self._drop_unfinished()
-            return self._stop(StopReason.BUDGET, str(error))
+            return _stop(StopReason.BUDGET, str(error))
         except KeyboardInterrupt:
             self._drop_unfinished()
-            return self._stop(StopReason.INTERRUPTED, f"after {len(self.events)} events")
+            return _stop(StopReason.INTERRUPTED, f"after {len(self.events)} events")
 
     def _drop_unfinished(self) -> None:
         """Goes back to the last instant that was done when the next was looked for."""
@@ -275,23 +276,19 @@ class _Run:
             if outcome.first:
                 self._record(outcome)
                 if len(self.events) == self.limit:
-                    return self._stop(StopReason.EVENTS, str(self.limit))
+                    return _stop(StopReason.EVENTS, str(self.limit))
                 if self.reversal is None and len(self.events) == self.scene.reverse_after:
                     self._reverse()
                     continue
             resting = self._resting(touching.after({i: (d.vx, d.vy) for i, d in enumerate(self.discs)}))
             if resting:
-                return self._stop(StopReason.REST, resting)
+                return _stop(StopReason.REST, resting)
             if self._reversal_due() and sign(self.now - self._reverse_at) == 0:
                 self._reverse()
                 continue
             stop = self._advance(set(touching.pairs))
             if stop is not None:
                 return stop
-
-    @staticmethod
-    def _stop(reason: StopReason, particulars: str) -> Stop:
-        return Stop(reason, f"{reason.value}: {particulars}")
 
     @property
     def _reverse_at(self) -> Any:
@@ -310,7 +307,7 @@ class _Run:
         end = self.until.sympy() if self.until is not None else None
         if end is not None and (soonest is None or sign(soonest - end) > 0):
             self._move(end)
-            return self._stop(StopReason.HORIZON, str(self.until))
+            return _stop(StopReason.HORIZON, str(self.until))
         if soonest is None:
             self.now = self.starts[-1]  # a graze since then was not an event
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
@@ -319,7 +316,7 @@ class _Run:
 
     def _hit(self, pair: Indices, touches: bool) -> Any:
         """When a pair will touch next, if it does not touch now. It is predicted once a flight."""
-        known = pair in self.hits and not (touches and not self._straight(pair))
+        known = pair in self.hits and not (touches and not _straight(self, pair))
         if not known:
             i, j = pair
             n = len(self.discs)
@@ -354,10 +351,6 @@ class _Run:
         hit = self.hits[pair]
         return isinstance(self.lines[pair[1] - len(self.discs)], Bow) and hit is not None and sign(hit - self.now) > 0
 
-    def _straight(self, pair: Indices) -> bool:
-        """Whether the gap of two is that of straight flights: of a circle and a wall under gravity it is not."""
-        return pair[1] < len(self.discs) or self.scene.gravity is None
-
     def _touches_to_come(self, a: Disc, b: Disc | Line, touches: bool) -> list[Any]:
         """The times from now at which two will touch, where they touch now or not."""
         if self.scene.gravity is None or isinstance(b, Disc):
@@ -378,7 +371,7 @@ class _Run:
                 side = sign(normal(ux * (a.y - b.y0) - uy * (a.x - b.x0)))
                 along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
                 if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
-                    found.append(" and ".join(self._contact(pair)))
+                    found.append(" and ".join(_contact(self, pair)))
         return " as well as ".join(found)
 
     def _move(self, time: Any) -> None:
@@ -442,21 +435,18 @@ class _Run:
         if len(outcome.first) > 1:
             rational = all(number.is_Rational for d in before for number in (d.x, d.y))
             proof = TieProof.RATIONAL if rational else TieProof.TOWER
-            ties = (Tie(tuple(map(self._contact, outcome.first)), proof),)
+            ties = (Tie(tuple(map(partial(_contact, self), outcome.first)), proof),)
         self.events.append(
             Event(
                 index=len(self.events),
                 time=quantity(self.now),
-                contacts=tuple(map(self._contact, outcome.contacts)),
-                impulses=tuple(map(self._contact, outcome.impulses)),
+                contacts=tuple(map(partial(_contact, self), outcome.contacts)),
+                impulses=tuple(map(partial(_contact, self), outcome.impulses)),
                 ties=ties,
                 coupled=coupled(outcome.touching, outcome.contacts),
             )
         )
         self._leg()
-
-    def _contact(self, pair: Indices) -> Contact:
-        return Contact(self.names[pair[0]], self.names[pair[1]])
 
     def _reverse(self) -> None:
         self.discs = tuple(replace(d, vx=-d.vx, vy=-d.vy) for d in self.discs)
@@ -467,6 +457,19 @@ class _Run:
     def _leg(self) -> None:
         self.starts.append(self.now)
         self.legs.append(self.discs[: self.real])
+
+
+def _stop(reason: StopReason, particulars: str) -> Stop:
+    return Stop(reason, f"{reason.value}: {particulars}")
+
+
+def _straight(run: _Run, pair: Indices) -> bool:
+    """Whether the gap of two is that of straight flights: of a circle and a wall under gravity it is not."""
+    return pair[1] < len(run.discs) or run.scene.gravity is None
+
+
+def _contact(run: _Run, pair: Indices) -> Contact:
+    return Contact(run.names[pair[0]], run.names[pair[1]])
 
 
 def _disc(circle: Circle) -> Disc:
