@@ -154,8 +154,8 @@ CONTACTS = (
     ),
     Mutant(
         "touch_at_start_of_walls", "scenarios/neighbours.py",
-        "return sign == 0\n\n\ndef shown_amount",
-        "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
+        "return sign == 0 and wall.side(circle.x, circle.y) == height.sign()\n",
+        "return sign == 0 and height.sign() > 0\n",
         "a circle that touches a wall from its other side is not seen at time 0",
     ),
 )  # fmt: skip

@@ -257,8 +257,8 @@ CERTIFIED = (
     Mutant(
         "unsure_inside_enters",
         MEETINGS,
-        "            if not link.pushes and gap < 0:\n                return\n",
-        "            if not can_push(link):\n                return\n",
+        "            if (not link.pushes and gap < 0) or",
+        "            if not can_push(link) or",
         "a centre on a rim is taken to be inside",
         why_it_survives="a gap of zero does not come there: what stands on a rim at an instant was gathered for it",
     ),

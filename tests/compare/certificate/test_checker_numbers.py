@@ -213,7 +213,7 @@ class Drawn:
 def belied(seed: str, told: int) -> int:
     """How often what a look says of two flights is not so."""
     draw, wrong, said = Random(seed), 0, 0
-    checker = SimpleNamespace(n=0)
+    checker = SimpleNamespace(n=0, bends={})
     for _ in range(20_000):
         wall, turn = draw.random() < 0.3, draw.choice([1, -1])
         drawn, checker.n = Drawn(draw, wall, told), 1 if wall else 2

@@ -168,7 +168,7 @@ def test_the_checker_says_how_many_segments(tmp_path: Path) -> None:
 FAULTS = {
     "a face without its range": (
         [('all(self.sign(x, c) > 0 for x in ("foot", "far"))', "True")],
-        [("return ['foot', 'far'].every(name =>", "return true || ['foot', 'far'].every(name =>")],
+        [("['foot', 'far']).every(name =>", "[]).every(name =>")],
     ),
     "the range with the wrong sign": (
         [("m.slide * m.gap - m.twice * m.foot", "m.twice * m.foot - m.slide * m.gap")],
@@ -188,7 +188,7 @@ FAULTS = {
     ),
     "one end alone": (
         [("for place in (x, y), (u, v):", "for place in [(x, y)]:")],
-        [("[[e.x0, e.y0], [e.x1, e.y1]]", "[[e.x0, e.y0]]")],
+        [("of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick)", "of [[e.x0, e.y0]]) end(id, x, y, thick)")],
     ),
     "the thinner of two ends at a place": (
         [("if sign == 1: found", "if sign == (-1 if key in found else 1): found")],
