@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import Double
-from ..scenarios.trajectory import Stop, StopReason, Trajectory
-from .alignment.align import NAMED, UNKNOWING, Alignment, Span, align
+from ..scenarios.trajectory import AT_AN_END, Stop, StopReason, Trajectory
+from .alignment.align import UNKNOWING, Alignment, Span, align
 from .alignment.instants import Finer, SharedInstant, instants, velocity_difference
 from .alignment.walk import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
@@ -147,7 +147,7 @@ class Study:
     def reference_to(self, time: float, progress: OnProgress | None = None) -> Trajectory:
         """The reference, run on to a time if it can be."""
         longest = self.longest or self.reference
-        over = longest.stop.reason in (StopReason.QUIET, *NAMED, *UNKNOWING)
+        over = longest.stop.reason in (StopReason.QUIET, *AT_AN_END, *UNKNOWING)
         if over or float(longest.final_time) >= time or len(longest.events) >= self.cap or self.watch.over:
             return longest
         try:
@@ -182,7 +182,7 @@ class Study:
             longer, goal = None, None
             if wanted.reference is not None:
                 longer = self.reference_to(min(wanted.reference, end + past), progress)
-            over = run.stop.reason in (*NAMED, *UNKNOWING) or len(run.events) >= self.cap or self.watch.over
+            over = run.stop.reason in (*AT_AN_END, *UNKNOWING) or len(run.events) >= self.cap or self.watch.over
             if wanted.candidate is not None and not over and asked < wanted.candidate:
                 goal = wanted.candidate if math.isinf(wanted.candidate) else min(wanted.candidate, end + past)
             if goal is None and not over and alignment.divergence is not None and told_until(run, mine, self.span):

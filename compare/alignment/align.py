@@ -43,9 +43,6 @@ VERDICTS: tuple[Verdict, ...] = ("diverged", "unsettled", "undecided", "agree")
 UNKNOWING = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
 """Stops after which an engine would not go on, whatever the limits."""
 
-NAMED = (StopReason.REST, StopReason.ACCUMULATION, StopReason.CRUSHED)
-"""Stops at which the flights end: nor does an engine go on after these."""
-
 
 SAME_BITS = 1024
 """Bits to which a time is compared with the end of a span: an event on the end itself agrees with it to any number."""
