@@ -9,14 +9,15 @@ from typing import TypeAlias
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers import ball
-from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link
+from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link, is_flat
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
 from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor, link_of
+from .filtered_lines import ACCURATE_BITS, BIG, TINY, UNIT, FloatFall, falls_in_doubles, float_fall, float_line
 
 # -- The first rung: predictions in doubles, with a bound on every rounding, that answer only where sure.
 #
@@ -47,30 +48,8 @@ from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor,
 #
 # Where `compiled.predictions` is there, it does what `pairs`, `walls` and `faces` do here.
 
-UNIT = 2.0**-53
-
-ACCURATE_BITS = 60
-"""A ball with this relative accuracy has a radius below 2**-58 of its middle: u/32 at most."""
-
-BIG = 1e50
-"""Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
-
-TINY = 1 / BIG
-
 AHEAD = 1.125
 """How far ahead of the latest clock bounds are taken, so that they hold for a while."""
-
-
-def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
-    """The doubles of a wall's short balls. Where these cannot tell the wall, its normal and its size are infinite, and
-    nothing is ever clear: neither that a circle meets it nor that it flies away from it."""
-    fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
-    norm = abs(fnx) + abs(fny)
-    size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
-    sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
-    if not (sharp and size < BIG and 1 / BIG < norm < BIG):
-        norm = size = inf
-    return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
 PairBounds: TypeAlias = tuple[float, float, float, float, float]
@@ -403,6 +382,7 @@ class FilteredPredictor(Predictor[arb]):
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
         self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
+        self._falls: dict[tuple[int, int, bool], FloatFall] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -482,8 +462,12 @@ class FilteredPredictor(Predictor[arb]):
                     super().predict(moved, standing, gone)
                     return
             first = self.wall_count
-            for a, lines in zip(moved, outlook.lines, strict=True):
+            for a in moved:
                 a.until = inf
+                if self.falling is not None:
+                    self._meet_falling(a, range(len(self.scene.walls)), standing)
+                    continue
+                lines = self._lines_of(a)
                 found, unclear = find.walls(a, lines[:first])
                 among, open_faces = find.faces(a, lines[first:])
                 queue.push_walls(a, found + among, standing)
@@ -506,14 +490,19 @@ class FilteredPredictor(Predictor[arb]):
         bodies = self.state.bodies
         moved = [bodies[i]] if i == j else [bodies[i], bodies[j]]
         others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
+        every = range(len(self.scene.walls))
         found = self._outlooks[key] = Outlook(
             others,
-            [[*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)] for a in moved],
+            [self._lines_of(a) if self.falling is None else self._float_falls(a, every) for a in moved],
             [self._float_reaches[a.kind] for a in moved],
             sum(map(len, others)),
             self.wall_count,
         )
         return found
+
+    def _lines_of(self, a: Body[arb]) -> list[FloatLine]:
+        """All walls, then all faces, as seen from a circle."""
+        return [*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)]
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""
@@ -542,9 +531,7 @@ class FilteredPredictor(Predictor[arb]):
                 return
             walls = walls[: len(walls) - len(faces)]
         if self.falling is not None:
-            self.prepare()
-            for k in walls:
-                self.wall(a, k, standing)
+            self._meet_falling(a, walls, standing)
             return
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
@@ -555,9 +542,24 @@ class FilteredPredictor(Predictor[arb]):
         if unclear:
             self._unclear_walls(a, unclear, standing)
 
+    def _meet_falling(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """Queues the next hits of a circle with walls that fall or move, and faces under gravity."""
+        unclear = [*walls]
+        if a.f is not None:
+            stands = [link.wall for link in standing if is_flat(link) and link.circle == a.index]
+            lines = self._float_falls(a, walls)
+            found, unclear = falls_in_doubles(a.f, lines, *self.filter.wall_bounds, stands)
+            self.queue.push_walls(a, found, ())
+        if unclear:
+            self._unclear_walls(a, [k for k in unclear if k < self.wall_count], standing)
+            self._unclear_faces(a, [k for k in unclear if k >= self.wall_count], standing)
+
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
-        self._meet(a, self._face_table(a), standing)
+        if self.falling is None:
+            self._meet(a, self._face_table(a), standing)
+        else:
+            self._meet_falling(a, self.faces, standing)
 
     def _face_table(self, a: Body[arb]) -> list[FloatLine]:
         """All faces as seen from a circle."""
@@ -600,6 +602,26 @@ class FilteredPredictor(Predictor[arb]):
         if key not in self._known_float_lines:
             self._known_float_lines[key] = float_line(wall, *self.line(a, wall))
         return self._known_float_lines[key]
+
+    def _float_falls(self, a: Body[arb], walls: Sequence[int]) -> list[FloatFall]:
+        """Walls and faces in doubles, with their velocities and what gravity does."""
+        keys = [self._key(a, k) for k in walls]
+        for key, k in zip(keys, walls, strict=True):
+            if key not in self._falls:
+                self._falls[key] = self._float_fall(a, k, key[2])
+        return [self._falls[key] for key in keys]
+
+    def _float_fall(self, a: Body[arb], wall: int, negative: bool) -> FloatFall:
+        exact, g, first = self.scene.walls[wall], self.scene.gravity or (ZERO, ZERO), self.two_sided.start
+        nx, ny = exact.normal
+        if negative:
+            nx, ny = -nx, -ny
+        half, drift, bend = (nx * g[0] + ny * g[1]) / 2, nx * exact.vx + ny * exact.vy, (ny * g[0] - nx * g[1]) / 2
+        with ball.precision(QUICK_BITS):
+            pulls = ball.constant(half), ball.constant(drift), ball.constant(bend)
+        zeros = half.sign() == 0, drift.sign() == 0, bend.sign() == 0
+        other = first + ((wall - first) ^ 1) if wall in self.two_sided else -1
+        return float_fall(self._float_line(a, wall), other, exact.is_face, pulls, zeros, half.sign())
 
     def _key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
         """A circle's radius, by kind, a wall, and the side of it."""

@@ -195,11 +195,9 @@ class PegPredictor(FilteredPredictor):
         """See `Predictor.predict`."""
         predict_falls(self, moved, standing, gone, self._walls_of)
 
-    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
-        """See `Predictor.meet_faces`."""
-        self.prepare()
-        for k in self.faces:
-            fall_to_face(self, a, k, standing, rounded=False)
+    def face(self, a: Body[arb], wall: int, standing: Collection[Link]) -> None:
+        """See `Predictor.face`."""
+        fall_to_face(self, a, wall, standing, rounded=False)
 
     def has_face(self, link: Link) -> TypeIs[AtWall]:
         """Whether a contact is with a face."""

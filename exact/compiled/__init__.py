@@ -40,6 +40,12 @@ class CompiledPredictions(Protocol):
         """`DoubleFilter.faces`, of a circle that has doubles."""
         ...
 
+    def falls(
+        self, flight: Doubles, lines: Sequence[Any], flat: float, far: float, stands: tuple[int, ...], /
+    ) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """`falls_in_doubles`."""
+        ...
+
     def predict(
         self,
         moved: Sequence[Any],

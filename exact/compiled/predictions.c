@@ -116,6 +116,23 @@ static int read_line(PyObject *line, long *number, double *out)
     return (*number == -1 && PyErr_Occurred()) || read_doubles(line, 7, out) < 0 ? -1 : 0;
 }
 
+enum { FALLS = 13 }; /* of a `FloatFall`: which, the other side, whether it is a face, and ten doubles */
+
+/* A `FloatFall`: 1 if it is one, 0 if it is a line that stands, -1 with an error set. */
+static int read_falls(PyObject *line, long *number, long *other, Falls *out)
+{
+    double ten[10];
+    if (!PyTuple_Check(line) || PyTuple_GET_SIZE(line) != FALLS)
+        return 0;
+    *number = PyLong_AsLong(PyTuple_GET_ITEM(line, 0));
+    *other = PyLong_AsLong(PyTuple_GET_ITEM(line, 1));
+    int is_face = PyObject_IsTrue(PyTuple_GET_ITEM(line, 2));
+    if (PyErr_Occurred() || is_face < 0 || read_doubles(line, 10, ten) < 0)
+        return -1;
+    *out = (Falls){ten[0], ten[1], ten[2], ten[3], ten[4], ten[5], ten[6], ten[7], ten[8], ten[9], is_face};
+    return 1;
+}
+
 typedef int (*Meets)(const double *a, const double *line, double flat, double far, Span *span);
 
 /* Which of some lines a circle meets, each as `meets` tells. */
@@ -172,6 +189,63 @@ static PyObject *faces(PyObject *self, PyObject *const *args, Py_ssize_t count)
     return meet_lines(face, args, count);
 }
 
+/* Whether a number is in a tuple: 1, 0, or -1 with an error set. */
+static int is_among(PyObject *numbers, long number)
+{
+    for (Py_ssize_t k = 0; k < PyTuple_GET_SIZE(numbers); k++) {
+        long each = PyLong_AsLong(PyTuple_GET_ITEM(numbers, k));
+        if (each == -1 && PyErr_Occurred())
+            return -1;
+        if (each == number)
+            return 1;
+    }
+    return 0;
+}
+
+PyDoc_STRVAR(falls_doc, "falls(f, lines, flat, far, stands): as `falls_in_doubles`.");
+
+static PyObject *falls(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT], flat, far;
+    if (count != 5 || !PyTuple_Check(args[4])) {
+        PyErr_SetString(PyExc_TypeError, "falls: a flight, lines, two bounds, and a tuple");
+        return NULL;
+    }
+    if (read_double(args[2], &flat) < 0 || read_double(args[3], &far) < 0 || read_doubles(args[0], FLIGHT, a) < 0)
+        return NULL;
+    PyObject *lines = PySequence_Fast(args[1], "lines are expected");
+    if (lines == NULL)
+        return NULL;
+    PyObject *found = PyList_New(0), *unclear = PyList_New(0);
+    if (found == NULL || unclear == NULL)
+        goto failed;
+    for (Py_ssize_t k = 0; k < PySequence_Fast_GET_SIZE(lines); k++) {
+        Falls line;
+        Span span;
+        long number, other;
+        int known = read_falls(PySequence_Fast_GET_ITEM(lines, k), &number, &other, &line);
+        if (known == 0)
+            PyErr_SetString(PyExc_TypeError, "what falls is a tuple of thirteen");
+        if (known <= 0)
+            goto failed;
+        int beside = is_among(args[4], other), stands_there = is_among(args[4], number);
+        if (beside < 0 || stands_there < 0)
+            goto failed;
+        int told = beside ? NONE : fall(a, &line, flat, far, stands_there, &span);
+        if (told == MEETS && append(found, Py_BuildValue("(ddl)", span.low, span.high, number)) < 0)
+            goto failed;
+        if (told == UNCLEAR && append(unclear, PyLong_FromLong(number)) < 0)
+            goto failed;
+    }
+    Py_DECREF(lines);
+    return both_lists(found, unclear);
+failed:
+    Py_DECREF(lines);
+    Py_XDECREF(found);
+    Py_XDECREF(unclear);
+    return NULL;
+}
+
 /* -- all meetings of one or two circles, queued: `FilteredPredictor.predict` where doubles tell all */
 
 typedef struct { Py_ssize_t a, b; int is_wall; } Standing;
@@ -187,6 +261,7 @@ typedef struct {
 typedef struct {
     Span span;
     Py_ssize_t i, j, si, sj;
+    int falls; /* a wall that falls, where a contact that stands is none to leave out: see `fall` */
 } Entry;
 
 /* 1 if told, 0 if this is left to Python, -1 with an error set. */
@@ -254,14 +329,24 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, Py_ssi
         return 0;
     for (Py_ssize_t k = 0, size = PyList_GET_SIZE(lines); k < size; k++) {
         double line[7];
-        long number;
-        Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0};
+        long number, other;
+        Falls falling;
+        Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0, 0};
         PyObject *told_line = item(lines, k);
-        int failed = told_line == NULL || read_line(told_line, &number, line) < 0;
+        int known = told_line == NULL ? -1 : read_falls(told_line, &number, &other, &falling);
+        if (known == 0)
+            known = read_line(told_line, &number, line);
+        entry.falls = known > 0;
         Py_XDECREF(told_line);
-        if (failed)
+        if (known < 0)
             return -1;
-        int told = (number < first_face ? wall : face)(a->f, line, flat, far, &entry.span);
+        int told;
+        if (!entry.falls)
+            told = (number < first_face ? wall : face)(a->f, line, flat, far, &entry.span);
+        else if (other >= 0 && stands(standing, standing_count, a->index, other, 1))
+            continue;
+        else
+            told = fall(a->f, &falling, flat, far, stands(standing, standing_count, a->index, number, 1), &entry.span);
         if (told == UNCLEAR)
             return 0;
         if (told == NONE)
@@ -273,7 +358,7 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, Py_ssi
         found[at] = entry;
     }
     for (int k = 0; k < many && found[k].span.low <= a->until; k++) {
-        if (stands(standing, standing_count, a->index, ~found[k].j, 1))
+        if (!found[k].falls && stands(standing, standing_count, a->index, ~found[k].j, 1))
             continue;
         if (found[k].span.high < a->until)
             a->until = found[k].span.high;
@@ -506,6 +591,7 @@ static PyObject *first(PyObject *self, PyObject *const *args, Py_ssize_t count)
 }
 
 static PyMethodDef methods[] = {
+    {"falls", (PyCFunction)(void (*)(void))falls, METH_FASTCALL, falls_doc},
     {"faces", (PyCFunction)(void (*)(void))faces, METH_FASTCALL, faces_doc},
     {"first", (PyCFunction)(void (*)(void))first, METH_FASTCALL, first_doc},
     {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},

@@ -88,7 +88,7 @@ class Outlook(NamedTuple, Generic[N]):
     """
 
     others: list[list[Body[N]]]
-    lines: list[list[FloatLine]]
+    lines: list[Sequence[tuple[float, ...]]]
     reaches: list[list[float]]
     pairs: int
     first_face: int
@@ -439,7 +439,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-            self.few = self._crowd is None and not self.state.pockets and self.falling is None
+            self.few = self._crowd is None and not self.state.pockets and (self.falling is None or self.arcs is None)
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
