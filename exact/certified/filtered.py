@@ -16,8 +16,20 @@ from ..numbers import ball
 from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link, is_flat
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
-from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor, link_of
-from .filtered_lines import ACCURATE_BITS, BIG, TINY, UNIT, FloatFall, falls_in_doubles, float_fall, float_line
+from ..simulation.prediction import ArrivalQueue, Outlook, Predictor, link_of
+from .filtered_falls import (
+    ACCURATE_BITS,
+    BIG,
+    TINY,
+    UNIT,
+    FloatFall,
+    FloatLine,
+    FloatPeg,
+    falls_in_doubles,
+    float_fall,
+    float_line,
+    float_peg,
+)
 
 # -- The first rung: predictions in doubles, with a bound on every rounding, that answer only where sure.
 #
@@ -383,6 +395,7 @@ class FilteredPredictor(Predictor[arb]):
         self._face_lines: dict[int, list[FloatLine]] = {}
         self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
         self._falls: dict[tuple[int, int, bool], FloatFall] = {}
+        self._pegs: dict[int, list[FloatPeg]] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
@@ -452,14 +465,14 @@ class FilteredPredictor(Predictor[arb]):
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`; where doubles tell all, flights are not asked for."""
         if gone or not self.few or not 0 < len(moved) < 3:
-            super().predict(moved, standing, gone)
+            self.at_length(moved, standing, gone)
             return
         key = moved[0].index, moved[-1].index
         outlook, queue, find = self._outlooks.get(key) or self._outlook_of(key), self.queue, self.filter
         if not queue.push_all(moved, outlook, find.pair_bounds, find.wall_bounds, standing):
             for a in moved:
                 if a.f is None or not (a.f[2] or a.f[3]):
-                    super().predict(moved, standing, gone)
+                    self.at_length(moved, standing, gone)
                     return
             first = self.wall_count
             for a in moved:
@@ -475,6 +488,9 @@ class FilteredPredictor(Predictor[arb]):
                     self._unclear_walls(a, unclear, standing)
                 if open_faces:
                     self._unclear_faces(a, open_faces, standing)
+            for a, pegs in zip(moved, self._pegs_of(moved), strict=True):
+                for peg in pegs:
+                    self.onto_peg(a, peg, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
         if self.arcs is not None:
@@ -484,18 +500,44 @@ class FilteredPredictor(Predictor[arb]):
         plan["walls predicted"] += len(moved) * self.wall_count
         plan["pairs predicted"] += outlook.pairs
 
+    def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """As `predict`, of any circles, one after the other."""
+        super().predict(moved, standing, gone)
+
+    def _pegs_of(self, moved: Sequence[Body[arb]]) -> list[list[FloatPeg]]:
+        """For each of some circles, those that stand under gravity, in doubles."""
+        return [self._pegs.get(a.kind) or self._pegs_as_seen_from(a) for a in moved]
+
+    def _pegs_as_seen_from(self, a: Body[arb]) -> list[FloatPeg]:
+        found: list[FloatPeg] = []
+        with ball.precision(QUICK_BITS):
+            half = [ball.constant(g / 2) for g in self.scene.gravity or (ZERO, ZERO)]
+            pegs: list[int] = sorted(self.scene.pegs)
+            for k in pegs:
+                circle, body = self.scene.circles[k], self.state.bodies[k]
+                place = ball.constant(circle.x), ball.constant(circle.y)
+                found.append(float_peg(body, *place, self.reach(a, body), *half))
+        self._pegs[a.kind] = found
+        return found
+
+    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with one that stands."""
+        raise NotImplementedError
+
     def _outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
         """What two circles, or one, may meet: the second not the first."""
         i, j = key
         bodies = self.state.bodies
         moved = [bodies[i]] if i == j else [bodies[i], bodies[j]]
-        others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
+        pegs = self.scene.pegs
+        others = [[b for b in bodies.values() if b.index not in {*out, *pegs}] for out in ((i,), key)[: len(moved)]]
         every = range(len(self.scene.walls))
         found = self._outlooks[key] = Outlook(
             others,
             [self._lines_of(a) if self.falling is None else self._float_falls(a, every) for a in moved],
             [self._float_reaches[a.kind] for a in moved],
-            sum(map(len, others)),
+            [*self._pegs_of(moved)],
+            sum(map(len, others)) + len(pegs) * len(moved),
             self.wall_count,
         )
         return found

@@ -18,7 +18,7 @@ from ..replay.refinable import RefinableState
 from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
-from ..simulation.prediction import ArrivalQueue
+from ..simulation.prediction import ArrivalQueue, link_of
 from .filtered import (
     ACCURATE_BITS,
     BIG,
@@ -30,6 +30,7 @@ from .filtered import (
     DoubleFilter,
     FilteredPredictor,
 )
+from .filtered_falls import FloatPeg, peg_in_doubles
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
@@ -192,7 +193,22 @@ class PegPredictor(FilteredPredictor):
     """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
-        """See `Predictor.predict`."""
+        """See `Predictor.predict`; in one go where what stands at gap zero as flights begin is what was pushed."""
+        pegs, on_peg = self.scene.pegs, self.state.on_peg
+        known = {link for link in standing if on_peg(link)}
+        if all(a.index not in pegs and self._stood(a) == {link for link in known if a.index in link} for a in moved):
+            super().predict(moved, standing, gone)
+        else:
+            self.at_length(moved, standing, gone)
+
+    def _stood(self, a: Body[arb]) -> set[Link]:
+        """The contacts with circles that stand at which a circle's flight begins, by an impulse."""
+        at, links = self.state.contacts.get(a.index, (-1, frozenset[Link]()))
+        return {link for link in links if self.state.on_peg(link)} if at == a.flight.last else set()
+
+    def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `FilteredPredictor.at_length`."""
+        self.few = self.arcs is None and not self.state.pockets
         predict_falls(self, moved, standing, gone, self._walls_of)
 
     def face(self, a: Body[arb], wall: int, standing: Collection[Link]) -> None:
@@ -236,6 +252,19 @@ class PegPredictor(FilteredPredictor):
         pull = self.state.sides.pull(*link[:2])
         found = face_contact(link, pull, sign)
         return face_contact(link, pull, decide) if found is None else found
+
+    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
+        """See `FilteredPredictor.onto_peg`."""
+        assert a.f is not None
+        link = link_of(a, peg.body)
+        found = peg_in_doubles(a.f, peg, a.until, link in standing)
+        if isinstance(found, bool):
+            if found:
+                self.plan["unclear in doubles"] += 1
+                self.fall_onto(a, peg.body, standing)
+        elif found[0] <= a.until:
+            self.queue.push_pairs(a, [(*found, peg.body)], ())
+            a.until = min(a.until, found[1])
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""

@@ -144,7 +144,7 @@ static int face(const double *a, const double *line, double flat, double far, Sp
 /* A wall that falls or moves, or a face under gravity: `FloatFall`, which has what these are. */
 typedef struct { double x0, y0, nx, ny, offset, norm, size, half, drift, bend; int is_face; } Falls;
 
-/* As `wall`: `fall_in_doubles` of filtered_lines.py, which has the derivation. */
+/* As `wall`: `fall_in_doubles` of filtered_falls.py, which has the derivation. */
 static int fall(const double *a, const Falls *line, double flat, double far, int stands, Span *span)
 {
     double x0 = line->x0, y0 = line->y0, nx = line->nx, ny = line->ny, half = line->half, drift = line->drift;

@@ -13,7 +13,7 @@ from truebreak.exact.certified.filtered import DoubleFilter, FilteredPredictor
 from truebreak.exact.compiled import predictions
 from truebreak.exact.replay.contact import Body, Flight
 from truebreak.exact.simulation import prediction as queue
-from truebreak.exact.simulation.prediction import FloatLine
+from truebreak.exact.certified.filtered_falls import FloatLine
 from truebreak.scenarios import Circle, Polygon, Scene, Segment, Wall
 from truebreak.scenarios.catalogue import build
 

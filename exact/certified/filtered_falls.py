@@ -1,15 +1,16 @@
-"""Walls and faces in doubles; those that fall or move, and when a circle meets them, with a bound on every rounding."""
+"""What a circle meets as it falls, in doubles with a bound on every rounding: walls, faces, circles that stand."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from math import inf, isfinite, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from flint import arb
 
 from ..compiled import Doubles, predictions
-from ..simulation.prediction import FloatLine
+from ..replay.contact import Body
+from ..replay.round_falls import Isolated, falling_zero
 
 # -- A state's doubles, and its walls', are off by at most 2u relatively: see filtered.py, which has u, S, V and the
 # bounds of walls that stand.
@@ -23,6 +24,20 @@ BIG = 1e50
 """Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
 
 TINY = 1 / BIG
+
+
+class FloatLine(NamedTuple):
+    """A wall as seen from a circle, in doubles: which it is, a point, a normal, r*|n|, the normal's 1-norm, and the
+    size of the fixed terms of the gap."""
+
+    wall: int
+    x0: float
+    y0: float
+    nx: float
+    ny: float
+    offset: float
+    norm: float
+    size: float
 
 
 def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
@@ -225,3 +240,93 @@ def fall_in_doubles(
         if not (foot > blur_foot and foot < beyond - blur_foot):
             return True
     return time - blur_time, time + blur_time
+
+
+# -- Circles that stand, as one that falls meets them: the first zero at which a quartic falls (see round_falls.py).
+#
+# With e the way from the peg to the circle, w its velocity, both in true coordinates at the clock, and h half of
+# gravity, the gap is |e + w s + h s^2|^2 - R^2 a time s later.
+#
+# - A component of e is off by less than 4u of the two places and 9u of h t^2: the bound for both is 32u of all these.
+# - A component of w is off by less than 3u of the speed and 6u of 2 h t: the bound for both is 16u.
+# - At the instant, from which s is reckoned, e differs by |w| `late` + |h| `late`^2, w by 2 |h| `late`: taken twice.
+# - So each coefficient is off by what its factors are: a product by |a| times what b is, |b| times what a is, and both
+#   of these; R and h are off by 2u; roundings are under 6u of the terms' sizes, in the last but one 8u of 2 |w| |h|.
+#   All is taken twice.
+#
+# The two touch at the instant: then the gap is zero there, and that zero is divided out. Else it must surely be above
+# zero at the instant, and what is found is the first zero after that. The time is off by `late`, and by roundings.
+
+NARROW = 2.0**-24
+"""Most by which the ends of an interval with a zero may differ, as a share of it; a wider one goes to balls."""
+
+
+class FloatPeg(NamedTuple):
+    """A circle that stands under gravity, as one that falls meets it, in doubles: its body, where it is, the sum of
+    radii, infinite where doubles do not tell all that; and half of gravity."""
+
+    body: Body[arb]
+    x: float
+    y: float
+    reach: float
+    hx: float
+    hy: float
+
+
+def float_peg(body: Body[arb], x: arb, y: arb, reach: arb, hx: arb, hy: arb) -> FloatPeg:
+    """The doubles of short balls; nothing is clear where these do not tell them to a few roundings."""
+    numbers = x, y, reach, hx, hy
+    px, py, far, gx, gy = (float(number) for number in numbers)
+    sharp = all(number.is_zero() or number.rel_accuracy_bits() > ACCURATE_BITS for number in numbers)
+    plain = all(number == 0.0 or TINY < abs(number) < BIG for number in (px, py, far, gx, gy))
+    true = all((told == 0.0) == number.is_zero() for told, number in zip((px, py, far, gx, gy), numbers, strict=True))
+    return FloatPeg(body, px, py, far if sharp and plain and true else inf, gx, gy)
+
+
+def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) -> tuple[float, float] | bool:
+    """When a circle falls onto one that stands: bounds; False where it does not before `until`, True where unclear.
+
+    Args:
+        flight: its doubles.
+        peg: what stands.
+        until: a time by which the flight ends, or a little after it.
+        stood: whether they touch as the flight begins.
+    """
+    if predictions is not None:
+        return predictions.onto_peg(flight, peg, until, stood)
+    x, y, vx, vy, t, late = flight
+    _, px, py, reach, hx, hy = peg
+    end = until - t + (late + 8 * UNIT * (until + t))
+    if end <= 0.0:
+        return False
+    wx, wy = hx * t, hy * t
+    ex, ey = x - px + wx * t, y - py + wy * t
+    ux, uy = vx + 2.0 * wx, vy + 2.0 * wy
+    near, fast, pull = abs(ex) + abs(ey), abs(ux) + abs(uy), abs(hx) + abs(hy)
+    sunk = abs(wx) + abs(wy)
+    off_v = 16 * UNIT * (abs(vx) + abs(vy) + 2.0 * sunk)
+    off_e = 32 * UNIT * (abs(x) + abs(y) + abs(px) + abs(py) + sunk * t)
+    off_e += 2.0 * late * (fast + off_v + pull * late)
+    off_v += 4.0 * pull * late
+    c = (
+        ex * ex + ey * ey - reach * reach,
+        2.0 * (ex * ux + ey * uy),
+        ux * ux + uy * uy + 2.0 * (ex * hx + ey * hy),
+        2.0 * (ux * hx + uy * hy),
+        hx * hx + hy * hy,
+    )
+    off = (
+        4.0 * off_e * (near + off_e) + 16 * UNIT * (near * near + reach * reach),
+        4.0 * (off_e * (fast + off_v) + near * off_v) + 16 * UNIT * near * fast,
+        4.0 * off_v * (fast + off_v) + 4.0 * pull * off_e + 16 * UNIT * (fast * fast + 2.0 * near * pull),
+        4.0 * pull * off_v + 16 * UNIT * fast * pull,
+        16 * UNIT * pull * pull,
+    )
+    found = falling_zero(c[1:], off[1:], end) if stood else falling_zero(c, off, end)
+    if not isinstance(found, Isolated):
+        return found is not None
+    low, high = cast("tuple[float, float]", found)
+    if not high - low <= NARROW * high:
+        return True
+    low, high = t + low - (late + 8 * UNIT * (t + low)), t + high + (late + 8 * UNIT * (t + high))
+    return (low, high) if isfinite(high) else True
