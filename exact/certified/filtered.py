@@ -9,27 +9,14 @@ from typing import TypeAlias
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import ZERO, Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers import ball
-from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link, is_flat
+from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
-from ..simulation.prediction import ArrivalQueue, Outlook, Predictor, link_of
-from .filtered_falls import (
-    ACCURATE_BITS,
-    BIG,
-    TINY,
-    UNIT,
-    FloatFall,
-    FloatLine,
-    FloatPeg,
-    falls_in_doubles,
-    float_fall,
-    float_line,
-    float_peg,
-)
+from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor, link_of
 
 # -- The first rung: predictions in doubles, with a bound on every rounding, that answer only where sure.
 #
@@ -60,8 +47,30 @@ from .filtered_falls import (
 #
 # Where `compiled.predictions` is there, it does what `pairs`, `walls` and `faces` do here.
 
+UNIT = 2.0**-53
+
+ACCURATE_BITS = 60
+"""A ball with this relative accuracy has a radius below 2**-58 of its middle: u/32 at most."""
+
+BIG = 1e50
+"""Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
+
+TINY = 1 / BIG
+
 AHEAD = 1.125
 """How far ahead of the latest clock bounds are taken, so that they hold for a while."""
+
+
+def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
+    """The doubles of a wall's short balls. Where these cannot tell the wall, its normal and its size are infinite, and
+    nothing is ever clear: neither that a circle meets it nor that it flies away from it."""
+    fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
+    norm = abs(fnx) + abs(fny)
+    size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
+    sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
+    if not (sharp and size < BIG and 1 / BIG < norm < BIG):
+        norm = size = inf
+    return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
 PairBounds: TypeAlias = tuple[float, float, float, float, float]
@@ -363,6 +372,21 @@ NEAR = arb(0, arb((1, FAINT)))
 """Holds all deviations that are at most 2**FAINT."""
 
 
+def short_reaches(scene: Scene, bodies: Iterable[Body[arb]], pockets: Sequence[Body[arb]]) -> list[list[arb]]:
+    """Sums of radii by kind of radius, and a pocket's own, in short balls; each body's `kind` indexes them."""
+    radii: dict[Quantity, int] = {}
+    for body, circle in zip(bodies, scene.circles, strict=True):
+        body.kind = radii.setdefault(circle.r, len(radii))
+    kinds = len(radii)
+    with ball.precision(QUICK_BITS):
+        reaches = [[ball.constant(r + s) for s in radii] for r in radii]
+        for k, pocket in enumerate(scene.pockets):
+            pockets[k].kind = kinds + k
+            for row in reaches:
+                row.append(ball.constant(pocket.r))
+    return reaches
+
+
 class FilteredPredictor(Predictor[arb]):
     """Predictions in doubles, then in short balls.
 
@@ -387,34 +411,18 @@ class FilteredPredictor(Predictor[arb]):
         self.zero = ball.ZERO
         self.root = arb.sqrt
         self.filter = DoubleFilter()
-        self._reaches = self._quick_reaches()
+        self._reaches = short_reaches(scene, self.refinable.bodies.values(), self.state.pockets)
         self._lines: dict[tuple[int, int, bool], tuple[arb, arb, arb, arb, arb]] = {}
         self._float_reaches = [[ball.as_double(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
         self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
-        self._falls: dict[tuple[int, int, bool], FloatFall] = {}
-        self._pegs: dict[int, list[FloatPeg]] = {}
-        self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
+        self.outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
         """Short precision."""
         ball.use_bits(QUICK_BITS)
-
-    def _quick_reaches(self) -> list[list[arb]]:
-        """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
-        radii: dict[Quantity, int] = {}
-        for body, circle in zip(self.refinable.bodies.values(), self.scene.circles, strict=True):
-            body.kind = radii.setdefault(circle.r, len(radii))
-        kinds = len(radii)
-        with ball.precision(QUICK_BITS):
-            reaches = [[ball.constant(r + s) for s in radii] for r in radii]
-            for k, pocket in enumerate(self.scene.pockets):
-                self.state.pockets[k].kind = kinds + k
-                for row in reaches:
-                    row.append(ball.constant(pocket.r))
-        return reaches
 
     def reach(self, a: Body[arb], b: Body[arb]) -> arb:
         """The sum of two radii, or a pocket's own, as a short ball."""
@@ -422,7 +430,7 @@ class FilteredPredictor(Predictor[arb]):
 
     def line(self, body: Body[arb], wall: int) -> tuple[arb, arb, arb, arb, arb]:
         """A wall in short balls: the same for all circles of one radius on one side of it."""
-        key = self._key(body, wall)
+        key = self.key(body, wall)
         found = self._lines.get(key)
         if found is None:
             with ball.precision(2 * QUICK_BITS):
@@ -468,29 +476,13 @@ class FilteredPredictor(Predictor[arb]):
             self.at_length(moved, standing, gone)
             return
         key = moved[0].index, moved[-1].index
-        outlook, queue, find = self._outlooks.get(key) or self._outlook_of(key), self.queue, self.filter
+        outlook, queue, find = self.outlooks.get(key) or self.outlook_of(key), self.queue, self.filter
         if not queue.push_all(moved, outlook, find.pair_bounds, find.wall_bounds, standing):
             for a in moved:
                 if a.f is None or not (a.f[2] or a.f[3]):
                     self.at_length(moved, standing, gone)
                     return
-            first = self.wall_count
-            for a in moved:
-                a.until = inf
-                if self.falling is not None:
-                    self._meet_falling(a, range(len(self.scene.walls)), standing)
-                    continue
-                lines = self._lines_of(a)
-                found, unclear = find.walls(a, lines[:first])
-                among, open_faces = find.faces(a, lines[first:])
-                queue.push_walls(a, found + among, standing)
-                if unclear:
-                    self._unclear_walls(a, unclear, standing)
-                if open_faces:
-                    self._unclear_faces(a, open_faces, standing)
-            for a, pegs in zip(moved, self._pegs_of(moved), strict=True):
-                for peg in pegs:
-                    self.onto_peg(a, peg, standing)
+            self._meet_surfaces(moved, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
         if self.arcs is not None:
@@ -504,47 +496,32 @@ class FilteredPredictor(Predictor[arb]):
         """As `predict`, of any circles, one after the other."""
         super().predict(moved, standing, gone)
 
-    def _pegs_of(self, moved: Sequence[Body[arb]]) -> list[list[FloatPeg]]:
-        """For each of some circles, those that stand under gravity, in doubles."""
-        return [self._pegs.get(a.kind) or self._pegs_as_seen_from(a) for a in moved]
+    def _meet_surfaces(self, moved: Sequence[Body[arb]], standing: Collection[Link]) -> None:
+        """Queues the next hits of circles that have doubles with all that ends a flight."""
+        find = self.filter
+        for a in moved:
+            a.until = inf
+            found, unclear = find.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
+            among, open_faces = find.faces(a, self._face_table(a))
+            self.queue.push_walls(a, found + among, standing)
+            self.unclear(a, unclear, standing)
+            self.unclear(a, open_faces, standing)
 
-    def _pegs_as_seen_from(self, a: Body[arb]) -> list[FloatPeg]:
-        found: list[FloatPeg] = []
-        with ball.precision(QUICK_BITS):
-            half = [ball.constant(g / 2) for g in self.scene.gravity or (ZERO, ZERO)]
-            pegs: list[int] = sorted(self.scene.pegs)
-            for k in pegs:
-                circle, body = self.scene.circles[k], self.state.bodies[k]
-                place = ball.constant(circle.x), ball.constant(circle.y)
-                found.append(float_peg(body, *place, self.reach(a, body), *half))
-        self._pegs[a.kind] = found
-        return found
-
-    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
-        """Queues the next meeting of a circle that falls with one that stands."""
-        raise NotImplementedError
-
-    def _outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
+    def outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
         """What two circles, or one, may meet: the second not the first."""
         i, j = key
         bodies = self.state.bodies
         moved = [bodies[i]] if i == j else [bodies[i], bodies[j]]
-        pegs = self.scene.pegs
-        others = [[b for b in bodies.values() if b.index not in {*out, *pegs}] for out in ((i,), key)[: len(moved)]]
-        every = range(len(self.scene.walls))
-        found = self._outlooks[key] = Outlook(
+        others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
+        found = self.outlooks[key] = Outlook(
             others,
-            [self._lines_of(a) if self.falling is None else self._float_falls(a, every) for a in moved],
+            [[*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)] for a in moved],
             [self._float_reaches[a.kind] for a in moved],
-            [*self._pegs_of(moved)],
-            sum(map(len, others)) + len(pegs) * len(moved),
+            [[] for _ in moved],
+            sum(map(len, others)),
             self.wall_count,
         )
         return found
-
-    def _lines_of(self, a: Body[arb]) -> list[FloatLine]:
-        """All walls, then all faces, as seen from a circle."""
-        return [*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)]
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""
@@ -573,99 +550,58 @@ class FilteredPredictor(Predictor[arb]):
                 return
             walls = walls[: len(walls) - len(faces)]
         if self.falling is not None:
-            self._meet_falling(a, walls, standing)
+            self.prepare()
+            for k in walls:
+                self.wall(a, k, standing)
             return
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
         else:
-            lines = [self._float_line(a, k) for k in walls]
+            lines = [self.float_line(a, k) for k in walls]
         found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
-        if unclear:
-            self._unclear_walls(a, unclear, standing)
-
-    def _meet_falling(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
-        """Queues the next hits of a circle with walls that fall or move, and faces under gravity."""
-        unclear = [*walls]
-        if a.f is not None:
-            stands = [link.wall for link in standing if is_flat(link) and link.circle == a.index]
-            lines = self._float_falls(a, walls)
-            found, unclear = falls_in_doubles(a.f, lines, *self.filter.wall_bounds, stands)
-            self.queue.push_walls(a, found, ())
-        if unclear:
-            self._unclear_walls(a, [k for k in unclear if k < self.wall_count], standing)
-            self._unclear_faces(a, [k for k in unclear if k >= self.wall_count], standing)
+        self.unclear(a, unclear, standing)
 
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
-        if self.falling is None:
-            self._meet(a, self._face_table(a), standing)
-        else:
-            self._meet_falling(a, self.faces, standing)
+        self._meet(a, self._face_table(a), standing)
 
     def _face_table(self, a: Body[arb]) -> list[FloatLine]:
         """All faces as seen from a circle."""
         lines = self._face_lines.get(a.kind)
         if lines is None:
-            lines = self._face_lines[a.kind] = [self._float_line(a, k) for k in self.faces]
+            lines = self._face_lines[a.kind] = [self.float_line(a, k) for k in self.faces]
         return lines
 
     def _meet(self, a: Body[arb], lines: Sequence[FloatLine], standing: Collection[Link]) -> None:
         """Queues the next hits of a circle with some faces."""
         found, unclear = self.filter.faces(a, lines)
         self.queue.push_walls(a, found, standing)
-        if unclear:
-            self._unclear_faces(a, unclear, standing)
+        self.unclear(a, unclear, standing)
 
-    def _unclear_faces(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
-        """Faces that doubles left open."""
-        self.plan["unclear in doubles"] += len(unclear)
-        self.prepare()
-        for k in unclear:
-            self.face(a, k, standing)
-
-    def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
-        """Walls that doubles left open."""
-        self.plan["unclear in doubles"] += len(unclear)
-        self.prepare()
-        for k in unclear:
-            self.wall(a, k, standing)
+    def unclear(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """Predicts a circle's next hits with walls and faces that doubles left open."""
+        if walls:
+            self.plan["unclear in doubles"] += len(walls)
+            self.prepare()
+            for k in walls:
+                (self.wall if k < self.wall_count else self.face)(a, k, standing)
 
     def in_doubles(self, a: Body[arb]) -> FloatFlight | None:
         """See `Predictor.in_doubles`."""
         return None if a.f is None else a.f[:5]
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
-        lines = self._float_lines[a.index] = [self._float_line(a, k) for k in range(self.wall_count)]
+        lines = self._float_lines[a.index] = [self.float_line(a, k) for k in range(self.wall_count)]
         return lines
 
-    def _float_line(self, a: Body[arb], wall: int) -> FloatLine:
-        key = self._key(a, wall)
+    def float_line(self, a: Body[arb], wall: int) -> FloatLine:
+        key = self.key(a, wall)
         if key not in self._known_float_lines:
             self._known_float_lines[key] = float_line(wall, *self.line(a, wall))
         return self._known_float_lines[key]
 
-    def _float_falls(self, a: Body[arb], walls: Sequence[int]) -> list[FloatFall]:
-        """Walls and faces in doubles, with their velocities and what gravity does."""
-        keys = [self._key(a, k) for k in walls]
-        for key, k in zip(keys, walls, strict=True):
-            if key not in self._falls:
-                self._falls[key] = self._float_fall(a, k, key[2])
-        return [self._falls[key] for key in keys]
-
-    def _float_fall(self, a: Body[arb], wall: int, negative: bool) -> FloatFall:
-        exact, g, first = self.scene.walls[wall], self.scene.gravity or (ZERO, ZERO), self.two_sided.start
-        nx, ny = exact.normal
-        if negative:
-            nx, ny = -nx, -ny
-        half, drift, bend = (nx * g[0] + ny * g[1]) / 2, nx * exact.vx + ny * exact.vy, (ny * g[0] - nx * g[1]) / 2
-        with ball.precision(QUICK_BITS):
-            pulls = ball.constant(half), ball.constant(drift), ball.constant(bend)
-        zeros = half.sign() == 0, drift.sign() == 0, bend.sign() == 0
-        other = first + ((wall - first) ^ 1) if wall in self.two_sided else -1
-        return float_fall(self._float_line(a, wall), other, exact.is_face, pulls, zeros, half.sign())
-
-    def _key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
+    def key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
         """A circle's radius, by kind, a wall, and the side of it."""
         return a.kind, wall, self.refinable.balls.sides.negative(a.index, wall)
 

@@ -18,7 +18,7 @@ from ..replay.refinable import RefinableState
 from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
-from ..simulation.prediction import ArrivalQueue, link_of
+from ..simulation.prediction import ArrivalQueue
 from .filtered import (
     ACCURATE_BITS,
     BIG,
@@ -30,7 +30,7 @@ from .filtered import (
     DoubleFilter,
     FilteredPredictor,
 )
-from .filtered_falls import FloatPeg, peg_in_doubles
+from .filtered_falls import FallingPredictor
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
@@ -174,7 +174,7 @@ class ShortArcSides(ArcSides[arb]):
         return FloatArc(link.arc, x, y, reach, nx, ny, edge, norm, self.scene.arc_sides[link.arc].full)
 
 
-class ArcPredictor(FilteredPredictor):
+class ArcPredictor(FallingPredictor):
     """Predictions in doubles, then in short balls, of scenes with arcs. See `FilteredPredictor`."""
 
     def __init__(
@@ -189,7 +189,7 @@ class ArcPredictor(FilteredPredictor):
         self.arcs = ShortArcSides(scene, refinable.balls, self)
 
 
-class PegPredictor(FilteredPredictor):
+class PegPredictor(FallingPredictor):
     """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
@@ -252,19 +252,6 @@ class PegPredictor(FilteredPredictor):
         pull = self.state.sides.pull(*link[:2])
         found = face_contact(link, pull, sign)
         return face_contact(link, pull, decide) if found is None else found
-
-    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
-        """See `FilteredPredictor.onto_peg`."""
-        assert a.f is not None
-        link = link_of(a, peg.body)
-        found = peg_in_doubles(a.f, peg, a.until, link in standing)
-        if isinstance(found, bool):
-            if found:
-                self.plan["unclear in doubles"] += 1
-                self.fall_onto(a, peg.body, standing)
-        elif found[0] <= a.until:
-            self.queue.push_pairs(a, [(*found, peg.body)], ())
-            a.until = min(a.until, found[1])
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
         """Queues the next meeting of a circle that falls with one that stands."""

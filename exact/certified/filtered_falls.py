@@ -2,59 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
 from math import inf, isfinite, sqrt
 from typing import NamedTuple, cast
 
 from flint import arb
 
+from ...scenarios.numbers.quantity import ZERO
+from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
-from ..replay.contact import Body
+from ..numbers import ball
+from ..replay.contact import Body, Link, is_flat
+from ..replay.refinable import RefinableState
 from ..replay.round_falls import Isolated, falling_zero
-
-# -- A state's doubles, and its walls', are off by at most 2u relatively: see filtered.py, which has u, S, V and the
-# bounds of walls that stand.
-
-UNIT = 2.0**-53
-
-ACCURATE_BITS = 60
-"""A ball with this relative accuracy has a radius below 2**-58 of its middle: u/32 at most."""
-
-BIG = 1e50
-"""Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
-
-TINY = 1 / BIG
-
-
-class FloatLine(NamedTuple):
-    """A wall as seen from a circle, in doubles: which it is, a point, a normal, r*|n|, the normal's 1-norm, and the
-    size of the fixed terms of the gap."""
-
-    wall: int
-    x0: float
-    y0: float
-    nx: float
-    ny: float
-    offset: float
-    norm: float
-    size: float
-
-
-def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
-    """The doubles of a wall's short balls. Where these cannot tell the wall, its normal and its size are infinite, and
-    nothing is ever clear: neither that a circle meets it nor that it flies away from it."""
-    fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
-    norm = abs(fnx) + abs(fny)
-    size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
-    sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
-    if not (sharp and size < BIG and 1 / BIG < norm < BIG):
-        norm = size = inf
-    return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
-
+from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, link_of
+from .filtered import ACCURATE_BITS, BIG, QUICK_BITS, TINY, UNIT, FilteredPredictor
 
 # -- Walls that fall, or move, and faces under gravity.
 #
-# In the frame that falls, s after a circle's clock t, the gap is g + a s + k s^2, with k half of n.g, m = n.u, and
+# A state's doubles, and its walls', are off by at most 2u relatively: see filtered.py, which has u, S, V and the bounds
+# of walls that stand. In the frame that falls, s after a circle's clock t, the gap is g + a s + k s^2, with k half of
+# n.g, m = n.u, and
 #
 #     g = n.(x - p) - r |n| + (k t - m) t,    a = n.v + 2 k t - m
 #
@@ -330,3 +299,121 @@ def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) ->
         return True
     low, high = t + low - (late + 8 * UNIT * (t + low)), t + high + (late + 8 * UNIT * (t + high))
     return (low, high) if isfinite(high) else True
+
+
+class FallingPredictor(FilteredPredictor):
+    """Predictions in doubles, then in short balls, under gravity and among walls that move. See `FilteredPredictor`."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        refinable: RefinableState,
+        queue: ArrivalQueue[arb],
+        plan: Counter[str],
+        unsure: Callable[[Link], None],
+    ) -> None:
+        super().__init__(scene, refinable, queue, plan, unsure)
+        self._falls: dict[tuple[int, int, bool], FloatFall] = {}
+        self._pegs: dict[int, list[FloatPeg]] = {}
+
+    def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `FilteredPredictor.at_length`."""
+        super().at_length(moved, standing, gone)
+        self.few = self.few or (self.falling is not None and self.arcs is None and not self.state.pockets)
+
+    def _meet_surfaces(self, moved: Sequence[Body[arb]], standing: Collection[Link]) -> None:
+        if self.falling is None:
+            super()._meet_surfaces(moved, standing)
+            return
+        for a in moved:
+            a.until = inf
+            self._meet_falling(a, range(len(self.scene.walls)), standing)
+        for a in moved:
+            for peg in self.pegs_of(a):
+                self.onto_peg(a, peg, standing)
+
+    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with one that stands."""
+        assert a.f is not None
+        found = peg_in_doubles(a.f, peg, a.until, link_of(a, peg.body) in standing)
+        if isinstance(found, bool):
+            if found:
+                self.plan["unclear in doubles"] += 1
+                self.fall_onto(a, peg.body, standing)
+        elif found[0] <= a.until:
+            self.queue.push_pairs(a, [(*found, peg.body)], ())
+            a.until = min(a.until, found[1])
+
+    def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
+        """As `onto_peg`, in balls."""
+        raise NotImplementedError
+
+    def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """See `Predictor.walls`."""
+        if self.falling is None:
+            super().walls(a, walls, standing)
+        else:
+            self._meet_falling(a, walls, standing)
+
+    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """See `Predictor.meet_faces`."""
+        if self.falling is None:
+            super().meet_faces(a, standing)
+        else:
+            self._meet_falling(a, self.faces, standing)
+
+    def _meet_falling(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """Queues the next hits of a circle with walls that fall or move, and faces under gravity."""
+        unclear = [*walls]
+        if a.f is not None:
+            stands = [link.wall for link in standing if is_flat(link) and link.circle == a.index]
+            found, unclear = falls_in_doubles(a.f, self._as_they_fall(a, walls), *self.filter.wall_bounds, stands)
+            self.queue.push_walls(a, found, ())
+        self.unclear(a, unclear, standing)
+
+    def outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
+        """See `FilteredPredictor.outlook_of`: walls as they fall, and circles that stand aside."""
+        found, every, pegs = super().outlook_of(key), range(len(self.scene.walls)), self.scene.pegs
+        if self.falling is None:
+            return found
+        moved = [self.state.bodies[i] for i in dict.fromkeys(key)]
+        self.outlooks[key] = found = found._replace(
+            others=[[b for b in others if b.index not in pegs] for others in found.others],
+            lines=[self._as_they_fall(a, every) for a in moved],
+            pegs=[self.pegs_of(a) for a in moved],
+        )
+        return found
+
+    def _as_they_fall(self, a: Body[arb], walls: Sequence[int]) -> list[FloatFall]:
+        """Walls and faces in doubles, with their velocities and what gravity does."""
+        keys = [self.key(a, k) for k in walls]
+        for key, k in zip(keys, walls, strict=True):
+            if key not in self._falls:
+                self._falls[key] = self._as_it_falls(a, k, key[2])
+        return [self._falls[key] for key in keys]
+
+    def _as_it_falls(self, a: Body[arb], wall: int, negative: bool) -> FloatFall:
+        exact, g, first = self.scene.walls[wall], self.scene.gravity or (ZERO, ZERO), self.two_sided.start
+        nx, ny = exact.normal
+        if negative:
+            nx, ny = -nx, -ny
+        half, drift, bend = (nx * g[0] + ny * g[1]) / 2, nx * exact.vx + ny * exact.vy, (ny * g[0] - nx * g[1]) / 2
+        with ball.precision(QUICK_BITS):
+            pulls = ball.constant(half), ball.constant(drift), ball.constant(bend)
+        zeros = half.sign() == 0, drift.sign() == 0, bend.sign() == 0
+        other = first + ((wall - first) ^ 1) if wall in self.two_sided else -1
+        return float_fall(self.float_line(a, wall), other, exact.is_face, pulls, zeros, half.sign())
+
+    def pegs_of(self, a: Body[arb]) -> Sequence[FloatPeg]:
+        """The circles that stand under gravity, as one that falls meets them."""
+        found = self._pegs.get(a.kind)
+        if found is None:
+            pegs: list[int] = sorted(self.scene.pegs)
+            with ball.precision(QUICK_BITS):
+                half = [ball.constant(g / 2) for g in self.scene.gravity or (ZERO, ZERO)]
+                found = self._pegs[a.kind] = [self._as_it_stands(a, k, *half) for k in pegs]
+        return found
+
+    def _as_it_stands(self, a: Body[arb], peg: int, hx: arb, hy: arb) -> FloatPeg:
+        circle, body = self.scene.circles[peg], self.state.bodies[peg]
+        return float_peg(body, ball.constant(circle.x), ball.constant(circle.y), self.reach(a, body), hx, hy)

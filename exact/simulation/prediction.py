@@ -38,6 +38,20 @@ from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 # -- The queue of predicted arrivals: earliest lower bound first, stale ones dropped when they come up.
 
 
+class FloatLine(NamedTuple):
+    """A wall as seen from a circle, in doubles: which it is, a point, a normal, r*|n|, the normal's 1-norm, and the
+    size of the fixed terms of the gap."""
+
+    wall: int
+    x0: float
+    y0: float
+    nx: float
+    ny: float
+    offset: float
+    norm: float
+    size: float
+
+
 class Arrival(NamedTuple, Generic[N]):
     """A predicted meeting: doubles that enclose its time, and what it rests on.
 
@@ -66,10 +80,8 @@ class Outlook(NamedTuple, Generic[N]):
     """What one or two circles may meet.
 
     Attributes:
-        others: for each, the circles to be looked at.
-        lines: for each, its walls, then its faces.
+        others, pegs, lines: for each, circles to look at, those that stand under gravity, walls and then faces.
         reaches: for each, sums of radii by kind of radius.
-        pegs: for each, the circles that stand under gravity.
         pairs: how many pairs of circles that is.
         first_face: the first of the walls that is a face.
     """
@@ -77,7 +89,7 @@ class Outlook(NamedTuple, Generic[N]):
     others: list[list[Body[N]]]
     lines: list[Sequence[tuple[float, ...]]]
     reaches: list[list[float]]
-    pegs: list[Sequence[tuple[Body[N], float, float, float, float, float]]]
+    pegs: list[Sequence[tuple[object, ...]]]
     pairs: int
     first_face: int
 
@@ -192,7 +204,7 @@ class ArrivalQueue(Generic[N]):
         if predictions is None:
             return False
         now = self._heap, self._order, outlook.first_face
-        order = predictions.predict(moved, *outlook[:4], bounds, slopes, standing, *now)
+        order = predictions.predict(moved, *outlook[:4], bounds, slopes, tuple(standing), *now)
         if order is None:
             return False
         self._order = order

@@ -13,7 +13,7 @@ import pytest
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as bits_of_a_run
 from truebreak.exact.certified import filtered as prediction
-from truebreak.exact.certified.filtered_falls import FloatLine
+from truebreak.exact.simulation.prediction import FloatLine
 from truebreak.scenarios import Circle, Quantity, Scene, Trajectory, Wall, catalogue
 from truebreak.scenarios.numbers import precision
 

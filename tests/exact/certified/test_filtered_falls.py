@@ -6,7 +6,6 @@ are found, one by one, as are signs that are wrong: see the planted faults.
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -14,13 +13,11 @@ from fractions import Fraction as Q
 from random import Random
 from typing import Any, NamedTuple
 
-import pytest
 from flint import arb
-from quartic_referee import first_fall, value
+from quartic_referee import first_fall
 
 from truebreak.exact.certified import filtered_falls
 from truebreak.exact.certified.filtered_falls import FloatFall, FloatPeg, fall_in_doubles, peg_in_doubles
-from truebreak.exact.replay import round_falls
 from truebreak.exact.replay.contact import Body, Flight
 
 U = Q(1, 2**53)
@@ -146,7 +143,9 @@ def drawn_case(rng: Random) -> Case | None:
     elif kind == "end" and is_face and (when := c._replace(is_face=False).meeting()) is not None:
         along, slide, bend = c.foot()
         wait, nn = when - c.t, c.nx**2 + c.ny**2
-        by = Q(round(((along + (slide + bend * wait) * wait) / nn - rng.choice([0, 1]) * (1 + faint(rng))) * 2**80), 2**80)
+        by = Q(
+            round(((along + (slide + bend * wait) * wait) / nn - rng.choice([0, 1]) * (1 + faint(rng))) * 2**80), 2**80
+        )
         c = c._replace(x0=c.x0 + by * c.ny, y0=c.y0 - by * c.nx)
     g, a, k = c.gap()
     if c.stands:
@@ -182,15 +181,17 @@ def cases(seed: str, count: int) -> Iterator[tuple[Case, Random]]:
 
 
 def test_what_is_said_of_walls_and_faces_is_true() -> None:
-    found = Counter(judged(case, rng, fall_in_doubles) for case, rng in cases("walls", 6_000))
+    found = Counter(judged(case, rng, fall_in_doubles) for case, rng in cases("walls", 5_000))
     assert found["wrong"] == 0
-    assert min(found["met"], found["none"]) > 500
+    assert min(found["met"], found["none"]) > 300
     assert found["unclear"] < 0.4 * found.total()
 
 
 def test_of_plain_cases_nothing_is_unclear() -> None:
     """A filter that said nothing would be true, and of no use."""
-    plain = [(c, rng) for c, rng in cases("plain", 4_000) if c.late == 0 and all(abs(g) > Q(1, 1000) for g in c.gap()[:2])]
+    plain = [
+        (c, rng) for c, rng in cases("plain", 4_000) if c.late == 0 and all(abs(g) > Q(1, 1000) for g in c.gap()[:2])
+    ]
     found = Counter(judged(case, rng, fall_in_doubles) for case, rng in plain if not case.stands)
     assert found["unclear"] < 0.25 * found.total()
 
@@ -217,7 +218,10 @@ class PegCase(NamedTuple):
     def gap(self) -> list[Q]:
         """The gap as a polynomial of the time from the instant."""
         t = self.t + self.late
-        ex, ey = self.x + self.vx * self.late - self.px + self.hx * t**2, self.y + self.vy * self.late - self.py + self.hy * t**2
+        ex, ey = (
+            self.x + self.vx * self.late - self.px + self.hx * t**2,
+            self.y + self.vy * self.late - self.py + self.hy * t**2,
+        )
         ux, uy = self.vx + 2 * self.hx * t, self.vy + 2 * self.hy * t
         return [
             ex * ex + ey * ey - self.reach**2,
