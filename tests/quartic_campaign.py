@@ -1,6 +1,6 @@
 """First falling zeros of many polynomials in doubles, in balls and exactly, compared with Sturm's chains: counted.
 
-python tests/quartic_campaign.py 1000 2000       # the polynomials of these numbers, a line for each answer that is wrong
+python tests/quartic_campaign.py 1000 2000       # the polynomials of these numbers, and what is wrong
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ from truebreak.exact.replay.round_falls import (
     falling_zero_exactly,
     falling_zero_in_balls,
     gap_quartic,
+    horner,
+    horner_slope,
+    sharpened,
 )
 
 WIDTH = Fraction(1, 2**220)
@@ -136,7 +139,26 @@ def in_fractions(c: Poly) -> Any:
     return Isolated(found.low, found.high) if isinstance(found, ExactZero) else None
 
 
-WAYS: dict[str, Callable[[Poly], Any]] = {"doubles": in_doubles, "balls": in_balls, "fractions": in_fractions}
+def by_newton(c: Poly, bits: int = 300) -> Any:
+    """Where balls isolate it, sharpened to their precision."""
+    found = in_balls(c, bits)
+    if not isinstance(found, Isolated):
+        return found
+    with ball.precision(bits):
+        b = [arb(fmpq(x.numerator, x.denominator)) for x in c]
+        low, high = (arb(fmpq(*exact(end).as_integer_ratio())) for end in found)
+        zero = sharpened(low, high, lambda t: horner(b, t), lambda t: horner_slope(b, t))
+        if zero is None:
+            return Unclear(float(exact(found.low)) * (1 - 2.0**-40))
+        return Isolated(*(ball_end.fmpq() for ball_end in (zero.lower(), zero.upper())))
+
+
+WAYS: dict[str, Callable[[Poly], Any]] = {
+    "doubles": in_doubles,
+    "balls": in_balls,
+    "fractions": in_fractions,
+    "Newton": by_newton,
+}
 
 
 def campaign(low: int, high: int) -> Counter[str]:
@@ -150,6 +172,10 @@ def campaign(low: int, high: int) -> Counter[str]:
         for way, decide in WAYS.items():
             found = decide(c)
             counts[f"{way}: open"] += isinstance(found, Unclear)
+            if way == "Newton" and isinstance(found, Isolated):
+                counts["Newton: fewer than 200 bits of 300"] += (
+                    exact(found.high) - exact(found.low) > exact(found.high) / 2**200
+                )
             if is_wrong(found, truth):
                 counts[f"{way}: WRONG"] += 1
                 print(number, kind, way, found, truth, c, flush=True)

@@ -22,7 +22,7 @@ FALL = 10
 
 
 def _pegs(rows: int, reach: int, odd: bool) -> Iterator[Circle]:
-    """Rows of pegs 2 apart, each set off by 1 from the one before, from -reach to reach; `odd`: none at 0 in the first."""
+    """Rows of pegs 2 apart, set off by 1 from the row before, from -reach to reach; `odd`: the first has none at 0."""
     for row in range(rows):
         first = -reach + (reach + row + odd) % 2
         for k, x in enumerate(range(first, reach + 1, 2), 1):
@@ -53,7 +53,7 @@ def galton(rows: int, e: Quantity, seed: int) -> Scene:
     return Scene(
         [Circle(x, 3, r=BALL, id="ball"), *_pegs(rows, rows, False)],
         _sides(rows + 1),
-        segments=_collector(rows + 1, floor, 4),
+        segments=_collector(rows + 1, floor, 5),
         gravity=(0, -FALL),
         restitution=e,
         events=200,
@@ -72,7 +72,7 @@ def plinko(slot: int, off: Quantity, e: Quantity) -> Scene:
     return Scene(
         [Circle(2 * slot - SLOTS - 1 + off, 3, r=BALL, id="disc"), *_pegs(PLINKO_ROWS, SLOTS - 1, False)],
         _sides(SLOTS),
-        segments=_collector(SLOTS, -ROW * (PLINKO_ROWS - 1) - 6, 4),
+        segments=_collector(SLOTS, -ROW * (PLINKO_ROWS - 1) - 6, 5),
         gravity=(0, -FALL),
         restitution=e,
         events=200,
@@ -156,7 +156,7 @@ def platforms(vx: Quantity, e: Quantity) -> Scene:
 
 
 ROWS = Parameter("rows", "10", "rows of pegs", whole(1, 40))
-LOSS = Parameter("e", "1/2", "restitution", number(above=0))
+LOSS = Parameter("e", "7/10", "restitution", number(above=0))
 COINS = "Were each peg a fair coin, the bins would be binomial: bin k + 1 of rows + 1 with C(rows, k) / 2**rows"
 
 SCENES = {
@@ -250,8 +250,8 @@ SCENES = {
         name="platforms",
         summary="A ball is thrown in the level of pymunk's platformer, without friction.",
         parameters=(
-            Parameter("vx", "200", "velocity to the right", number()),
-            Parameter("e", "9/10", "restitution", number(above=0)),
+            Parameter("vx", "700", "velocity to the right", number()),
+            Parameter("e", "1", "restitution", number(above=0)),
         ),
         known=(
             "The level is 15 segments, of which many share ends; its player, a moving platform and friction are left "

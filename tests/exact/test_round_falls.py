@@ -90,7 +90,8 @@ def test_no_first_zero_is_wrong_or_missed(decide: Callable[[Poly], Any]) -> None
 def test_the_campaign_counts_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(WAYS, "doubles", by_samples)
     counts = campaign(0, 130)
-    assert counts["doubles: WRONG"] > 0 == counts["balls: WRONG"] + counts["fractions: WRONG"]
+    assert counts["doubles: WRONG"] > 0 == sum(counts[f"{way}: WRONG"] for way in WAYS if way != "doubles")
+    assert counts["Newton: fewer than 200 bits of 300"] == 0
 
 
 def test_doubles_decide_what_is_ordinary() -> None:

