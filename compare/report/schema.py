@@ -56,7 +56,7 @@ DOCUMENTS = {
         "compare.report.search_text:AdviceDocument",
         "The cheapest setting of an engine that gets what is asked for right, as `truebreak advise --json` prints it",
     ),
-    "bench-4": (
+    "bench-5": (
         "compare.report.speed_report:BenchDocument",
         "Run time against error, as `truebreak bench --json` prints it",
     ),
