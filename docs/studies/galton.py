@@ -71,7 +71,9 @@ def report(rows: int, found: Sequence[dict[str, int | str]]) -> Iterator[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog="python docs/studies/galton.py", description=(__doc__ or "").partition("\n")[0]
+    )
     parser.add_argument("--balls", type=int, default=100)
     parser.add_argument("--rows", type=int, default=10)
     parser.add_argument("--e", default="7/10", help="restitution")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import log, sqrt
 
 import pytest
@@ -82,7 +83,7 @@ def test_a_ball_leaves_the_axis_of_a_peg_as_fast_as_is_known(k: int, h: int) -> 
     rate = half + sqrt(half * half - 1)
     assert abs(len(run.events) - k * log(2) / log(rate)) < 2
     ways = [float(run.at(event.time)["ball"].x) for event in run.events[:-2]]
-    growth = [b / a for a, b in zip(ways[1:], ways[2:], strict=False)]
+    growth = [b / a for a, b in pairwise(ways)]
     assert growth
     assert growth[-1] == pytest.approx(rate, rel=0.01)
 
@@ -91,7 +92,7 @@ def test_a_ball_on_the_axis_bounces_for_ever_in_equal_times() -> None:
     run = ExactEngine().run(catalogue.build("axis:k=0"))
     assert len(run.events) == 40
     times = [float(event.time) for event in run.events]
-    assert [b - a for a, b in zip(times, times[1:], strict=False)] == pytest.approx([2 * sqrt(0.8)] * 39, abs=1e-12)
+    assert [b - a for a, b in pairwise(times)] == pytest.approx([2 * sqrt(0.8)] * 39, abs=1e-12)
     assert all(float(run.at(event.time)["ball"].x) == 0 for event in run.events)
 
 
@@ -100,7 +101,7 @@ def test_a_ball_bounces_down_a_ramp_by_one_two_three(h: str) -> None:
     run = ExactEngine().run(catalogue.build(f"ramp:h={h}"))
     xs = [Quantity.of(run.at(event.time)["ball"].x.text()) for event in run.events]
     step = Quantity.of(h) * 24 / 5 * 4 / 5
-    assert [b - a for a, b in zip(xs, xs[1:], strict=False)] == [step * n for n in range(1, len(xs))]
+    assert [b - a for a, b in pairwise(xs)] == [step * n for n in range(1, len(xs))]
     assert len(xs) >= 6
     assert xs[-1] <= 80 + Quantity.of("3/10") < xs[-1] + step * len(xs)
 
