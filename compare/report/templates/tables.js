@@ -48,7 +48,7 @@ for (const button of document.querySelectorAll("[data-copy], [data-copy-text]"))
 // Folds of one name are open one at a time, as a page on a telephone would grow long; a wide one shows as many as are
 // wanted, and an engine that is unfolded with all of its parts. Paper shows everything.
 const narrow = matchMedia("(max-width: 42rem)");
-const folds = [...document.querySelectorAll("details[name]:not(.help)")].map((fold) => [fold, fold.getAttribute("name")]);
+const folds = [...document.querySelectorAll("details:not(.help)")].map((fold) => [fold, fold.getAttribute("name")]);
 let printed = null; // while it is printed: whether each fold was open
 function grouped() {
   for (const [fold, name] of folds) {
