@@ -276,9 +276,7 @@ def _bounds(value: Real) -> tuple[float, float]:
     return value.bounds() if isinstance(value, ExactValue) else (float(value), float(value))
 
 
-def equality(
-    one: Real, other: Real, texts: Callable[[ExactValue], str | None] = ExactValue.text
-) -> bool | None:
+def equality(one: Real, other: Real, texts: Callable[[ExactValue], str | None] = ExactValue.text) -> bool | None:
     """Whether two numbers are equal; None if that is not proved.
 
     Args:
