@@ -308,8 +308,8 @@ class Prover(Checker):
             m = world.meeting(c, self.age)
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
                 return False
-            if ranged and -1 in (m.foot.sign(), m.far.sign()):  # on the line of a face beyond its ends the gap is 0 too
-                return False
+            if ranged and -1 in (world.ask(x, c, self.age).sign() for x in ("foot", "far")):
+                return False  # on the line of a face beyond its ends the gap is 0 too
         if not (self.zero("gap", c, self.age) and self._beside(c)):
             return False
         if self.hollow(c) and not self.sign("closing", c):

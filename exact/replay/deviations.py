@@ -236,16 +236,11 @@ class Deviations:
         first, *rest = (self.place.get(k, FIXED) for k in link.circles)
         return first, rest[0] if rest else FIXED
 
-    def weights_of(self, link: Round) -> tuple[float, float]:
-        """The inverse masses of the two: 0 for an arc."""
-        first, *rest = (self.weights[k] for k in link.circles)
-        return first, rest[0] if rest else 0.0
-
     def strength(self, state: BallState, link: Round) -> float:
         """-(1 + e) / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
             reach = abs(ball.as_double(state.reach(*link.ends(state))))
-            weight = reach * reach * sum(self.weights_of(link))
+            weight = reach * reach * sum(weights_of(self, link))
             share = 1.0 if state.share is None else ball.as_double(state.share)
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
             found = self._strengths[link] = -speed_change(1.0) * share / weight if known else 0.0
@@ -269,7 +264,7 @@ class Deviations:
 
     def meet(self, link: Round, movers: Sequence[Body[arb]], hit: Collision) -> bool:
         """Two circles have collided, or one and an arc; whether that could be carried."""
-        (i, j), weights = self.places(link), self.weights_of(link)
+        (i, j), weights = self.places(link), weights_of(self, link)
         moved = [(body, *numbers_of(body)) for body in movers]
         rounding, _ = self.recentre(moved, movers[0].flight.t, movers[0].flight.last)
         self.errors.meet(i, j, (0.0, 0.0), weights, hit, rounding)
@@ -320,7 +315,7 @@ class Deviations:
             for number, scale in ((x, 1.0), (y, 1.0), (vx, unit), (vy, unit)):
                 known = number.rel_accuracy_bits()
                 if known < FEW_BITS:
-                    beside += self._radius(number) * scale
+                    beside += counted_radius(number, self.errors.shift) * scale
                 elif known < bits:
                     bits = known
             self.carried.add(body.index)
@@ -328,13 +323,23 @@ class Deviations:
         rounding = ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf
         return (rounding + beside) * UP if beside else rounding, doubles
 
-    def _radius(self, number: arb) -> float:
-        """A number's radius, as the set counts lengths; infinite where doubles do not tell it."""
-        if not number.is_finite():
-            return inf
-        mantissa, exponent = map(int, number.rad().man_exp())
-        shift = self.errors.shift
-        return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
+
+def counted_radius(number: arb, shift: int) -> float:
+    """A number's radius, divided by 2**shift; infinite where doubles do not tell it.
+
+    >>> 4.0 <= counted_radius(arb(0, 0.5), -3) < 4.001
+    True
+    """
+    if not number.is_finite():
+        return inf
+    mantissa, exponent = map(int, number.rad().man_exp())
+    return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
+
+
+def weights_of(held: Deviations, link: Round) -> tuple[float, float]:
+    """The inverse masses of the two of a contact: 0 for an arc."""
+    first, *rest = (held.weights[k] for k in link.circles)
+    return first, rest[0] if rest else 0.0
 
 
 def waited(late: arb | None) -> float:
