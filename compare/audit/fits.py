@@ -425,12 +425,10 @@ def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> t
 
 
 def _sorts(laws: Laws, missed: _Missed, bad: Sequence[Sample]) -> Iterable[tuple[str, list[Sample]]]:
-    """Sorts of contacts that have all of the bad ones, the widest first, in words; without those too slow to show."""
+    """Sorts of contacts that have all of the bad ones, the widest first, in words."""
     wall = lambda s: s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends  # noqa: E731
     pairs = dict.fromkeys(map(missed.names, bad))
     slow, fast = min(s.speed for s in bad), max(s.speed for s in bad)
-    least = min(max(abs(s.restitution - 1), s.aside) for s in bad)
-    clear = [s for s in missed.samples if 2 * NEAR * s.room < least or s in bad]
     sorts: list[tuple[str, Callable[[Sample], bool]]] = [
         ("", lambda s: True),
         (" at walls", wall),
@@ -441,14 +439,16 @@ def _sorts(laws: Laws, missed: _Missed, bad: Sequence[Sample]) -> Iterable[tuple
         (f" below a normal speed of {fast:.3g}", lambda s: s.speed <= fast),
     ]  # fmt: skip
     for words, holds in sorts:
-        mine = [s for s in clear if holds(s)]
+        mine = [s for s in missed.samples if holds(s)]
         if len(mine) >= FEWEST and all(map(holds, bad)):
             yield words, mine
 
 
 def _restitutions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
     """One restitution for all contacts, or for all of a sort; the others keep the law."""
-    for words, mine in _sorts(laws, missed, missed.speeds):
+    least = min(abs(s.restitution - 1) for s in missed.speeds)
+    for words, sort in _sorts(laws, missed, missed.speeds):
+        mine = [s for s in sort if 2 * NEAR * s.room < least or s in missed.speeds]  # others are too slow to show it
         found = _one_value([s.restitution for s in mine], 1.0, [s.room for s in mine])
         if found is None:
             continue
@@ -461,10 +461,12 @@ def _restitutions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
 
 def _frictions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
     """The speed across the line of centres changes in one ratio, at all contacts or at all of a sort that slide."""
-    for words, found in _sorts(laws, missed, missed.aside):
-        mine = [s for s in found if not math.isnan(s.sliding)]
-        one = _one_value([s.sliding for s in mine], 1.0, [s.room * s.speed for s in mine])
-        if one is not None:
+    mine = missed.aside
+    one = _one_value([s.sliding for s in mine], 1.0, [s.room * s.speed for s in mine])
+    if one is None or len(mine) < FEWEST:
+        return
+    for words, sort in _sorts(laws, missed, mine):
+        if all(abs(one[0] - 1) * s.slide < 8 * NEAR * s.room * s.speed for s in sort if s not in mine):  # too slow
             what = f"the speed across the contact becomes {_told(one[0], 1.0)} of what it was{words}"
             yield Fit(what, len(mine), len(mine), *one, "friction")
 
@@ -518,7 +520,7 @@ def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
 def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
     """Velocities that decay, an acceleration, or places that are moved without a flight.
 
-    With each, by how much it moves a place without a flight, and by how much it changes a velocity in the longest one.
+    With each, by how much it moves a place at most, and by how much it changes a velocity.
     """
     bad, longest = missed.flights, max(d.span for d in missed.flights)
     if len(bad) < FEWEST:
@@ -535,19 +537,19 @@ def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
         [-2 * d.along / (d.speed * d.span**2) for d in moving], [d.room / (d.speed * d.span**2) for d in moving],
         lambda value: f"speeds that fall by {value:.3g} of themselves a unit of time", "damping",
     ):  # fmt: skip
-        yield fit, 0.0, abs(fit.value) * longest * fast
+        yield fit, abs(fit.value) * longest**2 * fast, abs(fit.value) * longest * fast
     for fit in tried(
         [d.along / (d.speed * d.span) for d in moving], [d.room / (d.speed * d.span) for d in moving],
         lambda value: f"ways {_percent(-value)} than speed times time", "damping",
     ):  # fmt: skip
-        yield fit, 0.0, abs(fit.value) * fast
+        yield fit, abs(fit.value) * longest * fast, abs(fit.value) * fast
     for axis, name in ((0, "x"), (1, "y")):
         for fit in tried(
             [2 * (d.x, d.y)[axis] / d.span**2 for d in flown], [2 * d.room / d.span**2 for d in flown],
             lambda value, name=name: f"an acceleration of {value:.3g} along {name}", "acceleration",
         ):  # fmt: skip
             if all(abs((d.y, d.x)[axis]) <= d.room for d in flown):
-                yield fit, 0.0, abs(fit.value) * longest
+                yield fit, abs(fit.value) * longest**2, abs(fit.value) * longest
     for fit in tried(
         [math.hypot(d.x, d.y) for d in bad], [d.room for d in bad],
         lambda value: f"places moved by {value:.3g}, without a flight", "correction",
@@ -578,9 +580,7 @@ EXPLAINS = {
     "radius": {"gap", "depth"},
     "wall": {"gap", "depth"},
     "gap": {"gap", "depth"},
-    "damping": {"flight", "impulse", "energy", "depth"},
-    "acceleration": {"flight", "impulse", "energy", "depth"},
-    "correction": {"flight", "gap", "impulse", "energy", "depth"},
+    **{kind: {"flight", "impulse", "energy", "gap", "depth"} for kind in FLIGHTS},
 }
 """Of each kind of description, the kinds of steps that miss a law for what it says."""
 

@@ -180,8 +180,8 @@ class World:
             for j in range(i + 1, self.count + len(self.walls))
             if (i, j) not in self.through
         ]
-        best = min(found, default=(math.inf, 0, 0))
-        return (best[0] + (self.size if self.fault == "late" else 0.0), *best[1:]) if best[0] < math.inf else None
+        wait, i, j = min(found, default=(math.inf, 0, 0))
+        return (wait + (self.size if self.fault == "late" else 0.0), i, j) if wait < math.inf else None
 
     def fly(self, wait: float) -> None:
         """On their parabolas."""
