@@ -270,8 +270,7 @@ class CertifiedMeetings:
                     return t + wait
             except ZeroDivisionError:
                 pass
-            why = f"the time of {self._judge.name(moment.link)} is unsharp"
-            units = self._precision.units()
+            why, units = f"the time of {self._judge.name(moment.link)} is unsharp", self._precision.units()
             if spent and spent + units > self._work:  # once is as when accuracy runs low
                 where = f"{self._precision.where()}, with {self._state.bits} bits"
                 raise Undecided(f"{why}, {where}; more than {self._work} units of work (--work)")
