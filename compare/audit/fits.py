@@ -171,6 +171,7 @@ class BounceRatios:
     Attributes:
         asked: that of the scene.
         mean, low, high: over all bounces.
+        spread: their standard deviation.
         count: contacts alone at their instant whose approach is more than rounding.
     """
 
@@ -179,15 +180,16 @@ class BounceRatios:
     low: float
     high: float
     count: int
+    spread: float = 0.0
 
     def __str__(self) -> str:
         """In words.
 
-        >>> str(BounceRatios(0.9, 0.89, 0.875, 0.9, 12))
-        'asked for restitution 0.9, its 12 bounces have 0.89 on average, 0.875 to 0.9'
+        >>> str(BounceRatios(0.9, 0.89, 0.875, 0.9, 12, 0.008))
+        'asked for restitution 0.9, its 12 bounces have 0.89 on average, 0.875 to 0.9 (spread 0.008)'
         """
         has = f"its {self.count:,} bounces have" if self.count > 1 else "its bounce has"
-        spread = f" on average, {self.low:.4g} to {self.high:.4g}" if self.count > 1 else ""
+        spread = f" on average, {self.low:.4g} to {self.high:.4g} (spread {self.spread:.2g})" if self.count > 1 else ""
         return f"asked for restitution {self.asked:.4g}, {has} {self.mean:.4g}{spread}"
 
 
@@ -215,7 +217,8 @@ def bounces_of(transcript: Transcript, laws: Laws) -> BounceRatios | None:
     if not ratios:
         return None
     mean = math.fsum(ratios) / len(ratios)
-    return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios))
+    spread = math.sqrt(math.fsum((ratio - mean) ** 2 for ratio in ratios) / len(ratios))
+    return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios), spread)
 
 
 def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events: int, back: float) -> Iterable[Sample]:
@@ -335,6 +338,7 @@ def drifts(laws: Laws, instant: ReportedInstant, events: int) -> list[Drift]:
 def fit_of(laws: Laws, samples: Sequence[Sample], flights: Sequence[Drift], ids: Sequence[str]) -> Fit | None:
     """The simplest description of what some contacts and flights miss; None if none explains half of them."""
     tried = [
+        *(_accelerations(flights) if laws.fall is not None else ()),  # what is wrong with a fall shows at impacts, too
         *_restitutions(laws, samples, ids),
         *_masses(laws, samples, ids),
         *_frictions(samples),
@@ -508,14 +512,22 @@ def _flights(flights: Sequence[Drift]) -> Iterable[Fit | None]:
     found = _one_value(share, 0.0, [d.room / (d.speed * d.span) / NEAR for d in bad if d.speed and d.span])
     if found is not None and len(share) == len(bad):
         yield Fit(f"ways {_percent(-found[0])} than speed times time", len(bad), len(bad), *found, "damping")
+    yield from _accelerations(flights)
+    found = _one_value([math.hypot(d.x, d.y) for d in bad], 0.0, [room / NEAR for room in rooms])
+    if found is not None:
+        yield Fit(f"places moved by {found[0]:.3g}, without a flight", len(bad), len(bad), *found, "correction")
+
+
+def _accelerations(flights: Sequence[Drift]) -> Iterable[Fit | None]:
+    """One acceleration along an axis, beside that of the scene."""
+    bad = [d for d in flights if math.hypot(d.x, d.y) > d.room]
+    if len(bad) < FEWEST:
+        return
     for axis, name in ((0, "x"), (1, "y")):
         pulls = [2 * (d.x, d.y)[axis] / d.span**2 for d in bad if d.span]
         found = _one_value(pulls, 0.0, [2 * d.room / d.span**2 / NEAR for d in bad if d.span])
         if found is not None:
             yield Fit(f"an acceleration of {found[0]:.3g} along {name}", len(bad), len(bad), *found, "acceleration")
-    found = _one_value([math.hypot(d.x, d.y) for d in bad], 0.0, [room / NEAR for room in rooms])
-    if found is not None:
-        yield Fit(f"places moved by {found[0]:.3g}, without a flight", len(bad), len(bad), *found, "correction")
 
 
 def _once(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable[Fit | None]:

@@ -123,6 +123,8 @@ def judge(
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:
                 say(out, f"{candidate.engine}: {note}.")
+            if candidate.laws is not None and candidate.laws.bounces is not None:
+                say(out, f"{candidate.engine}: {candidate.laws.bounces}.")
         for change in changes:
             say(out, change.sentence, "bold")
     return DONE if exit_zero else of_comparison(comparison)
