@@ -32,6 +32,67 @@ MOST_EVENTS = 1_000_000
 """Events of one recording: a few hundred megabytes."""
 
 
+class StepFall(NamedTuple):
+    """How an engine of steps falls: see `SteppedFall`."""
+
+    ahead: float
+    early: float
+
+
+FALLS_FEWEST = 3
+"""Flights by which the way in which an engine falls is known."""
+
+
+def step_fall(
+    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
+) -> StepFall | None:
+    """How an engine of steps falls, by the states that it reports; None where they do not agree.
+
+    Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
+    One that moves first is taken for pymunk's like.
+
+    Args:
+        room: by how much a place may be off.
+
+    >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
+    >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
+    >>> step_fall([told], (0.0, -4.0), 0.5, (), 1e-12)
+    StepFall(ahead=1.0, early=0.0)
+    """
+    (gx, gy), found = gravity, list[tuple[float, float]]()
+    square = gx * gx + gy * gy
+    for k, row in enumerate(knots):
+        for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
+            span = after - t
+            size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
+            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
+                continue
+            dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
+            unit = square * step * span
+            found.append((0.5 + (dx * gx + dy * gy) / unit, 2 * room * size * math.sqrt(square) / unit))
+    if len(found) < FALLS_FEWEST:
+        return None
+    ahead = sorted(value for value, _ in found)[len(found) // 2]
+    if not -NEAR_AHEAD <= ahead <= 1.0 + NEAR_AHEAD:
+        return None
+    if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
+        return None
+    ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
+    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
+
+
+NEAR_AHEAD = 2.0**-12
+"""How near two flights have to agree on the way in which an engine falls."""
+
+
+class Steps(NamedTuple):
+    """An engine of so many bits, with its time step, if it has one, and how it falls, where that is known."""
+
+    bits: int | None
+    step: float | None
+    fall: StepFall | None = None
+
+
 class RunSoFar:
     """The events of a run so far, and where every circle is.
 
@@ -39,7 +100,7 @@ class RunSoFar:
         scene: what is run.
         impacts: its laws.
         rows: x, y, vx, vy of every circle at the start.
-        way: how circles fly between two knots.
+        steps: what the engine is.
 
     Attributes:
         times: of the events.
@@ -48,8 +109,10 @@ class RunSoFar:
         reckoned: the events that came without states.
     """
 
-    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], way: DoubleMotion) -> None:
-        self.scene, self._impacts, self._way = scene, impacts, way
+    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], steps: Steps) -> None:
+        self.scene, self._impacts, self._steps = scene, impacts, steps
+        self._gravity = None if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
+        self._way = self._flights()
         self.times: list[float] = []
         self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
         self.left: list[tuple[float, tuple[int, ...]]] = []
@@ -103,6 +166,34 @@ class RunSoFar:
     def rows(self, now: float) -> list[Row]:
         """Where every circle is by its last flight."""
         return [self._way.flown(k, row[-1], now) for k, row in enumerate(self.knots)]
+
+    def rounds(self, span: float) -> float:
+        """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
+        bits, step, _ = self._steps
+        if self._gravity is None or bits is None:
+            return FLIGHT
+        return max(FLIGHT, 4.0 * max(1.0, 1.0 if step is None else span / step) * 2.0**-bits)
+
+    def _flights(self) -> DoubleMotion:
+        """How circles fly, without knots."""
+        if self._gravity is None:
+            return DoubleMotion(())
+        (gx, gy), (_, step, fall) = self._gravity, self._steps
+        if fall is None or step is None:
+            return FallingMotion((), halves=(gx / 2, gy / 2), pegs=self.scene.pegs)
+        return SteppedFall((), math.inf, (gx, gy), step, self.scene.pegs, *fall)
+
+    def motion(self, knots: Sequence[Sequence[DoubleKnot]], end: float, scale: float) -> EventMotion:
+        """The flights between what was reported; of an engine of steps as its own states say that it falls."""
+        left, reckoned = self.left, tuple(sorted(self.reckoned))
+        if self._gravity is None:
+            return EventMotion(knots, end, left, reckoned)
+        (gx, gy), pegs, (_, step, fall) = self._gravity, self.scene.pegs, self._steps
+        if fall is None and step is not None and not reckoned:
+            fall = step_fall(knots, self._gravity, step, pegs, self.rounds(step) * scale)
+        if fall is None or step is None:
+            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left, reckoned)
+        return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 
 # ----------------------------------------
@@ -228,59 +319,6 @@ UNEXPLAINED = 1 / 8
 of centres, and so an honest step leaves some."""
 
 
-class StepFall(NamedTuple):
-    """How an engine of steps falls: see `SteppedFall`."""
-
-    ahead: float
-    early: float
-
-
-FALLS_FEWEST = 3
-"""Flights by which the way in which an engine falls is known."""
-
-
-def step_fall(
-    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
-) -> StepFall | None:
-    """How an engine of steps falls, by the states that it reports; None where they do not agree.
-
-    Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
-    One that moves first is taken for pymunk's like.
-
-    Args:
-        room: by how much a place may be off.
-
-    >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
-    >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
-    >>> step_fall([told], (0.0, -4.0), 0.5, (), 1e-12)
-    StepFall(ahead=1.0, early=0.0)
-    """
-    (gx, gy), found = gravity, list[tuple[float, float]]()
-    square = gx * gx + gy * gy
-    for k, row in enumerate(knots):
-        for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
-            span = after - t
-            size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
-            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
-                continue
-            dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
-            unit = square * step * span
-            found.append((0.5 + (dx * gx + dy * gy) / unit, 2 * room * size * math.sqrt(square) / unit))
-    if len(found) < FALLS_FEWEST:
-        return None
-    ahead = sorted(value for value, _ in found)[len(found) // 2]
-    if not -NEAR_AHEAD <= ahead <= 1.0 + NEAR_AHEAD:
-        return None
-    if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
-        return None
-    ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
-    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
-
-
-NEAR_AHEAD = 2.0**-12
-"""How near two flights have to agree on the way in which an engine falls."""
-
-
 class Recording:
     """Takes down the run of an engine, which reports either what happens or where everything is.
 
@@ -335,10 +373,8 @@ class Recording:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
         numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
-        self._gravity = None if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
-        self._fall = fall
         rows = [(x, y, vx, vy) for x, y, vx, vy in numbers]
-        self._course = RunSoFar(scene, self._impacts, rows, self._way(fall))
+        self._course = RunSoFar(scene, self._impacts, rows, Steps(bits, step, fall))
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
         self._now, self._end, self._steps, self._before = 0.0, 0.0, 0, 0.0
         self._budget: str | None = None
@@ -421,7 +457,7 @@ class Recording:
         self._turn_before(now)
         before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
-        share = self._rounds(now)
+        share, scene_stands = self._course.rounds(now - self._before), self.scene.gravity is None
         small = share * max(math.hypot(*row[2:]) for row in [*rows, *before])
         turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
         changed = [k for k, by in enumerate(turned) if by > small]
@@ -431,7 +467,7 @@ class Recording:
         off = [
             k
             for k, by in enumerate(turned)
-            if by > (small if self._gravity else 0.0)
+            if by > (0.0 if scene_stands else small)
             or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > share * self._scale
         ]
         self._course.fly(now, {k: rows[k] for k in off})
@@ -498,42 +534,13 @@ class Recording:
             events=tuple(self._course.event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=self._motion(knots, float(end)),
+            motion=self._course.motion(knots, float(end), self._scale),
             reversal=turned,
             pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
         )
 
     # -- what is made of it
-
-    def _rounds(self, now: float) -> float:
-        """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
-        if self._gravity is None or self.bits is None:
-            return FLIGHT
-        steps = 1.0 if self.step is None else max(1.0, (now - self._before) / self.step)
-        return max(FLIGHT, 4.0 * steps * 2.0**-self.bits)
-
-    def _way(self, fall: StepFall | None) -> DoubleMotion:
-        """How circles fly, without knots."""
-        if self._gravity is None:
-            return DoubleMotion(())
-        gx, gy = self._gravity
-        if fall is None or self.step is None:
-            return FallingMotion((), halves=(gx / 2, gy / 2), pegs=self.scene.pegs)
-        return SteppedFall((), math.inf, (gx, gy), self.step, self.scene.pegs, *fall)
-
-    def _motion(self, knots: Sequence[Sequence[DoubleKnot]], end: float) -> EventMotion:
-        """The flights between what was reported."""
-        left, reckoned = self._course.left, tuple(sorted(self._course.reckoned))
-        if self._gravity is None:
-            return EventMotion(knots, end, left, reckoned)
-        (gx, gy), pegs = self._gravity, self.scene.pegs
-        fall = self._fall
-        if fall is None and self.step is not None and not reckoned:
-            fall = step_fall(knots, self._gravity, self.step, pegs, self._rounds(self._now) * self._scale)
-        if fall is None or self.step is None:
-            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left, reckoned)
-        return SteppedEvents(knots, end, (gx, gy), self.step, pegs, *fall, left, reckoned)
 
     def _stop_within(self, end: float | None, limit: Quantity | None, count: int | None) -> Stop | None:
         """Why a run with such limits ends; with `end` None, None while it does not."""

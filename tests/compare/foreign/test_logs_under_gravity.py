@@ -229,7 +229,8 @@ def test_judge_says_which_restitution_the_bounces_have(tmp_path: Any, capsys: An
     ]
     log = tmp_path / "log.jsonl"
     log.write_text("\n".join(map(json.dumps, [*lines, {"end": 6.0}])))
-    assert main(["judge", str(tmp_path / "scene.json"), str(log)]) == 1
+    with pytest.raises(SystemExit, match="1"):
+        main(["judge", str(tmp_path / "scene.json"), str(log)])
     told = " ".join(capsys.readouterr().out.split())
     assert "asked for restitution 0.9, its" in told and "have 0.88 on average" in told
 
