@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -159,8 +160,8 @@ def checked(text: str) -> tuple[int, str]:
     try:
         handle, path = tempfile.mkstemp(prefix="certificate-", suffix=".json")
         try:
-            with open(handle, "w", encoding="utf-8") as file:
-                file.write(text)
+            os.close(handle)
+            Path(path).write_text(text, encoding="utf-8")
             return verify.verdict(path)
         finally:
             Path(path).unlink()
