@@ -74,7 +74,7 @@ def test_times_alone_lead_along_the_run_under_gravity() -> None:
 
 
 PLANTED = {
-    "gravity": (PAIR.with_changes(gravity=("0", "-1.01")), "an acceleration of -0.01 along y"),
+    "gravity": (PAIR.with_changes(gravity=("0", "-1.01")), "a is 0.0094 from where it flew to"),
     "restitution": (PAIR.with_changes(restitution="22/25"), "restitution 0.88 fits"),
     "floor": (
         PAIR.with_changes(walls=[Wall(0, 0, 1, 0, id="floor", vy="1/100"), *PAIR.walls[1:]]),
