@@ -650,7 +650,8 @@ def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear
         return found
 
     def value(s: arb) -> arb:
-        return at_clock.after(s).gap()
+        x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
+        return x * x + y * y - at_clock.reach * at_clock.reach
 
     def slope(s: arb) -> arb:
         return 2 * at_clock.after(s).approach()
