@@ -231,17 +231,13 @@ class _Run:
         things = (*scene.circles, *ends, *scene.walls, *segments, *scene.arcs)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
-        self.quartics = [p for p in self.pairs if scene.gravity is not None and self._falls_onto(p)]
+        self.quartics = _quartics(self)
         self.e = normal(scene.restitution.sympy())
         self.g: tuple[Any, Any] = (ZERO, ZERO)
         if scene.gravity is not None:
             gx, gy = scene.gravity
             self.g = normal(gx.sympy()), normal(gy.sympy())
         self._leg()
-
-    def _falls_onto(self, pair: Indices) -> bool:
-        """Whether two are circles of which one is fixed."""
-        return pair[1] < len(self.discs) and any(self.discs[k].m is None for k in pair)
 
     def trajectory(self) -> Trajectory:
         """Runs to the end."""
@@ -317,7 +313,7 @@ class _Run:
         end = self.until.sympy() if self.until is not None else None
         if self.quartics:
             at_end = end is not None and (soonest is None or sign(soonest - end) > 0)
-            self._refuse_quartics(end if at_end else soonest)
+            _refuse_quartics(self, end if at_end else soonest)
         if end is not None and (soonest is None or sign(soonest - end) > 0):
             self._move(end)
             return _stop(StopReason.HORIZON, str(self.until))
@@ -344,30 +340,6 @@ class _Run:
         elif touches and not (pair[1] >= len(self.discs) and self._still_to_come(pair)):
             self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
         return self.hits[pair]
-
-    def _refuse_quartics(self, end: Any) -> None:
-        """Sees to it that no circle falls onto one that stands up to a time; None: ever.
-
-        The square of their distance, less that of both radii, is a quartic of the time. Where its coefficients are no
-        fractions, fractions a little below them are taken, which make a polynomial below it; that this has no zero up
-        to the time is told by Sturm's theorem.
-
-        Raises:
-            SymbolicUndecided: where one may: when is a zero that square roots do not give.
-        """
-        gx, gy = self.g
-        for pair in self.quartics:
-            i, j = pair if self.discs[pair[0]].m is not None else reversed(pair)
-            a, b = self.discs[i], self.discs[j]
-            x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
-            gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
-            low = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
-            last = None if end is None else -_below(self.now - end)
-            if low.eval(0) <= 0 or low.count_roots(0, last):
-                raise SymbolicUndecided(
-                    f"whether and when {self.names[i]} falls onto {self.names[j]} is told by a zero of a quartic, and "
-                    "this engine has square roots alone; use exact"
-                )
 
     def _by_kind(self, pair: Indices) -> list[Any]:
         """When a circle meets a wall of a kind of its own: the zero of the gap to its side, where that is met."""
@@ -532,6 +504,38 @@ def _bow(arc: Arc) -> Bow:
     ends = arc.ends or ((arc.x, arc.y), (arc.x, arc.y))
     numbers = (*ends[0], *ends[1], arc.x, arc.y, arc.r)
     return Bow(*(normal(q.sympy()) for q in numbers), full=arc.full)
+
+
+def _quartics(run: _Run) -> list[Indices]:
+    """The pairs of circles of which one falls and one is fixed."""
+    if run.scene.gravity is None:
+        return []
+    return [pair for pair in run.pairs if pair[1] < len(run.discs) and any(run.discs[k].m is None for k in pair)]
+
+
+def _refuse_quartics(run: _Run, end: Any) -> None:
+    """Sees to it that no circle falls onto one that stands up to a time; None: ever.
+
+    The square of their distance, less that of both radii, is a quartic of the time. Where its coefficients are no
+    fractions, fractions a little below them are taken, which make a polynomial below it; that this has no zero up
+    to the time is told by Sturm's theorem.
+
+    Raises:
+        SymbolicUndecided: where one may: when is a zero that square roots do not give.
+    """
+    gx, gy = run.g
+    for pair in run.quartics:
+        i, j = pair if run.discs[pair[0]].m is not None else reversed(pair)
+        a, b = run.discs[i], run.discs[j]
+        x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
+        gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
+        low = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
+        last = None if end is None else -_below(run.now - end)
+        if low.eval(0) <= 0 or low.count_roots(0, last):
+            raise SymbolicUndecided(
+                f"whether and when {run.names[i]} falls onto {run.names[j]} is told by a zero of a quartic, and "
+                "this engine has square roots alone; use exact"
+            )
 
 
 def _below(number: Any) -> Any:
