@@ -529,7 +529,7 @@ def _refuse_quartics(run: _Run, end: Any) -> None:
         a, b = run.discs[i], run.discs[j]
         x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
         gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
-        low = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
+        low: Any = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
         last = None if end is None else -_below(run.now - end)
         if low.eval(0) <= 0 or low.count_roots(0, last):
             raise SymbolicUndecided(
