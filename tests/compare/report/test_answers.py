@@ -268,12 +268,12 @@ def test_growth_is_measured_only_where_it_can_be() -> None:
         (
             "ghost",
             "double",
-            "Whether it is chaos is not known: before event 0, disc and s1 graze: nearby they hit or miss.",
+            "chaos is not known: before event 0, disc and s1 graze: nearby they hit or miss.",
         ),
         (
             "closing-wall",
             "double",
-            "is not known: the scene has walls that move, of which there is no tangent map yet.",
+            "not known: the scene has walls that move, of which there is no tangent map yet.",
         ),
     ],
 )
@@ -318,7 +318,7 @@ def test_how_the_motion_ends_is_said_under_the_verdict() -> None:
     rest = Scene([Circle(0, 5, id="ball")], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10), restitution=0)
     told = answers(compare(rest, ["double"], until=10)).where
     assert told.endswith(
-        "It ends there, at rest: a circle stands on a wall to which gravity pulls it (ball and floor)."
+        "there, at rest: a circle stands on a wall to which gravity pulls it (ball and floor)."
     )
 
 
