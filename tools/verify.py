@@ -405,7 +405,8 @@ class Checker:
         drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
                                             for row in scene.get("walls", ())) if any(v)}
         refuse(pull and (pockets or arcs), "under gravity it has pockets or arcs", Malformed)
-        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),
+        stands = pull and (segments or not all(row[5] for row in circles))
+        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
                "a run that cannot be turned back is", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
         self.bounced = 1 if loss else 0  # the sign of what has pushed

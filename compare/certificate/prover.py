@@ -7,13 +7,14 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Set
+from contextlib import suppress
 from decimal import Decimal, localcontext
 from functools import partial
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
 from ...exact.exact_motion import ExactValue
-from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Space, Unsettled, enclosed
+from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Refuted, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
@@ -243,13 +244,19 @@ class Prover(Checker):
             return
         wanted = sorted(contacts or {(i, j) for i, j in map(tuple, entry["enter"])})
         near = [c for c in wanted if c in self.meets and c not in self.lasting and not self._left(c)]
-        if plain := [c for c in near if not self.drops(c) and (len(near) == 1 or self._hits(c))]:
-            time, clock = min(((self.ball.hit(c, self.again(c), ""), c) for c in plain), key=lambda hit: hit[0].m)
-        elif drops := [c for c in near if self.drops(c)]:
-            clock = drops[0]
-            entry["time"], time = self._dropped(clock)
-        else:
+        flat = [c for c in near if not self.drops(c) and (len(near) == 1 or self._hits(c))]
+        hits = [(self.ball.hit(c, self.again(c), ""), c) for c in flat]
+        if self.ball.pegs:  # of an end and a face of one thing it may be either
+            hits = [hit for hit in hits if self._as_said(hit[0])]
+        if not hits:
+            for c in (c for c in near if self.drops(c)):
+                with suppress(Unsettled, Refuted):
+                    entry["time"], time = self._dropped(c)
+                    hits = [(time, c)]
+                    break
+        if not hits:
             raise Unsettled("whether the contacts of an event meet")
+        time, clock = min(hits, key=lambda hit: hit[0].m)
         self.ball.times.append(time)
         self.form.times.append(self.form.hit(clock, self.again(clock), ""))
         self._list(entry, clock)
@@ -278,6 +285,12 @@ class Prover(Checker):
             self._try_all(entry)
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
+
+    def _as_said(self, time: Ball) -> bool:
+        """Whether a time may be the one at which the run has the instant at hand."""
+        text = _spelt(float(self.near[self.age]), 14)
+        at, scale = int(text.replace(".", "")) << time.bits, 10 ** len(text.partition(".")[2])
+        return abs(time.m * scale - at) <= time.r * scale + (1 << time.bits)
 
     def _dropped(self, c: Contact) -> tuple[str, Ball]:
         """When a circle falls onto one that is fixed: in so many digits that no other zero is as near, and sharply."""
