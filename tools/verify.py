@@ -611,7 +611,8 @@ class Checker:
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if self.falls(c): return self.rises(c, age)
         if self.drops(c): return self.flies(c, age)
-        if c in self.parted and not self.hollow(c): return charge(500)
+        slides = self.slopes.get(c[1]) == 0  # perhaps: and then comes back to be beside it
+        if c in self.parted and not (self.hollow(c) or slides): return charge(500)
         if c[1] in self.arcs or c[1] in self.slopes: return self.misses(c, age, last)
         if c[1] in self.faces: return self.passes(c, age, last)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
