@@ -251,8 +251,7 @@ class Space:
     def of(self, form): return self.read(form).at(self.bits)
     def less(self, x, y): return x.at(self.bits) - y.at(self.bits)
     def wait(self, start, age): return self.less(self.times[age], self.times[start])
-    def start(self, c):  # of what flies; where that falls, a fixed one does not
-        return max(self.flights[k].age for k in c if k < self.n and k not in self.pegs)
+    def start(self, c): return max(self.flights[k].age for k in c if k < self.n)
     def fallen(self, age):  # how far the frame has fallen in which flights are straight; how fast
         time = self.times[age].at(self.bits)
         pull = [x * time for x in self.at(*self.pull)]  # half of what pulls, times the time
@@ -339,7 +338,8 @@ class Space:
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
                                -(met[c].closing + self.before[c])] for c in push])
         for c, j in zip(push, s, strict=True):
-            for i, (x, y) in ((i, arm) for i, arm in met[c].arms.items() if i not in self.pegs):
+            flown = met[c].arms.keys() - self.pegs  # those have one flight from time 0 on
+            for i, (x, y) in ((i, met[c].arms[i]) for i in flown):
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
                 self.flights[i] = Flight(u, v, vx + w * x, vy + w * y, age, {})
         return s
@@ -450,15 +450,13 @@ class Checker:
                  for i in self.movable for k, (x, y, p, q, *_) in enumerate(lines[:len(walls)], n)}
         for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
         self.bends = {c: 0 for c in sides if pull or c[1] in self.drift}  # signs of their speeds
-        for c in self.bends if pull else ():
-            p, q = self.things[c[1]][2:4]
-            sign = sign_of(p * pull[0] + q * pull[1])
-            self.bends[c] = sides[c] * demand(sign, [-1, 0, 1], f"whether {c} are pulled together")
-        sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
-        for j in self.faces if pull else ():
+        for j in range(n, self.arcs.start) if pull else ():
             p, q = self.things[j][2:4]
             sign = sign_of(p * pull[0] + q * pull[1])
             self.slopes[j] = demand(sign, [-1, 0, 1], f"whether gravity pulls to {j}")
+        for c in self.bends if pull else (): self.bends[c] = sides[c] * self.slopes[c[1]]
+        for j in range(n, self.faces.start): self.slopes.pop(j, None)  # of faces alone from now on
+        sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
         laws = loss, [x * HALF for x in pull], self.drift, n + len(lines), self.slopes
         self.laws = laws
         self.worlds = [Space(n, self.things, sides, limits, laws, of) for of in (enclosed, Sum)]
@@ -566,7 +564,7 @@ class Checker:
             if shown("near", "beyond"): return
         elif clear and (closing == 0 or shown("closing")):
             return self.slides(c, start, age, gap, last)
-        raise Unsettled(f"whether {c} are on it")
+        raise Unsettled(f"whether {c} pass it")
     def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
         signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
         if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
@@ -579,8 +577,9 @@ class Checker:
                                   for x in ("gap", "height", "foot", "far"))
         if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
         if any(self.zero(x, c, 0) for x in ("foot", "far")): return
-        refuse(gap in (-1, 0) and foot == far == 1 and height in (0, 1), f"{c} overlap at time 0")
-        raise Unsettled(f"whether {c} overlap")
+        inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
+        refuse(inside, f"{c}: it starts in a segment")
+        raise Unsettled(f"whether {c[0]} starts in a segment")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
         (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
         far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
@@ -727,10 +726,8 @@ class Checker:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
-            if self.drops(c):
-                refuse(age and self.met[c] > 0, f"{c}: it comes from within")
+            if self.drops(c):  # up to now they were apart
                 if age: self.flies(c, age, 1 if self.met[c] else 2)
-                if not self.met[c]: refuse(not self.sign("speed", c), f"{c} stay so", Unsettled)
                 continue
             if not face:
                 refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
@@ -738,8 +735,8 @@ class Checker:
                 refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
-                behind = self.met[c] > 0 or (not self.met[c] and self.slopes.get(c[1]) == -1)
-                refuse(age and behind, f"{c}: it comes from behind")
+                away = 0 if self.slopes.get(c[1]) == -1 else 1  # what rises to it, or from it
+                refuse(age and self.met[c] >= away, f"{c}: it comes from behind")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn

@@ -199,8 +199,8 @@ export class Run {
     const at = name => this.sign((A, w) => this.laws(c, A, w)[name]());
     const [gap, height, foot, far] = ['gap', 'height', 'foot', 'far'].map(at);
     if (gap > 0 || height < 0 || foot <= 0 || far <= 0) return;
-    if (gap <= 0 && foot > 0 && far > 0 && height >= 0) refute(`${c.name} overlap at time 0`);
-    undecided(`whether ${c.name} overlap`);
+    if (gap <= 0 && foot > 0 && far > 0 && height >= 0) refute(`${c.name} starts in a segment`);
+    undecided(`whether ${c.name} starts in a segment`);
   }
 
   /** As `apart`, of a side of an arc, or of a face under gravity: its gap does not fall through zero within its range. */
@@ -226,9 +226,8 @@ export class Run {
     const there = reads.every(s => s > 0) ? 1 : undefined;
     if (slope === 0 && !(gap > 0) && (closing === undefined || closing === 0)) { // it slides along the line, if it is at it
       if (closing === undefined) witness(this, 'closing', c, what);
-      if (mode !== 'flight' || at('foot', false) <= 0 || at('far', false) <= 0) return;
-      if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
-      undecided(`whether ${c.name} touch as the flight ends`);
+      this.slides(c, mode, gap);
+      return;
     }
     const ends = c.face ? ['foot', 'far'] : ['within'];
     if (!ever && closingNow < 0 && ends.some(x => this.exactly(c, x)) && this.meetsNow(c)) return; // it is at its end
@@ -288,9 +287,9 @@ export class Run {
   passes(c, mode) {
     if (this.parted(this.scene.otherFace(c))) return; // on the other side all the while
     const at = (name, start = true) => this.sign((A, w) => this.laws(c, A, w, start)[name]());
-    const aside = start => at('foot', start) <= 0 || at('far', start) <= 0;
+    const aside = () => at('foot') <= 0 || at('far') <= 0;
     const what = `whether ${c.name} kept apart`, gap = at('gap');
-    if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside(true))) {
+    if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside())) {
       if (gap <= 0 && at('foot') > 0 && at('far') > 0 && at('height') >= 0) refute(`${c.name} overlap, or touch from the start`);
       undecided(`whether ${c.name} overlap`);
     }
@@ -305,8 +304,13 @@ export class Run {
       undecided(`whether ${c.name} meet on the way`);
     }
     if (closing === undefined) witness(this, 'closing', c, what);
-    if (gap > 0 || mode !== 'flight' || aside(false)) return; // it slides along the line, if it is at it
-    if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
+    this.slides(c, mode, gap);
+  }
+  /** Along a face, if it is at its line: it is not beside it where a flight ends. */
+  slides(c, mode, gap) {
+    const [foot, far] = ['foot', 'far'].map(name => this.sign((A, w) => this.laws(c, A, w)[name]()));
+    if (gap > 0 || mode !== 'flight' || foot <= 0 || far <= 0) return;
+    if (gap === 0 && foot > 0 && far > 0) refute(`${c.name} touch as the flight ends`);
     undecided(`whether ${c.name} touch as the flight ends`);
   }
   /** Is the foot of the centre now strictly between the ends of a face, or the centre within the range of an arc? */
@@ -493,9 +497,7 @@ export class Run {
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
     if (this.k && this.scene.slope(c) < 0 && sign === 0) refute(`${c.name} comes from behind`);
     if (c.drops) {
-      if (this.k && sign > 0) refute(`${c.name} is at gap zero and parts`);
       if (this.k) this.stays(c, 'flight', sign ? 1 : 2);
-      if (sign === 0 && !this.signed(law('speed'), 'speed', c, `how ${c.name} touch`)) undecided(`how ${c.name} touch`);
       this.met.push({ c, sign, lasted: false });
       return;
     }
