@@ -678,8 +678,8 @@ class Checker:
             if disc == -1 and not again: return
             if hollow:  # the gap is concave: it falls later than now, or fell before the start
                 if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1): return  # convex
-            elif closing == 0 and (gap == 1 or not flat): return
+            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1) or (
+                    closing == 0 and (gap == 1 or not flat)): return  # convex
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(again) if hits else None) == -1: return
         if hollow and not again and self.zero("disc", c, start): return  # it is never within

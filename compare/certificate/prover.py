@@ -251,8 +251,8 @@ class Prover(Checker):
         if not hits:
             for c in (c for c in near if self.drops(c)):
                 with suppress(Unsettled, Refuted):
-                    entry["time"], time = self._dropped(c)
-                    hits = [(time, c)]
+                    entry["time"], when = self._dropped(c)
+                    hits = [(when, c)]
                     break
         if not hits:
             raise Unsettled("whether the contacts of an event meet")
