@@ -4,13 +4,31 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
-from ..scenarios.disk import Seal, text_of
+from ..scenarios.disk import InSchema, Seal, text_of
 from .writing import write_whole
 
 if TYPE_CHECKING:
     from .comparison import Comparison
+
+
+class SavedComparison(TypedDict):
+    """A comparison: as people are shown it, and all that it is made of."""
+
+    schema: str
+    version: str
+    comparison: Annotated[dict[str, Any], InSchema(title="What --json prints: comparison-5")]
+    objects: Annotated[
+        dict[str, Any],
+        InSchema(
+            required=["is", "has"],
+            properties={"is": {"const": "compare.comparison:Comparison"}, "has": {"type": "object"}},
+        ),
+    ]
+    roots: list[list[str]]
+    digest: Annotated[str, InSchema(pattern="^[0-9a-f]{64}$")]
+
 
 COMPARISON = Seal("truebreak/saved-comparison-1", "comparison", "truebreak compare SCENE --save FILE")
 

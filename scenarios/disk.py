@@ -9,11 +9,25 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    BinaryIO,
+    Literal,
+    NotRequired,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+    is_typeddict,
+)
 from weakref import WeakValueDictionary
 
 from .errors import SceneError, cut
@@ -280,34 +294,69 @@ class Seal:
         return SceneError(f"{where}: is damaged; save the {self.kind} again")
 
 
-def fits(value: Any, shape: Any) -> bool:
-    """Whether what was read as JSON has a shape.
+class InSchema:
+    """In `Annotated`: what the JSON schema says of a type besides; with a name it stands there once, as a definition.
 
     Args:
-        shape: a type (bool is no int here), None, `Any`; a list with the shape of each item, a tuple with the shapes of
-            just these items; a dict with the shape of each key's value, or `{str: shape}` for keys of any name; a
-            frozenset of types and None, one of which it is.
+        has_reader: what reads it refuses what is none, and `fits` does not look at it.
+    """
 
-    >>> fits([1, ["a", None]], (int, [frozenset({str, None})])), fits({"n": True}, {"n": int})
+    def __init__(self, name: str | None = None, *, has_reader: bool = False, **words: Any) -> None:
+        self.name, self.has_reader, self.words = name, has_reader, words
+
+
+def fits(value: Any, hint: Any) -> bool:
+    """Whether what was read as JSON is of a type.
+
+    Args:
+        hint: `int` (a truth value is none), `float` (a whole number is one), `str`, `bool`, `None`, `Any`, lists,
+            tuples (just these items), `dict[str, ...]`, unions, `Literal`, a `TypedDict`; of `Annotated` the type.
+
+    >>> fits([1, ["a", None]], tuple[int, list[str | None]]), fits({"n": True}, dict[str, int])
     (True, False)
     """
-    if shape is Any:
-        return True
-    if isinstance(shape, list):
-        return type(value) is list and all(fits(item, shape[0]) for item in cast("list[Any]", value))
-    if isinstance(shape, tuple):
-        parts, shapes = cast("list[Any]", value), cast("tuple[Any, ...]", shape)
-        return type(value) is list and len(parts) == len(shapes) and all(map(fits, parts, shapes))
-    if isinstance(shape, dict):
-        if type(value) is not dict:
-            return False
-        told, wanted = cast("dict[str, Any]", value), cast("dict[Any, Any]", shape)
-        if str in wanted:
-            return all(fits(item, wanted[str]) for item in told.values())
-        return told.keys() == wanted.keys() and all(fits(told[key], wanted[key]) for key in wanted)
-    if isinstance(shape, frozenset):
-        return (None if value is None else type(value)) in shape
-    return value is None if shape is None else type(value) is shape
+    return _test_of(hint)(value)
+
+
+@cache
+def _test_of(hint: Any) -> Callable[[Any], bool]:
+    origin, parts = get_origin(hint), get_args(hint)
+    if hint is Any:
+        return lambda value: True
+    if hint in (None, NoneType):
+        return lambda value: value is None
+    if hint is float:
+        return lambda value: type(value) in (int, float)
+    if origin in (Annotated, NotRequired):
+        return _test_of(Any if isinstance(parts[-1], InSchema) and parts[-1].has_reader else parts[0])
+    if origin is Literal:
+        return lambda value: value in parts and any(value == part and type(value) is type(part) for part in parts)
+    if origin in (Union, UnionType):
+        tests = [_test_of(part) for part in parts]
+        return lambda value: any(test(value) for test in tests)
+    if origin is list:
+        item = _test_of(parts[0])
+        return lambda value: type(value) is list and all(map(item, cast("list[Any]", value)))
+    if origin is tuple:
+        tests = [_test_of(part) for part in parts]
+        return lambda value: (
+            type(value) is list
+            and len(cast("list[Any]", value)) == len(tests)
+            and all(test(item) for test, item in zip(tests, cast("list[Any]", value), strict=True))
+        )
+    if origin is dict:
+        item = _test_of(parts[1])
+        return lambda value: type(value) is dict and all(map(item, cast("dict[str, Any]", value).values()))
+    if is_typeddict(hint):
+        hints = get_type_hints(hint, include_extras=True)
+        keys = {key: _test_of(part) for key, part in hints.items()}
+        needed = {key for key, part in hints.items() if hint.__total__ and get_origin(part) is not NotRequired}
+        return lambda value: (
+            type(value) is dict
+            and needed <= (told := cast("dict[str, Any]", value)).keys() <= keys.keys()
+            and all(keys[key](item) for key, item in told.items())
+        )
+    return lambda value: type(value) is hint
 
 
 def digest(data: dict[str, Any]) -> str:

@@ -10,7 +10,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cached_property
 from importlib import import_module
-from typing import Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import mpmath
 import numpy as np
@@ -23,6 +23,7 @@ from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
 from ...exact.replay.state import Flip, Go, Kick, Step, Take
 from ...exact.simulation.decider import PackedRows
+from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.lazy import Late
@@ -35,6 +36,38 @@ from ...scenarios.scene import Scene
 
 Written: TypeAlias = Any
 """What JSON holds: whole numbers, text, lists."""
+
+Count: TypeAlias = Annotated[int, InSchema(minimum=0)]
+
+NumberData: TypeAlias = Annotated[
+    Annotated[str, InSchema(pattern="^-?[0-9]+(/[0-9]+)?$")]
+    | tuple[str]
+    | tuple[Annotated[str, InSchema(pattern="^-?[0-9a-f]+$")], int, int, int]
+    | tuple[()],
+    InSchema(
+        "number", has_reader=True, title="An exact number as text, one with roots as [text], else a ball [m, e, r, f]"
+    ),
+]
+
+LinkData: TypeAlias = Annotated[
+    tuple[Count, Count] | tuple[Count, Count, Annotated[str, InSchema(enum=sorted(kind for kind in KINDS if kind))]],
+    InSchema("link", has_reader=True, title="A contact by place: circle and circle; circle and wall, arc or pocket"),
+]
+
+SourceData: TypeAlias = Annotated[Count | LinkData | str, InSchema("source", has_reader=True)]
+
+TimeData: TypeAlias = Annotated[
+    str | tuple[Count, Count, SourceData, NumberData],
+    InSchema("time", has_reader=True, title="A set time as text, else [instant, steps, source, number]"),
+]
+
+StepData: TypeAlias = Annotated[
+    tuple[Literal["go"], SourceData, list[Count]]
+    | tuple[Literal["kick"], list[LinkData], list[LinkData]]
+    | tuple[Literal["flip"]]
+    | tuple[Literal["take"], Count],
+    InSchema("step", has_reader=True),
+]
 
 ELEMENT_BITS = 192
 """Accuracy of a number whose normal form is longer than the reader of numbers takes: the log has its exact value."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
 from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, time_of
@@ -13,7 +13,7 @@ from ...exact.replay.contact import Entry, can_push
 from ...exact.simulation.decider import Limits, Mark, RunLog
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
-from ...scenarios.disk import Seal, fits, text_of
+from ...scenarios.disk import InSchema, Seal, fits, text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.numbers.quantity import Quantity
@@ -31,8 +31,13 @@ from ...scenarios.trajectory import (
 )
 from ..writing import check_writable, write_whole
 from .codec import (
+    Count,
+    LinkData,
+    NumberData,
     NumberReader,
     NumberWriter,
+    StepData,
+    TimeData,
     Written,
     link_of,
     links_data,
@@ -72,6 +77,79 @@ def save_run(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
         SceneError: for a run of another engine, one that no file can hold, or a place that cannot be written to.
     """
     write_whole(os.fspath(path), saved_run(trajectory))
+
+
+class EngineData(TypedDict):
+    """Settings of the exact engine."""
+
+    max_bits: Annotated[int, InSchema(minimum=1)]
+    ties: str
+    work: Annotated[int, InSchema(minimum=1)]
+
+
+NamesData: TypeAlias = Annotated[list[tuple[str, str]], InSchema("names", title="Contacts by id")]
+
+ProofName: TypeAlias = Annotated[str, InSchema(enum=[proof.name for proof in TieProof])]
+
+TieData: TypeAlias = Annotated[tuple[NamesData, ProofName, Count | None], InSchema("tie")]
+
+PlanData: TypeAlias = Annotated[dict[str, Count], InSchema("plan")]
+
+
+class InstantData(TypedDict, total=False):
+    """What was gathered for one instant, but for what is as by default."""
+
+    hits: list[LinkData]
+    touches: list[tuple[LinkData, Literal[-1, 0, 1]]]
+    arrivals: list[LinkData]
+    rims: list[LinkData]
+    ties: list[TieData]
+    clock: LinkData
+    reversal: Literal[True]
+    moment: str
+
+
+class TapeData(TypedDict):
+    """What a run leaves for one that goes on from it.
+
+    Attributes:
+        limits: a time, a number of events, and whether to the return.
+        instants: a contact alone as the contact.
+    """
+
+    limits: tuple[str | None, Annotated[int, InSchema(minimum=1)] | None, bool]
+    begun: bool
+    plan: PlanData
+    assumed: Count
+    rises: list[tuple[Annotated[int, InSchema(minimum=1)], bool]]
+    grazes: list[tuple[Count, list[LinkData]]]
+    instants: list[LinkData | InstantData]
+
+
+class SavedRun(TypedDict):
+    """A run: its scene, its log step by step, and the numbers at hand."""
+
+    schema: str
+    version: str
+    engine: EngineData
+    stop: tuple[Annotated[str, InSchema(enum=[reason.name for reason in StopReason])], str]
+    scene: dict[str, Any]
+    lost: Count
+    centred: bool
+    plan: PlanData
+    notes: list[str]
+    assumptions: list[tuple[Count, str, Literal["ASSUMED"], Count | None]]
+    end: TimeData
+    returned: bool
+    set_times: list[tuple[str, Count]]
+    reversal: tuple[Count, TimeData] | None
+    entries: list[tuple[str, str, TimeData]]
+    steps: list[StepData]
+    events: list[tuple[TimeData, NamesData, NamesData, list[TieData], bool]]
+    tape: TapeData | None
+    knots: list[list[tuple[NumberData, NumberData, NumberData, NumberData, NumberData, Count, Count]]]
+    roots: list[str]
+    digest: Annotated[str, InSchema(pattern="^[0-9a-f]{64}$")]
 
 
 RUN = Seal("truebreak/run-1", "run", "truebreak run SCENE --save FILE")
@@ -182,39 +260,6 @@ def _time_data(time: Any, number: NumberWriter) -> Written:
 
 # -- reading
 
-LINK = [Any]
-"""A contact: `link_of` looks at its parts."""
-
-TIE = ([(str, str)], str, frozenset({int, None}))
-
-SHAPE = {
-    "engine": {"max_bits": int, "ties": str, "work": int},
-    "stop": (str, str),
-    "scene": dict,
-    "lost": int,
-    "centred": bool,
-    "plan": {str: int},
-    "notes": [str],
-    "assumptions": [(int, str, str, int)],
-    "returned": bool,
-    "set_times": [(str, int)],
-    "entries": [(str, str, Any)],
-    "steps": [list],
-    "events": [(Any, [(str, str)], [(str, str)], [TIE], bool)],
-    "knots": [[(Any, Any, Any, Any, Any, int, int)]],
-}
-"""What a file holds, but for its numbers, times, reversal and tape, which have readers that refuse what is none."""
-
-TAPE = {
-    "limits": (frozenset({str, None}), frozenset({int, None}), bool),
-    "begun": bool,
-    "plan": {str: int},
-    "assumed": int,
-    "rises": [(int, bool)],
-    "grazes": [(int, [LINK])],
-    "instants": [frozenset({list, dict})],
-}
-
 
 def _check(data: dict[str, Any]) -> None:
     """Refuses what no writer wrote, though its digest is right.
@@ -222,13 +267,8 @@ def _check(data: dict[str, Any]) -> None:
     Raises:
         ValueError: then.
     """
-    for key, shape in SHAPE.items():
-        if not fits(data[key], shape):
-            raise ValueError(f"{key} is not what it is to be")
-    if data["tape"] is not None and not fits(data["tape"], TAPE):
-        raise ValueError("the tape is not what it is to be")
-    if data["reversal"] is not None and not fits(data["reversal"], (int, Any)):
-        raise ValueError("the reversal is not what it is to be")
+    if not fits({**data, "digest": ""}, SavedRun):  # that it is the digest is known
+        raise ValueError("it is not what it is to be")
 
 
 def _trajectory(data: dict[str, Any], where: str) -> Trajectory:

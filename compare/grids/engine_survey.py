@@ -451,11 +451,11 @@ def read_survey(paths: Sequence[str]) -> Survey:
     seconds = None
     for path in paths:
         data, rows = read_report(path)
-        shapes = {"versions": {str: str}, "missing": [str], "max_seconds": frozenset({int, float, None})}
+        hints = {"versions": dict[str, str], "missing": list[str], "max_seconds": float | None}
         if not isinstance(data.get("versions"), dict):
             raise SceneError(f"file {path!r}: is a report of a suite; name one of `truebreak survey --json`")
-        for key, shape in shapes.items():
-            if not fits(data.get(key), shape):
+        for key, hint in hints.items():
+            if not fits(data.get(key), hint):
                 raise SceneError(f"file {path!r}: {key} = {cut(data.get(key))}; write the report again")
         versions |= data["versions"]
         missing |= set(data["missing"])

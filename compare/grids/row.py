@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.metadata import version
-from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_type_hints
 
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
@@ -190,22 +189,8 @@ class Columns(NamedTuple):
 
 
 @cache
-def _shapes() -> dict[str, Any]:
-    return {key: _shape(hint) for key, hint in get_type_hints(Row).items()}
-
-
-def _shape(hint: Any) -> Any:
-    """What `fits` takes for a type."""
-    if get_origin(hint) is UnionType:
-        inner = [_shape(part) for part in get_args(hint) if part is not NoneType]
-        return (inner[0], None)
-    if get_origin(hint) is Literal:
-        return str
-    if get_origin(hint) is list:
-        return [_shape(get_args(hint)[0])]
-    if get_origin(hint) is dict:
-        return {str: _shape(get_args(hint)[1])}
-    return frozenset({int, float}) if hint is float else hint
+def _hints() -> dict[str, Any]:
+    return get_type_hints(Row)
 
 
 def row_of(data: Any, where: str) -> Row:
@@ -221,18 +206,14 @@ def row_of(data: Any, where: str) -> Row:
     """
     if not isinstance(data, dict):
         raise SceneError(f"{where} is no object; write the report again")
-    for key in ("index", "scene", "engine", "verdict"):
-        if key not in data and key != "verdict":
+    for key in ("index", "scene", "engine"):
+        if key not in data:
             raise SceneError(f"{where} lacks {key!r}; write the report again")
     for key, value in data.items():
-        shape = _shapes().get(key)
-        if shape is None:
+        if key not in _hints():
             raise SceneError(f"{where}: {cut(key)} is no part of a row; write the report again")
-        optional = isinstance(shape, tuple)
-        if not (optional and value is None) and not fits(value, shape[0] if optional else shape):
+        if not fits(value, _hints()[key]):
             raise SceneError(f"{where}: {key} = {cut(value)}; write the report again")
-    if data.get("verdict", "undecided") not in get_args(VerdictWord):
-        raise SceneError(f"{where}: verdict = {cut(data['verdict'])}; write the report again")
     if data.get("laws") is not None and data["laws"].keys() != {"kept", "finding"}:
         raise SceneError(f"{where}: laws = {cut(data['laws'])}; write the report again")
     if data.get("event") is not None and data.get("body") is None:

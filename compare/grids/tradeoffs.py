@@ -25,7 +25,7 @@ from ..scene_argument import scene_from
 from ..study import Study
 from .computer import LEAST_PROCESSES, MOST_PROCESSES, UNEVEN, computer
 from .grid import OnDone, carry_out
-from .row import Row, versions
+from .row import Row, laws_brief, versions
 from .setting_ladder import RunSize, cost
 from .store import Store
 
@@ -143,7 +143,7 @@ REST = Fraction(17, 16)
 
 COLUMNS = (
     "index", "scene", "digest", "engine", "verdict", "note", "agreed", "events", "error", "digits", "changed",
-    "seconds", "loops", "ratio", "spread", "memory", "front",
+    "laws", "seconds", "loops", "ratio", "spread", "memory", "front",
 )  # fmt: skip
 """What a report has of each row."""
 
@@ -162,6 +162,19 @@ def digits_shown(digits: float | None) -> float | str | None:
     if digits is None:
         return None
     return "all" if digits >= ALL_DIGITS else max(math.floor(10 * digits) / 10, 0.0)
+
+
+def law_shown(row: Row) -> str:
+    """What the audit of every step says, as people are shown it; nothing where there was none.
+
+    >>> [law_shown(Row(0, "gas", "double", "agree", laws=laws)) for laws in
+    ...  (None, {"kept": True, "finding": ""}, {"kept": False, "finding": "restitution 0.98 fits 25 of 25 impacts"})]
+    ['', 'kept', 'not kept: restitution 0.98 fits 25 of 25 impacts']
+    """
+    if row.laws is None:
+        return ""
+    verdict = {True: "kept", False: "not kept", None: "not determined"}[row.laws["kept"]]
+    return f"{verdict}: {row.laws['finding']}" if row.laws["finding"] else verdict
 
 
 @dataclass(frozen=True)
@@ -348,6 +361,7 @@ def _checked(blank: Row, study: Study, engine: Engine) -> Row:
         error=double(found.separation.maximum),
         digits=None if end is None else min(end.digits, ALL_DIGITS),
         changed=list(found.changed) if found.whole else None,
+        laws=laws_brief(found.laws),
     )
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NotRequired, Union, get_args, get_origin, is_typeddict
 
+from ...scenarios.disk import InSchema
 from ...scenarios.numbers.quantity import Real
 from ..grids.row import Columns, Row
 from .documents import BY_VALUE, COMPUTED, Key, keys_of
@@ -56,7 +57,7 @@ DOCUMENTS = {
         "compare.report.search_text:AdviceDocument",
         "The cheapest setting of an engine that gets what is asked for right, as `truebreak advise --json` prints it",
     ),
-    "bench-4": (
+    "bench-5": (
         "compare.report.speed_report:BenchDocument",
         "Run time against error, as `truebreak bench --json` prints it",
     ),
@@ -64,11 +65,16 @@ DOCUMENTS = {
         "compare.logdiff.desync:DiffDocument",
         "Two or more logs compared, as `diff --json` prints it",
     ),
+    "run-1": ("compare.files.saved:SavedRun", "A saved run, as `truebreak run --save` writes it"),
+    "saved-comparison-1": (
+        "compare.saved_comparisons:SavedComparison",
+        "A saved comparison, as `truebreak compare --save` writes it",
+    ),
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3", "run-1", "saved-comparison-1")
-"""Files that are read back by programs of their own, in which lists have a part for each place."""
+BY_HAND = ("certificate-3",)
+"""What two checkers read that share no code with what writes it."""
 
 NAMES = (*DOCUMENTS, *BY_HAND)
 
@@ -202,7 +208,7 @@ class _Maker:
             name: {"description": about, **self.of(hint)} if (about := _meaning(kind, name)) else self.of(hint)
             for name, hint in hints.items()
         }
-        required = [name for name, hint in hints.items() if get_origin(hint) is not NotRequired]
+        required = [name for name, hint in hints.items() if kind.__total__ and get_origin(hint) is not NotRequired]
         return {"description": _sentence(getdoc(kind) or ""), "type": "object", "required": required,
                 "additionalProperties": False, "properties": properties}  # fmt: skip
 
@@ -242,7 +248,7 @@ class _Maker:
             return self._defined(hint, self.typed)
         origin, parts = get_origin(hint), get_args(hint)
         if origin is Annotated:  # rows with some of their columns, and text that is one of several words
-            return self._row(parts[1]) if isinstance(parts[1], Columns) else self.of(parts[1])
+            return self._row(parts[1]) if isinstance(parts[1], Columns) else self._annotated(*parts)
         if hint is float or hint == Real:
             return {"type": ["number", "null"]}
         if origin is Literal:
@@ -255,7 +261,7 @@ class _Maker:
             return self._nullable(self.of(next(part for part in parts if part is not NoneType)))
         if isinstance(origin, type) and issubclass(origin, Mapping):
             return {"type": "object", "additionalProperties": self.of(parts[1])}
-        if origin is tuple and parts[-1] is not Ellipsis:
+        if origin is tuple and parts[-1:] != (Ellipsis,):
             return self._tuple(parts)
         if isinstance(origin, type):
             return {"type": "array", "items": self.of(parts[0])}
@@ -268,7 +274,20 @@ class _Maker:
             return self._tuple(tuple(_hint(hint, name) for name in hint.__annotations__))
         return {"type": "string"}
 
+    def _annotated(self, kind: Any, more: Any) -> dict[str, Any]:
+        """A value of a type with what a schema says of it besides; with a `name` it stands among the definitions."""
+        if not isinstance(more, InSchema):
+            return self.of(more)
+        if more.name is None:
+            return {**self.of(kind), **more.words}
+        if more.name not in self.definitions:
+            self.definitions[more.name] = {}
+            self.definitions[more.name] = {**self.of(kind), **more.words}
+        return {"$ref": f"#/$defs/{more.name}"}
+
     def _tuple(self, parts: Sequence[Any]) -> dict[str, Any]:
+        if not parts:
+            return {"type": "array", "maxItems": 0}
         return {"type": "array", "prefixItems": [self.of(part) for part in parts], "items": False,
                 "minItems": len(parts)}  # fmt: skip
 
@@ -277,7 +296,9 @@ class _Maker:
             return {"enum": [*told["enum"], None]}
         if isinstance(told.get("type"), str):
             return {**told, "type": [told["type"], "null"]}
-        return told if "type" in told or not told else {"anyOf": [told, {"type": "null"}]}
+        if told.get("type") == ["number", "null"] or not told:
+            return told
+        return {"anyOf": [told, {"type": "null"}]}
 
 
 def main() -> None:

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 from ...scenarios.errors import SceneError
 from ..grids.computer import LEAST_PROCESSES, MOST_PROCESSES, Idleness, Took, calibration, computer, idleness
 from ..grids.row import Columns, Row, row_of
-from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown, steady, subjects, tradeoffs
+from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown, law_shown, steady, subjects, tradeoffs
 
 if TYPE_CHECKING:
     from ..grids.grid import Done
     from .output import TextTable
 
-SCHEMA = "truebreak/bench-4"
+SCHEMA = "truebreak/bench-5"
 
 
 SpeedRow = Annotated[dict[str, Any], Columns(COLUMNS)]
@@ -245,11 +245,11 @@ def _scene(name: str, rows: list[Row]) -> TextTable:
     from .output import grid
 
     title = f"{name}{spec}, {rows[0].events:,} events; * is Pareto's front"
-    table = grid("", "engine", "/ exact", "seconds", "agreed", "largest error", "digits", "outcomes", "memory",
+    table = grid("", "engine", "/ exact", "seconds", "agreed", "largest error", "digits", "outcomes", "law", "memory",
                  title=title, whole=("engine", "/ exact", "seconds", "agreed", "digits", "memory"))  # fmt: skip
     for row in rows:
         if row.refused is not None:
-            table.add_row("", row.engine, "", "", "", "", "", row.refused, "")
+            table.add_row("", row.engine, "", "", "", "", "", row.refused, "", "")
             continue
         digits = digits_shown(row.digits)
         table.add_row(
@@ -261,6 +261,7 @@ def _scene(name: str, rows: list[Row]) -> TextTable:
             "infinite" if row.error is None else f"{row.error:.2g}",
             "" if digits is None else str(digits),
             _outcomes(row),
+            law_shown(row),
             "" if row.memory is None else f"{row.memory / 2**20:.1f} MiB",
         )
     return table

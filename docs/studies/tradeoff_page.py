@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from truebreak.compare.grids.row import Row
-from truebreak.compare.grids.tradeoffs import SUBJECTS, digits_shown
+from truebreak.compare.grids.tradeoffs import SUBJECTS, digits_shown, law_shown
 from truebreak.compare.report.pictures.tradeoff_plot import tradeoff_plot
 from truebreak.compare.report.speed_report import idleness_of, load, rows_of
 from truebreak.scenarios.errors import SceneError
@@ -28,8 +28,8 @@ machine with {cores} cores ({processor}), Python {python}. {idle}
 """
 
 COLUMNS = (
-    "|  | engine | time / exact | seconds | events agreed | largest error | digits | outcomes | memory, MiB |",
-    "|---|---|---:|---:|---:|---:|---:|---|---:|",
+    "|  | engine | time / exact | seconds | events agreed | largest error | digits | outcomes | law | memory, MiB |",
+    "|---|---|---:|---:|---:|---:|---:|---|---|---:|",
 )
 
 
@@ -65,6 +65,7 @@ def _line(row: Row) -> str:
         "inf" if row.error is None else f"{row.error:.2g}",
         "" if digits is None else str(digits),
         str(row.verdict) if row.changed is None else f"{len(row.changed)} wrong" if row.changed else "right",
+        law_shown(row),
         "" if row.memory is None else f"{row.memory / 2**20:.1f}",
     )
     return f"| {' | '.join(cells)} |"

@@ -319,7 +319,7 @@ def test_a_row_of_one_process_is_not_steady() -> None:
 
 def test_rows_survive_json(tmp_path: Path, rows: list[Row]) -> None:
     told = Report(tuple(rows), IDLE)
-    jsonschema.Draft202012Validator(schema("bench-4")).validate(told.data())
+    jsonschema.Draft202012Validator(schema("bench-5")).validate(told.data())
     back = rows_of(load(written(tmp_path / "a.json", told), "--against"))
     assert [r.data(COLUMNS) for r in back] == [r.data(COLUMNS) for r in rows]
     check_scenes({"near-tie": digest_of(subjects(["near-tie"])[0])}, told.data(), "a.json")
@@ -361,7 +361,7 @@ def test_page_and_plot_of_the_docs_are_those_of_its_figures(tmp_path: Path) -> N
 
 def test_the_figures_of_the_docs_are_of_the_table_as_it_is() -> None:
     data = load(str(DOCS / "tradeoffs.json"), "report")
-    jsonschema.Draft202012Validator(schema("bench-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("bench-5")).validate(data)
     told = rows_of(data)
     check_scenes({s.name: digest_of(s) for s in SUBJECTS}, data, "docs/tradeoffs.json")
     for subject in SUBJECTS:
