@@ -320,6 +320,21 @@ class Space:
         low, high = (((at + side) / one).at(self.bits) for side in (whole(-1), whole(1)))
         first = self.times[start].at(self.bits)
         return first + falling(self.meeting(c, start).row[order:], low - first, high - first)
+    def aside(self, c, start, age):  # whether all of a flight is beside a fixed circle
+        i, j = c if c[1] in self.pegs else c[::-1]
+        if age is None: return False
+        kept, key = self.flights[i].seen, (start, age, self.bits, 0)
+        if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
+            (x, y, vx, vy), wait = self.true(i, start), self.wait(start, age)
+            way = [z * wait for z in (vx, vy)]
+            to = zip((x, y), way, self.true(i, age), strict=False)
+            spots = [(z + z, z + z + w, e + e) for z, w, e in to]
+            kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
+        (u, v, *_), r, s = self.put(j, 0), *self.at(*(self.things[k][4] for k in c))
+        charge(5_000)
+        room = 2 * (r.m + r.r + s.m + s.r)
+        return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
+                   for z, (low, high) in zip((u, v), kept[key], strict=True))
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
         for k in range(len(rows)):  # all rows lose their first number
             top = [x / rows[k][0] for x in rows[k][1:]]
@@ -364,7 +379,167 @@ def ends_of(segments, arcs):  # as fixed circles; those at one place are one: th
             demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
             if sign == 1: found[key] = [*place, NONE, NONE, r, NONE]
     return [*found.values()]
-class Checker:
+class KeptApart:
+    """How a checker proves that two kept apart on their flights."""
+    def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
+    def other(self, c):  # with the other face of the segment, or the other side of the arc
+        first = self.arcs.start if c[1] in self.arcs else self.faces.start
+        return c[0], first + ((c[1] - first) ^ 1)
+    def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
+        bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
+        return bow or self.slopes.get(c[1]) == -1
+    def drops(self, c): return not self.ball.pegs.isdisjoint(c)  # whether it falls on a fixed one
+    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
+    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
+        if self.other(c) in self.parted: return
+        start, end = self.ball.start(c), None
+        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
+        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
+        for world in (self.few, self.ball):
+            charge(30_000)
+            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
+            gap, closing = sign("gap"), sign("closing")
+            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
+            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
+            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
+            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
+        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
+        refuse(not clear and over, f"{c} overlap, or touch from the start")
+        clear = clear or shown("foot", "far")
+        if clear and closing == -1:
+            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
+            refuse(hit, f"{c} meet on the way")
+            if shown("near", "beyond"): return
+        elif clear and (closing == 0 or shown("closing")):
+            return self.slides(c, start, age, gap, last)
+        raise Unsettled(f"whether {c} pass it")
+    def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
+        signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
+        if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
+        if any(self.zero(x, c, age) for x in ("foot", "far")): return
+        inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
+        refuse(inside, f"{c} touch as the flight ends")
+        raise Unsettled(f"whether {c} are on it")
+    def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
+        gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
+                                  for x in ("gap", "height", "foot", "far"))
+        if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
+        if any(self.zero(x, c, 0) for x in ("foot", "far")): return
+        inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
+        refuse(inside, f"{c}: it starts in a segment")
+        raise Unsettled(f"whether {c[0]} starts in a segment")
+    def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
+        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
+        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
+        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
+        if c in self.bends:
+            m = world.meeting(c, at)
+            closing = m.closing if turn > 0 else -m.closing
+            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
+            safe = rise in (0, 1) or sign == -1
+            if gap == 1 and not safe and span[1:]:
+                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
+            return gap, safe, rise == -1 and sign == 1
+        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
+        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
+        if wall := c[1] >= self.n:
+            side, off, slip = world.sides[c], off + slip, by
+            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
+        else:
+            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
+            gap, rise = x * x + y * y - size, x * vx + y * vy
+        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
+        if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
+            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
+        if safe or wall: return sign, safe, rise < -slip
+        cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
+        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
+        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
+    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
+        if self.falls(c): return self.rises(c, age)
+        if self.drops(c): return self.flies(c, age)
+        slides = self.slopes.get(c[1]) == 0  # perhaps: and then comes back to be beside it
+        if c in self.parted and not (self.hollow(c) or slides): return charge(500)
+        if c[1] in self.arcs or c[1] in self.slopes: return self.misses(c, age, last)
+        if c[1] in self.faces: return self.passes(c, age, last)
+        span = [start := self.ball.start(c)] + [age] * (age is not None)
+        for world in (self.few, self.ball):
+            gaps, meet = [], True
+            for turn, at in zip((1, -1), span, strict=False):
+                gap, safe, falls = self.look(world, c, at, turn, span)
+                gaps, meet = [*gaps, gap], meet and falls
+                if (gaps == [-1] and c[1] < 0) or (safe and {*gaps} == {1}): return
+        refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
+        shown = ("closing", "disc")[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]
+        for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
+            if self.zero(x, c, start): return
+        raise Unsettled(f"whether {c} meet before it")
+    def again(self, c):  # since when, and of what order, a gap was zero that comes to zero again
+        return (self.falls(c) or self.hollow(c) or self.drops(c)) and self.parted.get(c)
+    def flies(self, c, age, ends=0):  # as `clear`, of one that falls and a fixed one: the gap is
+        start, order = self.again(c) or (self.ball.start(c), 0)  # positive but for zeros at the
+        if start == age and age: return charge(500)  # start, and at the end, that are known
+        for world in (self.few, self.ball):
+            if not (order or ends) and world.aside(c, start, age): return
+            row, wait = world.meeting(c, start).row[order:], None
+            if age is not None: wait = world.wait(start, age)
+            for _ in range(ends): row = divided(row, wait)
+            if (sign := keeps(row, wait)) == 1: return
+        demand(sign, [1], f"{c} meet before it, or overlap")
+    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
+    def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
+        refuse(age is None, f"{c} meet in the end")
+        if (start := self.ball.start(c)) == age: return charge(500)
+        for world in (self.few, self.ball):
+            if c in self.parted:  # the gap was zero: what is left of it over the time since
+                m = world.meeting(c, start)
+                gap = m.closing + m.closing + m.speed * world.wait(start, age)
+            else: gap = world.ask("gap", c, age)
+            if gap.sign() == 1: return
+        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
+    def misses(self, c, age, last):  # as `clear`, of a side of an arc, or of a face where it falls
+        other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
+        if start == age or other in self.parted or c in self.lasting: return charge(500)
+        bow, flat = c[1] in self.arcs, self.slopes.get(c[1]) == 0
+        if hollow and bow and other in self.met: return charge(500)  # it was outside up to now
+        again = c in self.parted  # from within alone
+        for world in (self.few, self.ball):
+            charge(30_000)
+            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
+            gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
+            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
+            if disc == -1 and not again: return
+            if hollow:  # the gap is concave: it falls later than now, or fell before the start
+                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
+            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1) or (
+                    closing == 0 and (gap == 1 or not flat)): return  # convex
+            hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
+            if (there := m.there(again) if hits else None) == -1: return
+        if hollow and not again and self.zero("disc", c, start): return  # it is never within
+        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
+            if self.zero(x, c, start): return
+        if flat and gap != 1 and (closing == 0 or self.zero("closing", c, start)):
+            return self.slides(c, start, age, gap, last)
+        ends = closing2 == -1 and not (later.foot.sign() and later.far.sign())  # right at its end?
+        ends = ends and any(self.zero(x, c, age) for x in ("foot", "far"))
+        if ends and self.zero("gap", c, age): return
+        ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
+        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
+        refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
+        raise Unsettled(f"whether {c} meet on the way")
+    def across(self, c):  # at time 0: proves that a circle is not across an arc
+        m, inner = self.ball.meeting(c, 0), self.other(c)
+        sides = [x for x in (c, inner) if x in self.meets]
+        met = self.met.keys() & {*sides}
+        refuse(met and not self.things[c[0]][4], f"{c}: its centre is on the arc")
+        gaps = {self.ball.ask("gap", x, 0).sign() for x in sides}
+        if met or 1 in gaps: return
+        square = m.d[0] * m.d[0] + m.d[1] * m.d[1]
+        within = m.beside(m.d, square.sqrt()).sign() if square.sign() == 1 else None
+        if within == -1: return
+        if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
+        demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
+class Checker(KeptApart):
     """Follows a certificate. Of the flights of now it keeps `parted`, what was at gap zero on them,
     and `lasting`, what stays so; of the way out `out`, its instants that are not undone; of an
     instant `met`, what is listed, and `known`, all at gap zero, with the signs of closing."""
@@ -533,179 +708,6 @@ class Checker:
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0
         raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
-    def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
-    def other(self, c):  # with the other face of the segment, or the other side of the arc
-        first = self.arcs.start if c[1] in self.arcs else self.faces.start
-        return c[0], first + ((c[1] - first) ^ 1)
-    def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
-        bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
-        return bow or self.slopes.get(c[1]) == -1
-    def drops(self, c): return not self.ball.pegs.isdisjoint(c)  # whether it falls on a fixed one
-    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
-    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
-        if self.other(c) in self.parted: return
-        start, end = self.ball.start(c), None
-        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
-        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
-        for world in (self.few, self.ball):
-            charge(30_000)
-            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
-            gap, closing = sign("gap"), sign("closing")
-            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
-            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
-            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
-            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
-        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
-        refuse(not clear and over, f"{c} overlap, or touch from the start")
-        clear = clear or shown("foot", "far")
-        if clear and closing == -1:
-            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
-            refuse(hit, f"{c} meet on the way")
-            if shown("near", "beyond"): return
-        elif clear and (closing == 0 or shown("closing")):
-            return self.slides(c, start, age, gap, last)
-        raise Unsettled(f"whether {c} pass it")
-    def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
-        signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
-        if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
-        if any(self.zero(x, c, age) for x in ("foot", "far")): return
-        inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
-        refuse(inside, f"{c} touch as the flight ends")
-        raise Unsettled(f"whether {c} are on it")
-    def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
-        gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
-                                  for x in ("gap", "height", "foot", "far"))
-        if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
-        if any(self.zero(x, c, 0) for x in ("foot", "far")): return
-        inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
-        refuse(inside, f"{c}: it starts in a segment")
-        raise Unsettled(f"whether {c[0]} starts in a segment")
-    def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
-        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
-        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
-        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
-        if c in self.bends:
-            m = world.meeting(c, at)
-            closing = m.closing if turn > 0 else -m.closing
-            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
-            safe = rise in (0, 1) or sign == -1
-            if gap == 1 and not safe and span[1:]:
-                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
-            return gap, safe, rise == -1 and sign == 1
-        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
-        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
-        if wall := c[1] >= self.n:
-            side, off, slip = world.sides[c], off + slip, by
-            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
-        else:
-            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
-            gap, rise = x * x + y * y - size, x * vx + y * vy
-        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
-        if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
-            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
-        if safe or wall: return sign, safe, rise < -slip
-        cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
-        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
-        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
-    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
-        if self.falls(c): return self.rises(c, age)
-        if self.drops(c): return self.flies(c, age)
-        slides = self.slopes.get(c[1]) == 0  # perhaps: and then comes back to be beside it
-        if c in self.parted and not (self.hollow(c) or slides): return charge(500)
-        if c[1] in self.arcs or c[1] in self.slopes: return self.misses(c, age, last)
-        if c[1] in self.faces: return self.passes(c, age, last)
-        span = [start := self.ball.start(c)] + [age] * (age is not None)
-        for world in (self.few, self.ball):
-            gaps, meet = [], True
-            for turn, at in zip((1, -1), span, strict=False):
-                gap, safe, falls = self.look(world, c, at, turn, span)
-                gaps, meet = [*gaps, gap], meet and falls
-                if (gaps == [-1] and c[1] < 0) or (safe and {*gaps} == {1}): return
-        refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
-        shown = ("closing", "disc")[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]
-        for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
-            if self.zero(x, c, start): return
-        raise Unsettled(f"whether {c} meet before it")
-    def again(self, c):  # since when, and of what order, a gap was zero that comes to zero again
-        return (self.falls(c) or self.hollow(c) or self.drops(c)) and self.parted.get(c)
-    def flies(self, c, age, ends=0):  # as `clear`, of one that falls and a fixed one: the gap is
-        start, order = self.again(c) or (self.ball.start(c), 0)  # positive but for zeros at the
-        if start == age and age: return charge(500)  # start, and at the end, that are known
-        for world in (self.few, self.ball):
-            if not (order or ends) and self.aside(world, c, start, age): return
-            row, wait = world.meeting(c, start).row[order:], None
-            if age is not None: wait = world.wait(start, age)
-            for _ in range(ends): row = divided(row, wait)
-            if (sign := keeps(row, wait)) == 1: return
-        demand(sign, [1], f"{c} meet before it, or overlap")
-    def aside(self, world, c, start, age):  # whether all of a flight is beside a fixed circle
-        i, j = c if c[1] in world.pegs else c[::-1]
-        if age is None: return False
-        kept, key = world.flights[i].seen, (start, age, world.bits, 0)
-        if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
-            (x, y, vx, vy), wait = world.true(i, start), world.wait(start, age)
-            way = [z * wait for z in (vx, vy)]
-            to = zip((x, y), way, world.true(i, age), strict=False)
-            spots = [(z + z, z + z + w, e + e) for z, w, e in to]
-            kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
-        (u, v, *_), r, s = world.put(j, 0), *world.at(*(world.things[k][4] for k in c))
-        charge(5_000)
-        room = 2 * (r.m + r.r + s.m + s.r)
-        return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
-                   for z, (low, high) in zip((u, v), kept[key], strict=True))
-    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
-    def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
-        refuse(age is None, f"{c} meet in the end")
-        if (start := self.ball.start(c)) == age: return charge(500)
-        for world in (self.few, self.ball):
-            if c in self.parted:  # the gap was zero: what is left of it over the time since
-                m = world.meeting(c, start)
-                gap = m.closing + m.closing + m.speed * world.wait(start, age)
-            else: gap = world.ask("gap", c, age)
-            if gap.sign() == 1: return
-        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
-    def misses(self, c, age, last):  # as `clear`, of a side of an arc, or of a face where it falls
-        other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
-        if start == age or other in self.parted or c in self.lasting: return charge(500)
-        bow, flat = c[1] in self.arcs, self.slopes.get(c[1]) == 0
-        if hollow and bow and other in self.met: return charge(500)  # it was outside up to now
-        again = c in self.parted  # from within alone
-        for world in (self.few, self.ball):
-            charge(30_000)
-            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
-            gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
-            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
-            if disc == -1 and not again: return
-            if hollow:  # the gap is concave: it falls later than now, or fell before the start
-                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1) or (
-                    closing == 0 and (gap == 1 or not flat)): return  # convex
-            hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
-            if (there := m.there(again) if hits else None) == -1: return
-        if hollow and not again and self.zero("disc", c, start): return  # it is never within
-        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
-            if self.zero(x, c, start): return
-        if flat and gap != 1 and (closing == 0 or self.zero("closing", c, start)):
-            return self.slides(c, start, age, gap, last)
-        ends = closing2 == -1 and not (later.foot.sign() and later.far.sign())  # right at its end?
-        ends = ends and any(self.zero(x, c, age) for x in ("foot", "far"))
-        if ends and self.zero("gap", c, age): return
-        ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
-        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
-        refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
-        raise Unsettled(f"whether {c} meet on the way")
-    def across(self, c):  # at time 0: proves that a circle is not across an arc
-        m, inner = self.ball.meeting(c, 0), self.other(c)
-        sides = [x for x in (c, inner) if x in self.meets]
-        met = self.met.keys() & {*sides}
-        refuse(met and not self.things[c[0]][4], f"{c}: its centre is on the arc")
-        gaps = {self.ball.ask("gap", x, 0).sign() for x in sides}
-        if met or 1 in gaps: return
-        square = m.d[0] * m.d[0] + m.d[1] * m.d[1]
-        within = m.beside(m.d, square.sqrt()).sign() if square.sign() == 1 else None
-        if within == -1: return
-        if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
-        demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows

@@ -6,10 +6,11 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from contextlib import suppress
 from decimal import Decimal, localcontext
 from functools import partial
+from itertools import chain
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
@@ -90,7 +91,7 @@ class Remembering(Space):
 
     def hit(self, c: Contact, again: Any, near: str) -> Any:
         """As in any world; asked again, it is the same number."""
-        asked = (c, len(self.times), self.start(c), near)
+        asked = (c, len(self.times), self.start(c), near if self.pegs & {*c} else "")
         if self.last[0] != asked:
             self.last = asked, super().hit(c, again, near)
         return self.last[1]
@@ -247,11 +248,11 @@ class Prover(Checker):
         flat = [c for c in near if not self.drops(c) and (len(near) == 1 or self._hits(c))]
         hits = [(self.ball.hit(c, self.again(c), ""), c) for c in flat]
         if self.ball.pegs:  # of an end and a face of one thing it may be either
-            hits = [hit for hit in hits if self._as_said(hit[0])]
+            hits = [hit for hit in hits if _as_said(hit[0], self.near[self.age])]
         if not hits:
             for c in (c for c in near if self.drops(c)):
                 with suppress(Unsettled, Refuted):
-                    entry["time"], when = self._dropped(c)
+                    entry["time"], when = _dropped(self, c, self.near[self.age])
                     hits = [(when, c)]
                     break
         if not hits:
@@ -285,34 +286,6 @@ class Prover(Checker):
             self._try_all(entry)
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
-
-    def _as_said(self, time: Ball) -> bool:
-        """Whether a time may be the one at which the run has the instant at hand."""
-        text = _spelt(float(self.near[self.age]), 14)
-        at, scale = int(text.replace(".", "")) << time.bits, 10 ** len(text.partition(".")[2])
-        return abs(time.m * scale - at) <= time.r * scale + (1 << time.bits)
-
-    def _dropped(self, c: Contact) -> tuple[str, Ball]:
-        """When a circle falls onto one that is fixed: in so many digits that no other zero is as near, and sharply."""
-        again, said = self.again(c), self.near[self.age]
-        spell = partial(_spelt, float(said), 16)
-        for digits in (None, *NEARER):
-            if digits is not None:
-                spell = partial(_spelt, said.digits(digits), digits)
-            try:
-                time = self.ball.hit(c, again, spell())
-                break
-            except Unsettled:
-                if digits == NEARER[-1]:
-                    raise
-        for more in (0, *NEARER):
-            text = self.decimal(time, self.digits + more)
-            try:
-                return text, self.ball.hit(c, again, text)
-            except Unsettled:
-                if more == NEARER[-1]:
-                    raise
-        raise AssertionError
 
     def _left(self, c: Contact) -> bool:
         """Whether a contact was at gap zero on these flights, and does not come to it again."""
@@ -454,6 +427,33 @@ class Prover(Checker):
 
 def _unknown() -> Exact:
     raise Unsettled("a zero of a quartic is no exact number here")
+
+
+def _as_said(time: Ball, said: ExactValue) -> bool:
+    """Whether a time may be the one at which the run has an instant."""
+    text = _spelt(float(said), 14)
+    at, scale = int(text.replace(".", "")) << time.bits, 10 ** len(text.partition(".")[2])
+    return abs(time.m * scale - at) <= time.r * scale + (1 << time.bits)
+
+
+def _dropped(prover: Prover, c: Contact, said: ExactValue) -> tuple[str, Ball]:
+    """When a circle falls onto one that is fixed: in so many digits that no other zero is as near, and sharply.
+
+    Raises:
+        Unsettled: if no number of digits that is tried tells.
+        Refuted: if it does not fall onto it then.
+    """
+    again = prover.again(c)
+
+    def first(texts: Iterable[Callable[[], str]]) -> tuple[str, Ball]:
+        for spell in texts:
+            with suppress(Unsettled):
+                return (text := spell()), prover.ball.hit(c, again, text)
+        raise Unsettled("when a circle falls onto one that is fixed")
+
+    nearer = (partial(_spelt, said.digits(digits), digits) for digits in NEARER)
+    _, time = first(chain((partial(_spelt, float(said), 16),), nearer))
+    return first(partial(prover.decimal, time, prover.digits + more) for more in (0, *NEARER))
 
 
 def _spelt(value: float | str, digits: int) -> str:
