@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
-from .fits import NEAR, BounceRatios, Drift, Fit, Sample, bounces_of, drifts, fit_of, sampled
+from .fits import NEAR, BounceRatios, Drift, Fit, Sample, bounces_of, description_of, descriptions, drifts, sampled
 from .passages import Passage, passages, passes_between
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
@@ -288,7 +288,7 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
     fit = None
     if notes.first:
         samples, ways = _described(transcript, laws)
-        fit = fit_of(laws, samples, ways, ids)
+        fit = description_of(descriptions(laws, samples, ways, ids), notes.counts)
     return Audit(
         not notes.first, "", impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
         declared=dict(notes.declared), phantoms=notes.phantoms,
@@ -322,30 +322,39 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
     with ball.precision(AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input, step, transcript.fall)
-        fit = fit_of(laws, measures.samples, measures.drifts, laws.scene.ids)
+        fits = _described_steps(laws, measures, {"impulse"})
         bounced = None if run.scene.elastic else bounces_of(transcript, laws)
-    law = (
-        fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
-    )
-    if law is not None and _of_iterations(run, engine, measures, unit):
-        law = None
-    told = () if law is not None else tuple(series(engine, run, unit, measures))
+    law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
+    law = law and not _of_iterations(run, engine, measures, unit)
+    told = () if law else tuple(series(engine, run, unit, measures))
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]
-    kept: bool | None = False if law is not None or broken else None if open_ones else True
+    kept: bool | None = False if law or broken else None if open_ones else True
     reason = ""
     if kept is None:
         sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
         reason = f"no finer step was run to show what is of the step ({sizes})"
-    violations = _step_violations(measures, laws.scene.ids, law is not None, {d.kind for d in broken}, step)
+    kinds = {"impulse"} if law else {d.kind for d in broken}
+    violations = _step_violations(measures, laws.scene.ids, kinds, step) if kept is False else []
     counts = Counter(violation.kind for violation in violations)
+    with ball.precision(AUDIT_BITS):
+        fit = description_of(fits if law else _described_steps(laws, measures, kinds), counts)
     firsts = {violation.kind: violation for violation in reversed(violations)}
     return Audit(
         kept, reason, measures.impacts, measures.flights,
-        tuple(sorted(firsts.values(), key=lambda violation: violation.time)) if kept is False else (),
-        dict(counts) if kept is False else {}, {}, unit, law or (fit if kept is False else None), told, declared,
-        bounces=bounced,
+        tuple(sorted(firsts.values(), key=lambda violation: violation.time)), dict(counts), {}, unit, fit, told,
+        declared, bounces=bounced,
     )  # fmt: skip
+
+
+def _described_steps(laws: Laws, measures: Measures, kinds: set[str]) -> list[Fit]:
+    """What describes the kinds of defects that are not of the step."""
+    samples = measures.samples
+    if "impulse" not in kinds:
+        samples = [s._replace(restitution=1.0, aside=0.0, lost=0.0, masses=1.0) for s in samples]
+    if "lateness" not in kinds:
+        samples = [s._replace(gap=0.0) for s in samples]
+    return descriptions(laws, samples, measures.drifts if "correction" in kinds else (), laws.scene.ids)
 
 
 def _of_iterations(run: Trajectory, engine: Engine, measures: Measures, unit: float) -> bool:
@@ -391,12 +400,10 @@ def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[
     return measures, {key: count for key, count in declared.items() if count}
 
 
-def _step_violations(
-    measures: Measures, ids: tuple[str, ...], law: bool, kinds: set[str], step: float
-) -> list[Violation]:
+def _step_violations(measures: Measures, ids: tuple[str, ...], kinds: set[str], step: float) -> list[Violation]:
     """Every step of an engine of steps that misses a law by what is not of the step, in order of time."""
     found: list[Violation] = []
-    if law or "impulse" in kinds:
+    if "impulse" in kinds:
         found += [
             Violation("impulse", s.event, s.time, tuple(ids[k] for k in s.pair), s.defect * s.speed, s.room * s.speed)
             for s in measures.samples

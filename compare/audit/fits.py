@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -127,9 +127,9 @@ class Fit:
 
     Attributes:
         what: in words, such as `restitution 0.98`.
-        explained, of: how many of the steps that miss a law it explains, and how many it was tried on.
+        explained, of: how many steps it explains, and how many it was tried on: all of its sort that were seen.
         value, spread: the number in it, and how far single steps are from that; nan where there is none.
-        kind: `restitution`, `mass`, `radius`, `wall`, `friction`, `damping`, `acceleration`, `correction`, `once`.
+        kind: one of `EXPLAINS`.
     """
 
     what: str
@@ -332,30 +332,77 @@ def drifts(laws: Laws, instant: ReportedInstant, events: int) -> list[Drift]:
 # -- descriptions
 
 
-def fit_of(laws: Laws, samples: Sequence[Sample], flights: Sequence[Drift], ids: Sequence[str]) -> Fit | None:
-    """The simplest description of what some contacts and flights miss; None if none explains half of them."""
-    tried = [
-        *_restitutions(laws, samples, ids),
-        *_masses(laws, samples, ids),
-        *_frictions(samples),
-        *_sizes(laws, samples, ids),
-        *_flights(flights),
-        *_once(laws, samples, ids),
-    ]
-    return next((fit for fit in tried if fit is not None), None) or _mostly(laws, samples)
+@dataclass(frozen=True)
+class _Missed:
+    """What of some contacts and flights is off by more than rounding: a description has to explain all of it.
+
+    Attributes:
+        samples, ids: what it is seen in, and the names of all.
+        speeds, aside, momentum, gaps: the contacts of which the normal speeds are; of which the impulse has a part
+            across the line of centres; of which the two changes do not have the ratio of the masses; that do not touch.
+        flights: those that end elsewhere.
+    """
+
+    samples: Sequence[Sample]
+    ids: Sequence[str]
+    speeds: Sequence[Sample]
+    aside: Sequence[Sample]
+    momentum: Sequence[Sample]
+    gaps: Sequence[Sample]
+    flights: Sequence[Drift]
+
+    @property
+    def impulses(self) -> set[Sample]:
+        """The contacts whose impulse is off in any way."""
+        return {*self.speeds, *self.aside, *self.momentum}
+
+    def names(self, s: Sample) -> tuple[str, str]:
+        """Who meets; faces and ends have the name of what they are of."""
+        return self.ids[s.pair[0]], self.ids[s.pair[1]]
 
 
-def _mostly(laws: Laws, samples: Sequence[Sample]) -> Fit | None:
-    """One restitution for most contacts, where none holds for all of a sort."""
-    if len(samples) < FEWEST:
-        return None
-    value = sorted(s.restitution for s in samples)[len(samples) // 2]
-    near = [s for s in samples if abs(s.restitution - value) <= SPREAD * abs(value - 1) + NEAR * s.room]
-    off = max((NEAR * s.room for s in near), default=math.inf)
-    if 2 * len(near) < len(samples) or abs(value - 1) <= off:
-        return None
-    spread = max(abs(s.restitution - value) for s in near)
-    return Fit(f"restitution {_ratio(laws, value)}", len(near), len(samples), value, spread, "restitution")
+def descriptions(laws: Laws, samples: Sequence[Sample], flights: Sequence[Drift], ids: Sequence[str]) -> list[Fit]:
+    """The simplest descriptions that explain all that some contacts and flights miss; several are equally simple.
+
+    There is none where what is off is off in more than one way, or not by one number.
+    """
+    off = lambda size, s: size > NEAR * s.room  # noqa: E731
+    missed = _Missed(
+        samples,
+        ids,
+        [s for s in samples if off(abs(s.restitution - 1), s)],
+        [s for s in samples if off(s.aside, s) and not math.isnan(s.sliding)],
+        [s for s in samples if not math.isnan(s.masses) and (off(abs(s.masses - 1), s) or off(s.lost, s))],
+        [s for s in samples if abs(s.gap) > s.loose],
+        [d for d in flights if math.hypot(d.x, d.y) > d.room],
+    )
+    if missed.flights:
+        return [fit for fit, shift, turn in _flights(missed) if _follows(laws, missed, shift, turn)]
+    if missed.gaps:
+        return [] if missed.impulses else _sizes(laws, missed)
+    kinds = [bool(missed.speeds), bool(missed.aside), bool(missed.momentum)]
+    if kinds == [False, False, True]:
+        return _masses(laws, missed)
+    if kinds == [True, False, False]:
+        return [*_restitutions(laws, missed)][:1] or _once(laws, missed)
+    return ([*_frictions(laws, missed)][:1] or _once(laws, missed)) if kinds == [False, True, False] else []
+
+
+def _follows(laws: Laws, missed: _Missed, shift: float, turn: float) -> bool:
+    """Whether what contacts miss is no more than follows from flights that end so far, or so fast, from what is said.
+
+    Args:
+        shift: by how much places are moved.
+        turn: by how much velocities are.
+    """
+    for s in {*missed.impulses, *missed.gaps}:
+        shares = [thing.share for thing in (laws.things[k] for k in s.pair if k < laws.count) if thing.share]
+        uneven = 1 + max(shares, default=1.0) / min(shares, default=1.0)
+        tilt = shift / abs(s.reach) * (s.speed + s.slide) if s.reach else math.inf
+        size = max(s.defect, s.aside) * s.speed
+        if size > 8 * uneven * (turn + tilt) + NEAR * s.room * s.speed or abs(s.gap) > 4 * shift + s.loose:
+            return False
+    return True
 
 
 def _ratio(laws: Laws, share: float) -> str:
@@ -377,158 +424,173 @@ def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> t
     return mean, spread
 
 
-def _broken(samples: Sequence[Sample]) -> list[Sample]:
-    return [s for s in samples if s.defect > NEAR * s.room]
-
-
-def _restitutions(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable[Fit | None]:
-    """One restitution for all contacts, or for all of a sort; the others keep the law."""
-    bad = [s for s in samples if abs(s.restitution - 1) > NEAR * s.room and s.aside <= NEAR * s.room + SPREAD]
-    if len(bad) < FEWEST:
-        return
-    walls = lambda s: s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends  # noqa: E731
+def _sorts(laws: Laws, missed: _Missed, bad: Sequence[Sample]) -> Iterable[tuple[str, list[Sample]]]:
+    """Sorts of contacts that have all of the bad ones, the widest first, in words."""
+    wall = lambda s: s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends  # noqa: E731
+    pairs = dict.fromkeys(map(missed.names, bad))
+    slow, fast = min(s.speed for s in bad), max(s.speed for s in bad)
     sorts: list[tuple[str, Callable[[Sample], bool]]] = [
         ("", lambda s: True),
-        (" at walls", walls),
-        (" between circles", lambda s: not walls(s)),
-    ]
-    named = lambda s: (ids[s.pair[0]], ids[s.pair[1]])  # noqa: E731
-    # faces and ends have the name of what they are of
-    sorts += [(f" of {name}", lambda s, name=name: name in named(s)) for name in dict.fromkeys(ids)]
-    sorts += [
-        (f" between {pair[0]} and {pair[1]}", lambda s, pair=pair: named(s) == pair)
-        for pair in dict.fromkeys(map(named, bad))
-    ]
-    slow = min(s.speed for s in bad)
-    sorts.append((f" above a normal speed of {slow:.3g}", lambda s: s.speed >= slow))
-    fast = max(s.speed for s in bad)
-    sorts.append((f" below a normal speed of {fast:.3g}", lambda s: s.speed <= fast))
+        (" at walls", wall),
+        (" between circles", lambda s: not wall(s)),
+        *((f" of {name}", lambda s, name=name: name in missed.names(s)) for name in dict.fromkeys(missed.ids)),
+        *((f" between {one} and {two}", lambda s, pair=(one, two): missed.names(s) == pair) for one, two in pairs),
+        (f" above a normal speed of {slow:.3g}", lambda s: s.speed >= slow),
+        (f" below a normal speed of {fast:.3g}", lambda s: s.speed <= fast),
+    ]  # fmt: skip
     for words, holds in sorts:
-        mine, others = [s for s in samples if holds(s)], [s for s in bad if not holds(s)]
+        mine = [s for s in missed.samples if holds(s)]
+        if len(mine) >= FEWEST and all(map(holds, bad)):
+            yield words, mine
+
+
+def _restitutions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
+    """One restitution for all contacts, or for all of a sort; the others keep the law."""
+    least = min(abs(s.restitution - 1) for s in missed.speeds)
+    for words, sort in _sorts(laws, missed, missed.speeds):
+        mine = [s for s in sort if 2 * NEAR * s.room < least or s in missed.speeds]  # others are too slow to show it
         found = _one_value([s.restitution for s in mine], 1.0, [s.room for s in mine])
-        if found is None or others or len(mine) < FEWEST:
+        if found is None:
             continue
         what = f"restitution {_ratio(laws, found[0])}{words}"
-        if laws.restitution == 1.0 and (
-            words.startswith(" at walls") or (words.startswith(" of ") and all(map(walls, mine)))
-        ):
+        walls = all(s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends for s in mine)
+        if laws.restitution == 1.0 and walls and words.startswith((" at walls", " of ")):
             what += f" (an impulse {_percent((1 - found[0]) / 2)})"
         yield Fit(what, len(mine), len(mine), *found, "restitution")
 
 
-def _masses(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable[Fit | None]:
-    """Masses taken for others: the ratio of the two changes of velocity has them."""
-    pairs = [s for s in samples if not math.isnan(s.masses)]
-    bad = [s for s in pairs if abs(s.masses - 1) > NEAR * s.room or s.lost > NEAR * s.room]
-    if not bad:
+def _frictions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
+    """The speed across the line of centres changes in one ratio, at all contacts or at all of a sort that slide."""
+    mine = missed.aside
+    one = _one_value([s.sliding for s in mine], 1.0, [s.room * s.speed for s in mine])
+    if one is None or len(mine) < FEWEST:
         return
+    for words, sort in _sorts(laws, missed, mine):
+        if all(abs(one[0] - 1) * s.slide < 8 * NEAR * s.room * s.speed for s in sort if s not in mine):  # too slow
+            what = f"the speed across the contact becomes {_told(one[0], 1.0)} of what it was{words}"
+            yield Fit(what, len(mine), len(mine), *one, "friction")
+
+
+def _masses(laws: Laws, missed: _Missed) -> list[Fit]:
+    """Masses taken for others: the ratio of the two changes of velocity has them."""
+    pairs, bad = [s for s in missed.samples if not math.isnan(s.masses)], missed.momentum
     share = [thing.share for thing in laws.things]
-
-    def equal(s: Sample) -> bool:
-        return abs(s.masses * (share[s.pair[1]] / share[s.pair[0]]) - 1) <= NEAR * s.room + SPREAD * 1e-6
-
-    unlike = len({share[k] for s in bad for k in s.pair}) > 1
-    if unlike and all(map(equal, pairs)):
-        yield Fit("masses taken for equal", len(pairs), len(pairs), 1.0, 0.0, "mass")
-
-    def swapped(s: Sample) -> bool:
-        return abs(s.masses * (share[s.pair[1]] / share[s.pair[0]]) ** 2 - 1) <= NEAR * s.room + SPREAD * 1e-6
-
-    if unlike and all(map(swapped, pairs)):
-        yield Fit("masses taken for their inverse", len(pairs), len(pairs), -1.0, 0.0, "mass")
-    for k, name in enumerate(ids[: laws.count]):
-        mine, others = [s for s in pairs if k in s.pair], [s for s in bad if k not in s.pair]
-        if others or not mine or not laws.moving[k]:
+    if len({share[k] for s in bad for k in s.pair}) > 1:
+        for power, words in ((1, "equal"), (2, "their inverse")):
+            times = [s.masses * (share[s.pair[1]] / share[s.pair[0]]) ** power for s in pairs]
+            if all(abs(t - 1) <= NEAR * s.room + SPREAD * 1e-6 for t, s in zip(times, pairs, strict=True)):
+                return [Fit(f"masses taken for {words}", len(pairs), len(pairs), 3.0 - 2 * power, 0.0, "mass")]
+    fits: list[Fit] = []
+    for k, name in enumerate(missed.ids[: laws.count]):
+        mine = [s for s in pairs if k in s.pair]
+        if not mine or not laws.moving[k] or any(k not in s.pair for s in bad):
             continue
         ratios = [s.masses if s.pair[0] == k else 1 / s.masses if s.masses else math.inf for s in mine]
         found = _one_value(ratios, 1.0, [s.room for s in mine])
-        if found is not None:
-            mass = found[0] / share[k]
-            what = f"the mass of {name} taken for {_told(mass, 1 / share[k])}"
-            yield Fit(what, len(mine), len(mine), *found, "mass")
+        if found is not None and found[0] > 0:
+            what = f"the mass of {name} taken for {_told(found[0] / share[k], 1 / share[k])}"
+            fits.append(Fit(what, len(mine), len(mine), *found, "mass"))
+    return fits
 
 
-def _frictions(samples: Sequence[Sample]) -> Iterable[Fit | None]:
-    """The speed across the line of centres changes, always in one ratio."""
-    bad = [s for s in samples if s.aside > NEAR * s.room and not math.isnan(s.sliding)]
-    if len(bad) < FEWEST:
-        return
-    found = _one_value([s.sliding for s in bad], 1.0, [s.room * s.speed for s in bad])
-    if found is not None:
-        yield Fit(
-            f"the speed across the contact becomes {_told(found[0], 1.0)} of what it was", len(bad), len(bad), *found,
-            "friction",
-        )  # fmt: skip
-
-
-def _sizes(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable[Fit | None]:
+def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
     """A radius, or the place of a wall, taken for another: all gaps of one thing are the same."""
-    bad = [s for s in samples if abs(s.gap) > s.loose]
-    if not bad:
-        return
+    samples, fits = missed.samples, list[Fit]()
     every = _one_value([s.gap for s in samples], 0.0, [s.loose / NEAR for s in samples])
     if every is not None and len(samples) >= FEWEST:
         words = "apart" if every[0] > 0 else "into each other"
-        yield Fit(f"contacts {abs(every[0]):.3g} {words}", len(samples), len(samples), *every, "correction")
-    several = {ids[k] for k in laws.parts_places}
-    for name in dict.fromkeys(ids):
-        mine = [s for s in samples if name in (ids[s.pair[0]], ids[s.pair[1]])]
-        others = [s for s in bad if name not in (ids[s.pair[0]], ids[s.pair[1]])]
-        if others:
-            continue
+        return [Fit(f"contacts {abs(every[0]):.3g} {words}", len(samples), len(samples), *every, "gap")]
+    several = {missed.ids[k] for k in laws.parts_places}
+    for name in dict.fromkeys(missed.ids):
+        mine = [s for s in samples if name in missed.names(s)]
         found = _one_value([s.gap for s in mine], 0.0, [s.loose / NEAR for s in mine])
-        if found is None:
+        if found is None or any(name not in missed.names(s) for s in missed.gaps):
             continue
+        size, more = f"{abs(found[0]):.3g}", found[0] > 0
         if name in several:
-            thick = "thicker" if found[0] > 0 else "thinner"
-            what = f"{name} taken to be {abs(found[0]):.3g} {thick} on each side"
-            yield Fit(what, len(mine), len(mine), *found, "radius")
-        elif ids.index(name) >= laws.count:
-            side = "nearer" if found[0] > 0 else "farther"
-            yield Fit(f"wall {name} taken to be {abs(found[0]):.3g} {side}", len(mine), len(mine), *found, "wall")
+            kind, what = "radius", f"{name} taken to be {size} {'thicker' if more else 'thinner'} on each side"
+        elif missed.ids.index(name) >= laws.count:
+            kind, what = "wall", f"wall {name} taken to be {size} {'nearer' if more else 'farther'}"
         else:
-            more = "more" if found[0] > 0 else "less"
-            what = f"the radius of {name} taken for {abs(found[0]):.3g} {more}"
-            yield Fit(what, len(mine), len(mine), *found, "radius")
+            kind, what = "radius", f"the radius of {name} taken for {size} {'more' if more else 'less'}"
+        fits.append(Fit(what, len(mine), len(mine), *found, kind))
+    return fits
 
 
-def _flights(flights: Sequence[Drift]) -> Iterable[Fit | None]:
-    """Velocities that decay, an acceleration, or places that are moved without a flight."""
-    bad = [d for d in flights if math.hypot(d.x, d.y) > d.room]
+def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
+    """Velocities that decay, an acceleration, or places that are moved without a flight.
+
+    With each, by how much it moves a place at most, and by how much it changes a velocity.
+    """
+    bad, longest = missed.flights, max(d.span for d in missed.flights)
     if len(bad) < FEWEST:
         return
-    rooms = [d.room for d in bad]
-    decay = [(d, -2 * d.along / (d.speed * d.span**2)) for d in bad if d.speed and d.span]
-    found = _one_value([v for _, v in decay], 0.0, [d.room / (d.speed * d.span**2) / NEAR for d, _ in decay])
-    if found is not None and len(decay) == len(bad):
-        yield Fit(
-            f"speeds that fall by {found[0]:.3g} of themselves a unit of time", len(bad), len(bad), *found, "damping"
-        )
-    share = [d.along / (d.speed * d.span) for d in bad if d.speed and d.span]
-    found = _one_value(share, 0.0, [d.room / (d.speed * d.span) / NEAR for d in bad if d.speed and d.span])
-    if found is not None and len(share) == len(bad):
-        yield Fit(f"ways {_percent(-found[0])} than speed times time", len(bad), len(bad), *found, "damping")
+    fast, flown = max(d.speed for d in bad), [d for d in bad if d.span]
+    moving = [d for d in flown if d.speed and abs(d.across) <= d.room]
+
+    def tried(values: list[float], rooms: list[float], what: Callable[[float], str], kind: str) -> Iterable[Fit]:
+        found = _one_value(values, 0.0, [room / NEAR for room in rooms])
+        if found is not None and len(values) == len(bad):
+            yield Fit(what(found[0]), len(bad), len(bad), *found, kind)
+
+    for fit in tried(
+        [-2 * d.along / (d.speed * d.span**2) for d in moving], [d.room / (d.speed * d.span**2) for d in moving],
+        lambda value: f"speeds that fall by {value:.3g} of themselves a unit of time", "damping",
+    ):  # fmt: skip
+        yield fit, abs(fit.value) * longest**2 * fast, abs(fit.value) * longest * fast
+    for fit in tried(
+        [d.along / (d.speed * d.span) for d in moving], [d.room / (d.speed * d.span) for d in moving],
+        lambda value: f"ways {_percent(-value)} than speed times time", "damping",
+    ):  # fmt: skip
+        yield fit, abs(fit.value) * longest * fast, abs(fit.value) * fast
     for axis, name in ((0, "x"), (1, "y")):
-        pulls = [2 * (d.x, d.y)[axis] / d.span**2 for d in bad if d.span]
-        found = _one_value(pulls, 0.0, [2 * d.room / d.span**2 / NEAR for d in bad if d.span])
-        if found is not None:
-            yield Fit(f"an acceleration of {found[0]:.3g} along {name}", len(bad), len(bad), *found, "acceleration")
-    found = _one_value([math.hypot(d.x, d.y) for d in bad], 0.0, [room / NEAR for room in rooms])
-    if found is not None:
-        yield Fit(f"places moved by {found[0]:.3g}, without a flight", len(bad), len(bad), *found, "correction")
+        for fit in tried(
+            [2 * (d.x, d.y)[axis] / d.span**2 for d in flown], [2 * d.room / d.span**2 for d in flown],
+            lambda value, name=name: f"an acceleration of {value:.3g} along {name}", "acceleration",
+        ):  # fmt: skip
+            if all(abs((d.y, d.x)[axis]) <= d.room for d in flown):
+                yield fit, abs(fit.value) * longest**2, abs(fit.value) * longest
+    for fit in tried(
+        [math.hypot(d.x, d.y) for d in bad], [d.room for d in bad],
+        lambda value: f"places moved by {value:.3g}, without a flight", "correction",
+    ):  # fmt: skip
+        yield fit, fit.value, 0.0
 
 
-def _once(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterable[Fit | None]:
+def _once(laws: Laws, missed: _Missed) -> list[Fit]:
     """A single impact that is off."""
-    bad = _broken(samples)
-    if len(bad) != 1:
-        return
-    (only,) = bad
-    if abs(only.restitution - 1) > SPREAD * only.defect:
-        what = f"restitution {_ratio(laws, only.restitution)} at event {only.event} alone"
+    (only, *more), ids = tuple(missed.impulses), missed.ids
+    if more:
+        return []
+    where = f"at event {only.event} alone" if len(missed.samples) > 1 else f"at event {only.event}, the only one seen"
+    if missed.speeds:
+        if only.restitution < 0:
+            return []
+        what = f"restitution {_ratio(laws, only.restitution)} {where}"
     else:
-        what = f"an impulse {only.aside:.3g} off the line of centres at event {only.event} alone"
-    yield Fit(f"{what} ({ids[only.pair[0]]} and {ids[only.pair[1]]})", 1, 1, only.restitution, 0.0, "once")
+        what = f"an impulse {only.aside:.3g} off the line of centres {where}"
+    return [Fit(f"{what} ({ids[only.pair[0]]} and {ids[only.pair[1]]})", 1, 1, only.restitution, 0.0, "once")]
+
+
+EXPLAINS = {
+    "restitution": {"impulse", "energy"},
+    "mass": {"impulse", "energy"},
+    "friction": {"impulse", "energy"},
+    "once": {"impulse"},
+    "radius": {"gap", "depth"},
+    "wall": {"gap", "depth"},
+    "gap": {"gap", "depth"},
+    **{kind: {"flight", "impulse", "energy", "gap", "depth"} for kind in FLIGHTS},
+}
+"""Of each kind of description, the kinds of steps that miss a law for what it says."""
+
+
+def description_of(fits: Sequence[Fit], counts: Mapping[str, int]) -> Fit | None:
+    """The one description that explains every step that misses a law; None where there is none, or more than one."""
+    able = [fit for fit in fits if counts.keys() <= EXPLAINS[fit.kind]]
+    if len(able) != 1 or (able[0].kind == "once" and sum(counts.values()) > 1):
+        return None
+    return able[0]
 
 
 def _told(value: float, law: float) -> str:

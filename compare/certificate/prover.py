@@ -329,7 +329,8 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (self._left(c) and not leaving):
             return False
-        if c[1] in self.faces or c[1] in self.arcs:
+        ranged = c[1] in self.faces or c[1] in self.arcs
+        if ranged:
             if self.other(c) in self.parted:
                 return False
         elif not (self.falls(c) or self.drops(c)) and self._apart(c):
@@ -338,6 +339,8 @@ class Prover(Checker):
             m = world.meeting(c, self.age)
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
                 return False
+            if ranged and -1 in (world.ask(x, c, self.age).sign() for x in ("foot", "far")):
+                return False  # on the line of a face beyond its ends the gap is 0 too
         if not (self.zero("gap", c, self.age) and self._beside(c)):
             return False
         if self.hollow(c) and not self.sign("closing", c):

@@ -16,7 +16,7 @@ def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> li
 
     Files stand first: bash's script forgets what came before them, and looks for them where nothing comes after.
 
-    >>> [item.value for item in scenes(None, None, "gal") if item.type == "plain"]
+    >>> [item.value for item in scenes(None, None, "galp") if item.type == "plain"]
     ['galperin']
     >>> [item.value for item in scenes(None, None, "galperin:")]
     ['galperin:n=2']

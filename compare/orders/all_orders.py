@@ -244,7 +244,14 @@ class _Ends:
 
     def __init__(self) -> None:
         self._known: dict[Hashable, list[tuple[list[Real], list[tuple[float, float]]]]] = {}
+        self._texts: dict[int, tuple[ExactValue, str | None]] = {}
         self.unproved = 0
+
+    def _text(self, value: ExactValue) -> str | None:
+        """A number in nested roots, written once: it takes a replay of what led to it."""
+        if id(value) not in self._texts:
+            self._texts[id(value)] = value, value.text()
+        return self._texts[id(value)][1]
 
     def repeated(self, run: Trajectory) -> bool:
         """Whether a history has ended in this very state, at this very time; takes note of it."""
@@ -257,7 +264,7 @@ class _Ends:
         for others, their_bounds in alike:
             if any(a > d or c > b for (a, b), (c, d) in zip(bounds, their_bounds, strict=True)):
                 continue
-            same = [equality(one, other) for one, other in zip(values, others, strict=True)]
+            same = [equality(one, other, self._text) for one, other in zip(values, others, strict=True)]
             if False not in same:
                 self.unproved += None in same
                 return True
@@ -269,14 +276,19 @@ def _bounds(value: Real) -> tuple[float, float]:
     return value.bounds() if isinstance(value, ExactValue) else (float(value), float(value))
 
 
-def equality(one: Real, other: Real) -> bool | None:
-    """Whether two numbers are equal; None if that is not proved."""
+def equality(one: Real, other: Real, texts: Callable[[ExactValue], str | None] = ExactValue.text) -> bool | None:
+    """Whether two numbers are equal; None if that is not proved.
+
+    Args:
+        texts: writes a number in nested roots; None if it is too deep.
+    """
     if not isinstance(one, ExactValue) or not isinstance(other, ExactValue):
         return float(one) == float(other)
     try:
         if not one.ball(EQUAL_BITS).overlaps(other.ball(EQUAL_BITS)):
             return False
-        if one.exact() is not None and other.exact() is not None and one.text() == other.text():
+        told = texts(one)
+        if told is not None and told == texts(other):
             return True
     except Undecided:
         pass

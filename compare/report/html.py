@@ -34,6 +34,7 @@ from .terminal import side_by_side
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ..alternatives import Alternative
     from ..candidate import Candidate
     from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
@@ -123,6 +124,11 @@ class ChangedOutcome:
     rows: tuple[OutcomeRow, ...]
     total: int
     summary: str
+
+    @property
+    def settled(self) -> list[int]:
+        """Places of the engines of which some value here is settled."""
+        return sorted({k for row in self.rows for k, cell in enumerate(row.got) if cell != UNTOLD})
 
 
 def changed(comparison: Comparison) -> list[ChangedOutcome]:
@@ -262,7 +268,7 @@ ABOUT = {
     "is chaos, and below the floor places as doubles show nothing. A dot is the first divergence; a band, where 90 in "
     "100 such engines diverge, as the exact run alone predicts.",
     "Engines": "Every engine that was compared, and the reference. Reordered are independent events in another order: "
-    "they change nothing.",
+    "they change nothing. Below, each engine unfolds: on a narrow screen one at a time, on paper all.",
     "The account": "What each kind of error adds to the number that decides, signed; the parts add up. Alone says "
     "whether this kind, and no other, changes the event.",
     "What was run in its place": "Other engines and settings on the same scene, and to which event they are right. "
@@ -318,6 +324,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         plots=[Markup(error_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
         picture=Markup(scene_picture(comparison.scene, across=340)) if _drawn(comparison) else "",
         blocks=sorted(blocks, key=lambda block: not block["lead"]),
+        lead=next((block for block in blocks if block["lead"]), None),
         gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
@@ -427,13 +434,22 @@ def _block(
         "runs": [(row[0], row[4]) for row in told if row[1] == "-" and row[4] not in said.why],
         "silent": [(row[0], row[4]) for row in account if row not in told and row[4] not in said.why],
         "pattern": pattern,
-        "minimise": minimise_command(comparison, candidate) if divergence else None,
+        "minimise": minimise_command(comparison, candidate)
+        if divergence and not said.command.startswith("truebreak minimise")
+        else None,
         "alternatives": [
-            (a.engine, right_to(comparison, a), cost_words(a, candidate) or "not measured")
+            (a.engine, right_to(comparison, a).removeprefix("right "), _cost_cell(a, candidate))
             for a in all_run(comparison, candidate)
         ],
         "width": candidate.diagnosis is not None and candidate.diagnosis.name is CauseName["WIDTH"],
     }
+
+
+def _cost_cell(alternative: Alternative, candidate: Candidate) -> str:
+    """What it costs, under a heading that says beside which engine."""
+    told = cost_words(alternative, candidate) or "not measured"
+    short_told = told.removesuffix(f" the time of {candidate.engine}")
+    return "about the same" if short_told == "about" else short_told
 
 
 def _gap_words(candidate: Candidate) -> str:

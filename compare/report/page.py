@@ -91,7 +91,7 @@ NUMBER = re.compile(r"[-−]?\d[\d.]*e[-+]?\d+")
 VECTOR = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)")
 
 
-LONG_WORD = re.compile(r"\S{17,}")
+LONG_WORD = re.compile(r"\S{11,}")
 
 JOINT = re.compile(r"(?<=[:=,_])(?=.)")
 """Where a long name of an engine may go on in the next line."""
@@ -131,12 +131,12 @@ def in_cell(text: str) -> Markup:
 
 
 def longest_word(text: str) -> int:
-    """Letters of the longest word: a cell of short ones is never broken within a word.
+    """Letters of the longest part in which no line ends: a cell of short ones is never broken elsewhere.
 
-    >>> longest_word("not tried"), longest_word("")
-    (5, 0)
+    >>> longest_word("not tried"), longest_word(""), longest_word("pymunk:dt=1/2048")
+    (5, 0, 7)
     """
-    return max(map(len, text.split()), default=0)
+    return max(map(len, breakable(text).replace("\u200b", " ").split()), default=0)
 
 
 COMPARED = {

@@ -19,6 +19,7 @@
 #define PLAIN 0x1p-100
 #define FAINT (-240)
 #define ENOUGH (1LL << 40)
+#define FEW_BITS 64
 
 enum { X, Y, VX, VY, FLIGHT = COORDINATES + 2 };
 
@@ -385,6 +386,10 @@ static PyObject *bounce(PyObject *self, PyObject *const *args, Py_ssize_t count)
     for (int k = 0; k < 2; k++)
         if (centre(&bodies[k], clock, last, unit, &size, &bits) < 0)
             goto done;
+    if (bits < FEW_BITS) { /* a number near 0, whose radius the two steps take */
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
     if (meet(&set, at, lags, weights, &hit, rounding_of(size, bits, set.shift)) < 0)
         goto done;
     told = land(&set, bodies, at, 2, spread, late, clock, least);
@@ -430,8 +435,13 @@ static PyObject *rebound(PyObject *self, PyObject *const *args, Py_ssize_t count
     }
     double size = 0.0;
     long long bits = ENOUGH;
-    if (centre(&body, clock, last, set.unit, &size, &bits) < 0
-        || fly(&set, i, lag, mirror, rounding_of(size, bits, set.shift)) < 0)
+    if (centre(&body, clock, last, set.unit, &size, &bits) < 0)
+        goto done;
+    if (bits < FEW_BITS) {
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
+    if (fly(&set, i, lag, mirror, rounding_of(size, bits, set.shift)) < 0)
         goto done;
     told = land(&set, &body, &i, 1, spread, late, clock, least);
 done:
@@ -499,7 +509,8 @@ static PyObject *constants(PyObject *self, PyObject *nothing)
 {
     return Py_BuildValue("{sdsdsdsdsdsdsdsdsdsdsdsisL}", "UP", UP, "WIDER", WIDER, "CARRIED", CARRIED, "SMALL_WAIT",
                          SMALL_WAIT, "MOST", MOST, "MOST_TURN", MOST_TURN, "LEAST", LEAST, "FLAT", FLAT, "STEEPER",
-                         STEEPER, "LEAST_TURN", LEAST_TURN, "PLAIN", PLAIN, "FAINT", FAINT, "ENOUGH", ENOUGH);
+                         STEEPER, "LEAST_TURN", LEAST_TURN, "PLAIN", PLAIN, "FAINT", FAINT, "ENOUGH", ENOUGH,
+                         "FEW_BITS", FEW_BITS);
 }
 
 static PyMethodDef methods[] = {

@@ -181,7 +181,6 @@ class CentredState(BallState):
         if is_flat(link):
             return held.mirror(held.face(self, link), movers[0])
         assert pending.hit is not None
-        assert is_pair(link)
         return held.meet(link, movers, pending.hit)
 
     def forget_contact(self) -> None:
@@ -204,7 +203,8 @@ class CentredState(BallState):
 
     def _ordinary(self, link: Touch, bodies: tuple[int, ...]) -> bool:
         """Whether deviations may be carried to this contact."""
-        if is_arc(link) or not self.centred or self._break or len(self._movers) > MOST_MOVERS:
+        falls = self.falling is not None and not is_pair(link)  # what is fixed moves in the falling frame
+        if falls or not self.centred or self._break or len(self._movers) > MOST_MOVERS:
             self._break -= self._break > 0
             return False
         movers = self._movers_of(link)

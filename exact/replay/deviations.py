@@ -26,8 +26,14 @@ LEAST_WEIGHT, LEAST_REACH = 1e-100, 1e-75
 ENOUGH = 2**40
 """More bits than any number has."""
 
+FEW_BITS = 64
+"""A number of which fewer bits are known is near 0, where its radius is told by itself: on a level wall, say."""
+
 MOST_UNIT = 300
 """The largest power of two that is taken for a unit of time."""
+
+FIXED = -1
+"""The place in the set of what has no deviations."""
 
 Numbers: TypeAlias = tuple[arb, arb, arb, arb]
 
@@ -176,7 +182,7 @@ class Deviations:
         return spread if spread < self.errors.near * self.unit and late < self.near_time else None
 
     def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Collision] | None:
-        i, j = (self.place.get(body.index, -1) for body in link.ends(state))
+        i, j = self.places(link)
         a, b = (body.flight for body in link.ends(state))
         found = self.collision(
             state, link, (dx, dy, b.vx - a.vx, b.vy - a.vy, root), i, j, (0.0, 0.0), waited(state.late)
@@ -225,12 +231,16 @@ class Deviations:
         far = LEAST_TURN * self.near_time
         return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
 
+    def places(self, link: Round) -> tuple[int, int]:
+        """Where the two of a contact stand in the set: -1 for a circle that is fixed, and for an arc."""
+        first, *rest = (self.place.get(k, FIXED) for k in link.circles)
+        return first, rest[0] if rest else FIXED
+
     def strength(self, state: BallState, link: Round) -> float:
         """-(1 + e) / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
-            a, b = link.ends(state)
-            reach = ball.as_double(state.reach(a, b))
-            weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
+            reach = abs(ball.as_double(state.reach(*link.ends(state))))
+            weight = reach * reach * sum(weights_of(self, link))
             share = 1.0 if state.share is None else ball.as_double(state.share)
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
             found = self._strengths[link] = -speed_change(1.0) * share / weight if known else 0.0
@@ -252,10 +262,9 @@ class Deviations:
         self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
         return self.bounded((body,))
 
-    def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision) -> bool:
-        """Two circles have collided; whether that could be carried."""
-        i, j = (self.place.get(k, -1) for k in link)
-        weights = self.weights[link.a], self.weights[link.b]
+    def meet(self, link: Round, movers: Sequence[Body[arb]], hit: Collision) -> bool:
+        """Two circles have collided, or one and an arc; whether that could be carried."""
+        (i, j), weights = self.places(link), weights_of(self, link)
         moved = [(body, *numbers_of(body)) for body in movers]
         rounding, _ = self.recentre(moved, movers[0].flight.t, movers[0].flight.last)
         self.errors.meet(i, j, (0.0, 0.0), weights, hit, rounding)
@@ -289,31 +298,48 @@ class Deviations:
         """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it, and the
         midpoints in doubles.
 
-        A radius is below 2**(2 - accuracy) of its number. Infinite where the bits were too few for a number, or for
-        doubles to tell.
+        A radius is below 2**(2 - accuracy) of its number, and is taken itself where that tells little. Infinite where
+        doubles do not tell it.
 
         Args:
             moved: the bodies and their numbers.
             clock, last: of their flights.
         """
-        size, bits, unit, mid = 0.0, ENOUGH, self.unit, self.mid
+        size, bits, beside, unit, mid = 0.0, ENOUGH, 0.0, self.unit, self.mid
         doubles: list[tuple[float, float, float, float]] = []
         for body, x, y, vx, vy in moved:
             mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid(), clock, last
             fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
             doubles.append((fx, fy, fvx, fvy))
             size += abs(fx) + abs(fy) + unit * (abs(fvx) + abs(fvy))
-            if (known := x.rel_accuracy_bits()) < bits:
-                bits = known
-            if (known := y.rel_accuracy_bits()) < bits:
-                bits = known
-            if (known := vx.rel_accuracy_bits()) < bits:
-                bits = known
-            if (known := vy.rel_accuracy_bits()) < bits:
-                bits = known
+            for number, scale in ((x, 1.0), (y, 1.0), (vx, unit), (vy, unit)):
+                known = number.rel_accuracy_bits()
+                if known < FEW_BITS:
+                    beside += counted_radius(number, self.errors.shift) * scale
+                elif known < bits:
+                    bits = known
             self.carried.add(body.index)
         power = 2 - bits - self.errors.shift
-        return (ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf), doubles
+        rounding = ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf
+        return (rounding + beside) * UP if beside else rounding, doubles
+
+
+def counted_radius(number: arb, shift: int) -> float:
+    """A number's radius, divided by 2**shift; infinite where doubles do not tell it.
+
+    >>> 4.0 <= counted_radius(arb(0, 0.5), -3) < 4.001
+    True
+    """
+    if not number.is_finite():
+        return inf
+    mantissa, exponent = map(int, number.rad().man_exp())
+    return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
+
+
+def weights_of(held: Deviations, link: Round) -> tuple[float, float]:
+    """The inverse masses of the two of a contact: 0 for an arc."""
+    first, *rest = (held.weights[k] for k in link.circles)
+    return first, rest[0] if rest else 0.0
 
 
 def waited(late: arb | None) -> float:
@@ -414,6 +440,8 @@ def carry_pair(
     found = held.collision(state, link, met, i, j, lags, beside)
     if found is None:
         return None
+    if not _well_known(moved):
+        return None
     hit, spread = found
     rounding, doubles = held.recentre(moved, clock, last)
     held.errors.meet(i, j, lags, weights, hit, rounding)
@@ -456,11 +484,16 @@ def carry_wall(
         return told
     beside, lag = float(late.abs_upper()) * UP, float(since) / held.unit
     spread = held.wall_time(face, i, lag, float(velocity[0]), float(velocity[1]), beside)
-    if spread is None:
+    if spread is None or not _well_known((moved,)):
         return None
     rounding, doubles = held.recentre((moved,), clock, last)
     held.errors.fly(i, lag, face.mirror, rounding)
     return _landed(held, (moved,), doubles, spread, beside, clock)
+
+
+def _well_known(moved: Sequence[Moved]) -> bool:
+    """Whether no number is near 0, where its bits do not tell its radius: the two steps take that (`FEW_BITS`)."""
+    return all(number.rel_accuracy_bits() >= FEW_BITS for _, *numbers in moved for number in numbers)
 
 
 def _landed(

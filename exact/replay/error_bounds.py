@@ -38,7 +38,7 @@ class Collision(NamedTuple):
         steep: by how much, at most, the instant moves for a deviation of one in d.
         apart: a bound of what d at the hit may be off.
         turn: at least |v|^2 / |d.v|, in the set's unit of time.
-        dx, dy, vx, vy, speed: d, v and -d.v at the hit.
+        dx, dy, vx, vy, speed: d, v and -d.v at the hit, the last below 0 at a hollow side.
         strength: -2 / (R^2 (wa + wb)).
     """
 
@@ -165,7 +165,7 @@ def pair_derivative(
 
     Args:
         dx, dy, vx, vy: d and v at the hit, from midpoints, rounded.
-        speed: -d.v at the hit.
+        speed: -d.v at the hit: below 0 at the hollow side of an arc, which is met from within.
         strength: -2 / (R^2 (wa + wb)); 0 where it is not to be had.
         unit: the set's unit of time.
         place: a bound of the deviation of d at the clock and beside it, however scaled.
@@ -176,13 +176,13 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `docs/studies/law_proofs.py`).
     """
-    square, reach = vx * vx + vy * vy, sqrt(dx * dx + dy * dy)
-    if not (strength < 0.0 and LEAST < speed < inf and LEAST < square < inf and reach > 0.0):
+    square, reach, fast = vx * vx + vy * vy, sqrt(dx * dx + dy * dy), abs(speed)
+    if not (strength < 0.0 and LEAST < fast < inf and LEAST < square < inf and reach > 0.0):
         return None
-    slow, steep = sqrt(square), reach / speed * UP
+    slow, steep = sqrt(square), reach / fast * UP
     slant = slow * steep
     apart = (1.0 + slant) * place * UP
-    turn = unit * square / speed * UP
+    turn = unit * square / fast * UP
     if not (slant * (apart / reach + pace / (unit * slow)) * UP < near and turn < MOST_TURN):
         return None
     return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength)

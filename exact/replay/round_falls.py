@@ -213,22 +213,25 @@ EXACT_WEIGHTS = [_weights(degree) for degree in range(5)]
 WEIGHTS = [[[int(w.p) / int(w.q) for w in row] for row in rows] for rows in EXACT_WEIGHTS]
 
 
-def _value(c: Sequence[float], t: float) -> float:
-    found = 0.0
-    for value in reversed(c):
-        found = found * t + value
+def horner(c: Sequence[N], t: N) -> N:
+    """The value of a polynomial."""
+    found = c[-1]
+    for k in range(len(c) - 2, -1, -1):
+        found = found * t + c[k]
     return found
 
 
-def _slope(c: Sequence[float], t: float) -> float:
-    found = 0.0
-    for k in range(len(c) - 1, 0, -1):
+def horner_slope(c: Sequence[Any], t: Any) -> Any:
+    """The value of its derivative."""
+    last = len(c) - 1
+    found = last * c[last]
+    for k in range(last - 1, 0, -1):
         found = found * t + k * c[k]
     return found
 
 
 def _doubt(c: Sequence[float], off: Sequence[float], t: float) -> float:
-    """How far `_value` may be off: Horner's rule by 2 n roundings of the sum of the terms' sizes, here twice that."""
+    """How far `horner` may be off: Horner's rule by 2 n roundings of the sum of the terms' sizes, here twice that."""
     found = 0.0
     for value, error in zip(reversed(c), reversed(off), strict=True):
         found = found * t + (abs(value) * 16 * UNIT + error)
@@ -240,7 +243,7 @@ def _sharpened(c: Sequence[float], off: Sequence[float], low: float, high: float
     a, b = low, high
     t = 0.5 * (a + b)
     for _ in range(60):
-        value, slope = _value(c, t), _slope(c, t)
+        value, slope = horner(c, t), horner_slope(c, t)
         if value > 0.0:
             a = t
         else:
@@ -252,13 +255,13 @@ def _sharpened(c: Sequence[float], off: Sequence[float], low: float, high: float
         t = near
         if done:
             break
-    slope = _slope(c, t)
+    slope = horner_slope(c, t)
     if slope >= 0.0:
         return Isolated(low, high)
     width = 2.0 * _doubt(c, off, t) / -slope + 4 * UNIT * t
     for _ in range(8):
         x, y = max(low, t - width), min(high, t + width)
-        if (x == low or _value(c, x) > _doubt(c, off, x)) and (y == high or _value(c, y) < -_doubt(c, off, y)):
+        if (x == low or horner(c, x) > _doubt(c, off, x)) and (y == high or horner(c, y) < -_doubt(c, off, y)):
             return Isolated(x, y)
         width *= 4.0
     return Isolated(low, high)
@@ -351,30 +354,24 @@ def sharpened(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[
     >>> zero.rel_accuracy_bits() > 40, abs(zero * zero - 2) < 1e-14
     (True, True)
     """
-    at = low.union(high)
+    at = low.union(high)  # a ball about both ends is a little wider: where the slope is below 0, no zero more is in it
     while True:
-        middle = at.mid()
-        fall = slope(at)
+        middle, fall, near = at.mid(), slope(at), None
         if fall < 0:
             near = middle - value(middle) / fall
             if not near.overlaps(at):
                 return None
             near = near.intersection(at)
-            done = near.rad() >= at.rad() * arb(0.25)
-            at = near
-            if done:
-                return at
-            continue
-        sign = sign_of(value(middle)) if low < middle < high else None
+            if near.rad() < at.rad() * arb(0.25):
+                at, low, high = near, near.lower(), near.upper()
+                continue
+        sign = sign_of(value(middle)) if low < middle < high else None  # where Newton's rule is slow, at is halved
         if not sign:
-            return None
-        if sign > 0:
-            low = middle
-        else:
-            high = middle
+            return near
+        low, high = (middle, high) if sign > 0 else (low, middle)
         narrower = low.union(high)
-        if not narrower.rad() < at.rad():
-            return None
+        if not narrower.rad() < at.rad() * arb(0.75):
+            return near
         at = narrower
 
 
@@ -646,9 +643,10 @@ def peg_wait(state: RoundFalls[arb], link: Pair, end: float) -> arb:
 
 def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear | None:
     """As `peg_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
-    at_clock, late = state.peg_fall_at_clock(link), state.faller(link).flight.late
+    at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
     fall = at_clock if late is None else at_clock.after(late)
-    found = falling_zero_in_balls(fall.polynomial(state.stood(link)), end)
+    polynomial = fall.polynomial(stood)
+    found = falling_zero_in_balls(polynomial, end)
     if not isinstance(found, Isolated):
         return found
 
@@ -658,10 +656,13 @@ def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear
     def slope(s: arb) -> arb:
         return 2 * at_clock.after(s).approach()
 
-    low, high = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
-    if late is not None:
-        low, high = low + late, high + late
+    first, last = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
+    low, high = (first, last) if late is None else (first + late, last + late)
     wait = sharpened(low, high, value, slope)
+    if stood and (wait is None or 2 * wait.rel_accuracy_bits() < bits_in_use()):  # it is all but at the zero left out
+        since = sharpened(first, last, lambda s: horner(polynomial, s), lambda s: horner_slope(polynomial, s))
+        again = since if since is None or late is None else late + since
+        wait = again if wait is None else wait if again is None else wait.intersection(again)
     return Unclear(float(found.low) * (1 - 2.0**-40)) if wait is None else wait  # pyright: ignore[reportArgumentType]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, log
+from math import ceil, inf, log
 from typing import TypeAlias
 
 from flint import arb
@@ -100,6 +100,7 @@ class Endings:
         self._since: dict[int, float] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, tuple[int, int]] = {}
+        self._spans: dict[int, tuple[Touch, float, float]] = {}
         self._times: list[float] = []
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
@@ -278,14 +279,16 @@ class Endings:
         ux, uy = ball.constant(wall.vx), ball.constant(wall.vy)
         return ux, uy, (ux * ux + uy * uy).sqrt()
 
-    def look(self, time: float) -> None:
-        """Notes the time of an event.
+    def look(self, time: float, impulses: Iterable[Touch]) -> None:
+        """Notes the time of an event, and its impulses.
 
         Raises:
             Undecided: where hits come ever faster, though no proof is known that they accumulate.
         """
         if self.scene.elastic and not self._closing:
             return
+        if self._enough is not None:
+            self._look_at_bounces(time, [*impulses])
         self._times.append(time)
         times, count = self._times, len(self._times)
         halved = self._closing and count >= 2 * WINDOW and count & (count - 1) == 0
@@ -301,6 +304,24 @@ class Endings:
                     f"accumulation suspected: the last {WINDOW} events took less than a thousandth of the time of the "
                     f"{WINDOW} before, up to time {time:.9g}; end the run before, or raise the restitution"
                 )
+
+    def _look_at_bounces(self, time: float, links: Sequence[Touch]) -> None:
+        """The same of a circle that bounces again and again on one round thing alone, of which no proof is known."""
+        shares = Counter(i for link in links for i in link.circles)
+        for link in links:
+            for i in link.circles:
+                known = self._spans.get(i)
+                if is_flat(link) or known is None or known[0] != link or shares[i] > 1:
+                    self._spans[i] = (link, time, inf)
+                    continue
+                _, last, first = known
+                span = time - last
+                if span * 2.0**SHRUNK < first < inf:
+                    raise Undecided(
+                        f"accumulation suspected: {name_of(self.scene, link)} meet again and again, and nothing else, "
+                        f"up to time {time:.9g}, a million times faster by then; end the run before"
+                    )
+                self._spans[i] = (link, time, span if first == inf else first)
 
 
 def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:

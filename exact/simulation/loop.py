@@ -456,7 +456,8 @@ class Loop(Generic[N, K]):
                         self._crush(closing)
                         return
         if self.decider.proves and done.events and self.history.last is not None:
-            endings.look(self.decider.reading.rough(self.history.last.time))
+            links = [link for _, _, impulses, _, _ in done.events for link in impulses]
+            endings.look(self.decider.reading.rough(self.history.last.time), links)
 
     def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""

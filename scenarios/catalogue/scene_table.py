@@ -44,6 +44,7 @@ FAMILIES = {
         "falling_scenes",
     ),
     **dict.fromkeys(("stadium", "mushroom", "lemon", "round-table"), "curved_tables"),
+    **dict.fromkeys(("galton", "plinko", "peg-mirror", "axis", "ramp", "ski-jump", "platforms"), "pegboards"),
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

@@ -1,8 +1,9 @@
 """A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
 
-Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0; an
-impulse turns approach speeds around, all but what the restitution takes; a derivative is what the rules of
-differentiation make of the very formulas that give the new lines. What a log's steps are called is all that both know.
+Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0, and
+within an arc the larger one; an impulse turns approach speeds around, all but what the restitution takes; a derivative
+is what the rules of differentiation make of the very formulas that give the new lines. What a log's steps are called is
+all that both know.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 from flint import arb, arb_mat
 
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.contact import AtWall, Entry, Pair
+from truebreak.exact.replay.contact import AtArc, AtWall, Entry, Pair
 from truebreak.exact.replay.state import Flip, Go, Kick, Step, Take
 from truebreak.scenarios import Scene
 
@@ -89,13 +90,14 @@ L = TypeVar("L")
 
 
 class Table(NamedTuple):
-    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets, the
-    restitution."""
+    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets, sides
+    of arcs, the hollow ones with a radius below zero, the restitution."""
 
     r: list[arb]
     w: list[arb]
     walls: list[tuple[arb, arb, arb, arb]]
     pockets: list[tuple[arb, arb, arb]]
+    arcs: list[tuple[arb, arb, arb]]
     e: arb
 
 
@@ -116,6 +118,7 @@ def table_of(scene: Scene) -> Table:
         w,
         walls,
         [of(p.x, p.y, p.r) for p in scene.pockets],
+        [of(side.x, side.y, side.r) for side in scene.arc_sides],
         *of(scene.restitution),
     )
 
@@ -127,11 +130,17 @@ def first_root(a: Any, half: Any, c: Any) -> Any:
     return -half / a if value.contains(0) else (-half - disc.sqrt()) / a
 
 
-def meeting_time(a: Line, b: Line, reach: Any) -> Any:
-    """When two lines come as near as `reach`."""
+def last_root(a: Any, half: Any, c: Any) -> Any:
+    """The larger zero of a t^2 + 2 half t + c."""
+    return (-half + (half * half - a * c).sqrt()) / a
+
+
+def meeting_time(a: Line, b: Line, reach: Any, hollow: bool = False) -> Any:
+    """When two lines come as near as `reach`; or, `hollow`, are no nearer any more."""
     px, py = (b.x - b.vx * b.t) - (a.x - a.vx * a.t), (b.y - b.vy * b.t) - (a.y - a.vy * a.t)
     vx, vy = b.vx - a.vx, b.vy - a.vy
-    return first_root(vx * vx + vy * vy, px * vx + py * vy, px * px + py * py - reach * reach)
+    root = last_root if hollow else first_root
+    return root(vx * vx + vy * vy, px * vx + py * vy, px * px + py * py - reach * reach)
 
 
 def wall_time(a: Line, wall: Sequence[Any], r: Any, side: int) -> Any:
@@ -141,9 +150,11 @@ def wall_time(a: Line, wall: Sequence[Any], r: Any, side: int) -> Any:
     return (far - (nx * (a.x - a.vx * a.t - x0) + ny * (a.y - a.vy * a.t - y0))) / (nx * a.vx + ny * a.vy)
 
 
-def collided(a: Line, b: Line, reach: Any, wa: Any, wb: Any, e: Any, clock: Any) -> tuple[Line, Line]:
+def collided(
+    a: Line, b: Line, reach: Any, wa: Any, wb: Any, e: Any, clock: Any, hollow: bool = False
+) -> tuple[Line, Line]:
     """The lines after two circles have met, told at a time."""
-    t = meeting_time(a, b, reach)
+    t = meeting_time(a, b, reach, hollow)
     a, b = a.at(t), b.at(t)
     dx, dy = b.x - a.x, b.y - a.y
     push = (dx * (b.vx - a.vx) + dy * (b.vy - a.vy)) * (-1 - e) / ((dx * dx + dy * dy) * (wa + wb))
@@ -159,6 +170,13 @@ def rebounded(a: Line, wall: Sequence[Any], r: Any, side: int, e: Any, clock: An
     a = a.at(wall_time(a, wall, r, side))
     turn = (nx * a.vx + ny * a.vy) * (1 + e) / (nx * nx + ny * ny)
     return Line(a.x, a.y, a.vx - turn * nx, a.vy - turn * ny, a.t).at(clock)
+
+
+def middle(table: Table, link: AtArc) -> tuple[Line, arb, bool]:
+    """The middle of an arc, which rests; how near a centre comes to it; and whether that is from within."""
+    x, y, r = table.arcs[link.arc]
+    zero = arb(0)
+    return Line(x, y, zero, zero, zero), abs(r + table.r[link.circle]), r < 0
 
 
 class Truth:
@@ -221,6 +239,8 @@ class Truth:
         if isinstance(source, AtWall):
             i, k = source.circle, source.wall
             return wall_time(now[i], table.walls[k], table.r[i], self.sides[i][k])
+        if isinstance(source, AtArc):
+            return meeting_time(now[source.circle], *middle(table, source))
         if isinstance(source, Entry):
             x, y, r = table.pockets[source.pocket]
             zero = arb(0)
@@ -233,6 +253,10 @@ class Truth:
             i, k = link.circle, link.wall
             _, _, nx, ny = self._table.walls[k]
             return {i: (nx * self.sides[i][k], ny * self.sides[i][k])}
+        if isinstance(link, AtArc):
+            at, _, hollow = middle(self._table, link)
+            x, y, *_ = self._now[link.circle].at(self._time)
+            return {link.circle: (at.x - x, at.y - y) if hollow else (x - at.x, y - at.y)}
         a, b = (self._now[i].at(self._time) for i in link)
         dx, dy = b.x - a.x, b.y - a.y
         return {link.a: (-dx, -dy), link.b: (dx, dy)}

@@ -7,12 +7,12 @@ from fractions import Fraction as F
 from random import Random
 from typing import Any
 
-from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Scene, Wall, catalogue
 
 CATALOGUE = (
     "gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "gas:n=10,seed=1", "gas:n=20,seed=3", "rack:rows=3,gap=0",
     "rack:rows=3,gap=1/9,jitter=1/1000,seed=4", "pinball", "lorentz", "inscribed:n=4", "corner:angle=60",
-    "galperin:n=2",
+    "galperin:n=2", "stadium", "mushroom", "lemon:d=6/5,y=1/7",
 )  # fmt: skip
 
 Rows = list[dict[str, Any]]
@@ -60,9 +60,10 @@ class Room:
         self.corners = [(x * lengths + dx, y * lengths + dy) for x, y in self.corners]
 
     def scene(self) -> Scene:
-        """The scene."""
+        """The scene, as engines of events have it."""
         ends = zip(self.corners, self.corners[1:] + self.corners[:1], strict=True)
-        return Scene([Circle(**row) for row in self.rows], [Wall(*p, *q) for p, q in ends], **self.settings)
+        scene = Scene([Circle(**row) for row in self.rows], [Wall(*p, *q) for p, q in ends], **self.settings)
+        return scene.surfaces
 
 
 def rest(row: dict[str, Any], **values: Any) -> None:
@@ -200,11 +201,31 @@ def level_and_lossy(room: Room) -> None:
     room.upright()
 
 
+def ring(room: Room) -> None:
+    """A ring that is wider than the room in parts, so that circles bounce within it and off walls; unequal masses."""
+    masses(room)
+    middle = F(3 * min(len(room.rows), 4) - 3, 2), F(3 * ((len(room.rows) - 1) // 4), 2)
+    room.settings["arcs"] = [Arc(*middle, 4 + middle[0], full=True)]
+
+
+def bows(room: Room) -> None:
+    """Bows between the circles and the walls, met from within, from without, and at their ends; a loss for some."""
+    if room.draw.random() < 0.5:
+        room.settings["restitution"] = "9/10"
+    shifts = [room.draw.choice([F(1, 9), F(-1, 9)]) for _ in range(2)]
+    low = F(-17, 10)
+    arcs = [
+        Arc(x, low, F(1, 2), x + F(1, 2), low, x + shift, F(-2))
+        for x, shift in zip((F(3, 2), F(9, 2)), shifts, strict=True)
+    ]
+    room.settings["arcs"] = [*arcs, Arc(-2, 0, F(3, 4), -2, F(-3, 4), -2, F(3, 4))]
+
+
 KINDS: dict[str, Callable[[Room], None]] = {
     kind.__name__: kind
     for kind in (
         oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
-        swift, huge, tiny, beyond, hall, lossy, level_and_lossy,
+        swift, huge, tiny, beyond, hall, lossy, level_and_lossy, ring, bows,
     )
 }  # fmt: skip
 """The kinds of rooms, by name."""
@@ -216,7 +237,7 @@ def scene_of(name: str) -> Scene:
     """A scene of the catalogue, or a room by kind and number: `oblique 3`."""
     kind, _, seed = name.partition(" ")
     if not seed:
-        return catalogue.build(name)
+        return catalogue.build(name).surfaces
     draw = Random(name)
     room = Room(draw, COUNTS.get(kind) or draw.randrange(2, 6))
     KINDS[kind](room)

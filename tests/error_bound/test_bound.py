@@ -9,18 +9,21 @@ from random import Random
 from typing import Any
 
 import pytest
+from flint import arb
 
 from error_bound.campaign import LATER, PILOT, tallies
 from error_bound.scenes import KINDS, scene_of
 from error_bound.watch import Tally, watched
+from truebreak.exact.numbers import ball
 from truebreak.exact.replay import deviations, error_set
 from truebreak.exact.replay import deviations as carrying
+from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.deviations import Deviations
 from truebreak.exact.replay.error_bounds import CLOSE, Bounds, pair_derivative, wall_steepness
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.scenarios import Circle, Scene, Wall
 
-OF_THE_CATALOGUE = ("gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "rack:rows=3,gap=0", "lorentz")
+OF_THE_CATALOGUE = ("gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "rack:rows=3,gap=0", "lorentz", "stadium", "mushroom")
 
 
 def bounds_of(name: str, events: int, sets: tuple[int, int] = LATER) -> Tally:
@@ -103,6 +106,17 @@ def other_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(error_set, "pair_tangent_blocks", turned)
 
 
+def never_hollow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is met from within turns errors as what is met from without."""
+    real = deviations.pair_derivative
+
+    def outer(*given: float) -> Any:
+        found = real(*given)
+        return found and found._replace(speed=abs(found.speed))
+
+    monkeypatch.setattr(deviations, "pair_derivative", outer)
+
+
 def no_loss(monkeypatch: pytest.MonkeyPatch) -> None:
     """The matrix of a collision is that of an elastic one, whatever is lost."""
     real = Deviations.strength
@@ -135,6 +149,14 @@ def test_a_loss_that_the_set_forgets_is_seen(
     assert any(bounds_of(f"{kind} {k}", 120).faults for kind in ("lossy", "level_and_lossy") for k in range(4))
 
 
+@pytest.mark.parametrize(("spoil", "name"), [(never_hollow, "stadium"), (never_hollow, "ring 0")])
+def test_an_arc_s_bound_that_is_too_small_is_seen(
+    spoil: Callable[[pytest.MonkeyPatch], None], name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spoil(monkeypatch)
+    assert bounds_of(name, 120).faults
+
+
 @pytest.mark.parametrize("spoil", [halved_norm, no_rounding, no_lags, lost_at_the_end, other_turn])
 def test_a_bound_that_is_too_small_is_seen(
     spoil: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch
@@ -142,6 +164,22 @@ def test_a_bound_that_is_too_small_is_seen(
     in_python(monkeypatch)  # whose parts can be spoilt one by one
     spoil(monkeypatch)
     assert any(bounds_of(name, 120).faults for name in ("gas:n=3,seed=2", "oblique 0", "level 0"))
+
+
+def test_a_number_near_0_is_off_by_its_own_radius() -> None:
+    """Its bits tell nothing of it, and the others' nothing either."""
+    with ball.precision(200):
+        state = CentredState(Scene([Circle(3, 4, vx=1, vy=2)]))
+        body = state.bodies[0]
+        held = Deviations([body], [body])
+        x, y, vx, vy, t, *_ = body.flight
+        wide = arb(0, 2.0**-90)
+        for four in ((x, wide, vx, vy), (wide, y, vx, vy), (x, y, vx, wide)):
+            rounding, _ = held.recentre([(body, *four)], t, 1)
+            unit = held.unit if four[3] is wide else 1.0
+            assert 1.0 <= rounding * 2.0**held.errors.shift / (2.0**-90 * unit) < 1.001
+        rounding, _ = held.recentre([(body, x, arb("nan"), vx, vy)], t, 1)
+        assert rounding == inf
 
 
 def test_a_derivative_is_that_of_other_units_or_is_not_given() -> None:

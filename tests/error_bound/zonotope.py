@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from flint import arb, arb_mat
 
-from error_bound.oracle import Dual, Line, Table, collided, rebounded
+from error_bound.oracle import Dual, Line, Table, collided, middle, rebounded
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.contact import AtWall, Pair, Touch
+from truebreak.exact.replay.contact import AtArc, AtWall, Pair, Touch
 
 BITS = 1024
 """Precision of the matrices: what they lose by being multiplied is far less."""
@@ -97,6 +97,9 @@ class Zonotope:
         if isinstance(link, AtWall):
             i, k = link.circle, link.wall
             return [rebounded(ends[0], table.walls[k], table.r[i], self._sides[i][k], table.e, clock)]
+        if isinstance(link, AtArc):
+            at, reach, hollow = middle(table, link)
+            return collided(ends[0], at, reach, table.w[link.circle], arb(0), table.e, clock, hollow)[:1]
         return [line.at(clock) for line in ends]
 
     def hull(self, i: int) -> list[arb]:

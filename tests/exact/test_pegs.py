@@ -254,3 +254,15 @@ def test_engines_without_quartics_refuse_by_one_line(engine: Any) -> None:
 def test_no_run_is_turned_back_where_a_circle_stands_under_gravity() -> None:
     with pytest.raises(SceneError, match="circle 'peg' is fixed, and no run is turned back there; leave"):
         Scene([Circle(0, 6), Circle(0, 3, m="oo", id="peg")], gravity=(0, -10), reverse_at=3)
+
+
+def test_bounces_that_shrink_on_a_peg_end_as_suspected_and_not_for_want_of_bits() -> None:
+    """On its axis each comes back after half of the time; 2**-20 of the first is less than is waited for."""
+    peg = Circle(0, 0, r="1/2", fixed=True, id="peg")
+    scene = Scene([Circle("1/10**9", 5, r="1/2", id="ball"), peg], [], gravity=(0, -10), restitution="1/2", events=400)
+    run = ExactEngine().run(scene)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "accumulation suspected: ball and peg" in run.stop.message
+    times = [float(event.time) for event in run.events]
+    assert 20 <= len(times) <= 23
+    assert (times[1] - times[0]) / 2**18 > times[-1] - times[-2] > 0

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
@@ -12,6 +11,16 @@ from typing import Any
 import pytest
 import sympy
 from flint import arb, fmpq
+from quartic_campaign import (
+    WAYS,
+    WIDTH,
+    campaign,
+    in_balls,
+    in_doubles,
+    is_wrong,
+    polynomials,
+    product,
+)
 from quartic_referee import Poly, first_fall, value
 
 from truebreak.exact.numbers import ball
@@ -28,95 +37,6 @@ from truebreak.exact.replay.round_falls import (
     sharpened,
     told_falling_zero,
 )
-
-WIDTH = Fraction(1, 2**220)
-KINDS = ("free", "zeros", "double", "close", "graze", "short", "ends", "negative", "cubic")
-
-
-def product(*zeros: Fraction, lead: Fraction = Fraction(1)) -> Poly:
-    """The polynomial with these zeros."""
-    found = [lead]
-    for zero in zeros:
-        found = [Fraction(0), *found]
-        for k in range(len(found) - 1):
-            found[k] -= zero * found[k + 1]
-    return found
-
-
-def drawn(rng: random.Random, kind: str) -> Poly | None:
-    """A polynomial that is positive at 0; None for one that is not."""
-
-    def number(low: int, high: int) -> Fraction:
-        return Fraction(rng.randint(low * 1000, high * 1000), rng.choice([1000, 1024, 997]))
-
-    some = number(0, 4) + Fraction(1, 1000)
-    tiny = Fraction(1, 10 ** rng.choice([9, 16, 30, 60]))
-    match kind:
-        case "free":
-            c = [some, *(number(-4, 4) for _ in range(4))]
-        case "zeros":
-            c = product(*(number(-2, 3) for _ in range(4)), lead=number(0, 2) + 1)
-        case "double":
-            c = product(some, some, number(-3, 6), number(-3, 6)) if rng.random() < 0.5 else product(some, some, -some)
-        case "close":
-            c = product(some, some + tiny, number(-3, 6), some + number(0, 1))
-        case "graze":
-            c = product(some, some, -some, -number(0, 3))
-            c[0] += tiny * rng.choice([-1, 1])
-        case "short":
-            c = [some, *(number(-4, 4) for _ in range(rng.randint(1, 3))), Fraction(0)]
-        case "ends":
-            c = product(tiny, 1 / tiny, number(1, 3), number(1, 3))
-        case "negative":
-            c = [some, number(-4, 4), number(-4, 4), number(-4, 4), -number(1, 4)]
-        case _:
-            d, v, h = [(number(-4, 4), number(-4, 4)) for _ in range(3)]
-            c = list(gap_quartic(*d, *v, *h, Fraction(0)))[1:]
-    c = c if c[0] >= 0 else [-x for x in c]
-    return c if c[0] > 0 and any(c[1:]) else None
-
-
-def polynomials(many: int, seed: int) -> Iterator[tuple[str, Poly]]:
-    """Of every kind in turn."""
-    rng, k = random.Random(seed), 0
-    while k < many:
-        kind = KINDS[k % len(KINDS)]
-        c = drawn(rng, kind)
-        if c is not None:
-            k += 1
-            yield kind, c
-
-
-def exact(x: Any) -> Fraction:
-    """A double or a fraction as Python's."""
-    return Fraction(x) if isinstance(x, float) else Fraction(int(x.p), int(x.q))
-
-
-def is_wrong(found: Any, truth: tuple[Fraction, Fraction] | None) -> bool:
-    """Whether an answer contradicts the truth; to say nothing is not wrong."""
-    if isinstance(found, Unclear):
-        return truth is not None and truth[1] < Fraction(found.since)
-    if found is None or truth is None:
-        return (found is None) != (truth is None)
-    return not (exact(found.low) < truth[1] and truth[0] < exact(found.high))
-
-
-def in_doubles(c: Poly) -> Any:
-    """Decided in doubles."""
-    mids = [float(x) for x in c]
-    return falling_zero(mids, [float(abs(Fraction(m) - x)) * 1.001 for m, x in zip(mids, c, strict=True)])
-
-
-def in_balls(c: Poly, bits: int = 300) -> Any:
-    """Decided in balls of so many bits."""
-    with ball.precision(bits):
-        return falling_zero_in_balls([arb(fmpq(x.numerator, x.denominator)) for x in c])
-
-
-def in_fractions(c: Poly) -> Any:
-    """Decided exactly."""
-    found = falling_zero_exactly([fmpq(x.numerator, x.denominator) for x in c])
-    return Isolated(found.low, found.high) if isinstance(found, ExactZero) else None
 
 
 @lru_cache
@@ -162,9 +82,16 @@ def test_the_referee_finds_planted_faults(fault: Callable[[Poly], Any]) -> None:
     assert faults(fault, 180, seed=1) > 2
 
 
-@pytest.mark.parametrize("decide", [in_doubles, in_balls, in_fractions])
+@pytest.mark.parametrize("decide", WAYS.values(), ids=WAYS)
 def test_no_first_zero_is_wrong_or_missed(decide: Callable[[Poly], Any]) -> None:
-    assert faults(decide, 450, seed=2) == 0
+    assert faults(decide, 650, seed=2) == 0
+
+
+def test_the_campaign_counts_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(WAYS, "doubles", by_samples)
+    counts = campaign(0, 130)
+    assert counts["doubles: WRONG"] > 0 == sum(counts[f"{way}: WRONG"] for way in WAYS if way != "doubles")
+    assert counts["Newton: fewer than 200 bits of 300"] == 0
 
 
 def test_doubles_decide_what_is_ordinary() -> None:

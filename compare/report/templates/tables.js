@@ -45,15 +45,48 @@ for (const button of document.querySelectorAll("[data-copy], [data-copy-text]"))
   });
 }
 
+// Folds of one name are open one at a time, as a page on a telephone would grow long; a wide one shows as many as are
+// wanted, and an engine that is unfolded with all of its parts. Paper shows everything.
+const narrow = matchMedia("(max-width: 42rem)");
+const folds = [...document.querySelectorAll("details:not(.help)")].map((fold) => [fold, fold.getAttribute("name")]);
+let printed = null; // while it is printed: whether each fold was open
+function grouped() {
+  for (const [fold, name] of folds) {
+    if (narrow.matches && !printed) fold.setAttribute("name", name);
+    else fold.removeAttribute("name");
+    if (!narrow.matches && fold.classList.contains("part")) fold.open = true;
+  }
+}
 addEventListener("beforeprint", () => {
-  for (const fold of document.querySelectorAll("details:not(.help)")) fold.open = true;
+  printed ??= folds.map(([fold]) => fold.open);
+  grouped();
+  for (const [fold] of folds) fold.open = true;
 });
+addEventListener("afterprint", () => {
+  folds.forEach(([fold], place) => { fold.open = printed[place]; });
+  printed = null;
+  grouped();
+});
+narrow.addEventListener("change", grouped);
+grouped();
+
+// What closes above a fold that is opened moves it: it stays in sight.
+for (const [fold] of folds) {
+  const summary = fold.querySelector("summary");
+  summary.addEventListener("click", () => setTimeout(() => {
+    const { top } = summary.getBoundingClientRect();
+    if (fold.open && (top < 0 || top > innerHeight)) summary.scrollIntoView({ block: "start" });
+  }));
+}
 
 // A link to what is folded opens it; of the marks "?" one is open at a time, and Escape or a click elsewhere closes it.
-const unfold = () => { const to = location.hash && document.getElementById(location.hash.slice(1)); if (to?.tagName === "DETAILS") to.open = true; };
+const unfold = () => {
+  const to = location.hash && document.getElementById(location.hash.slice(1));
+  for (let fold = to && to.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
+  if (to) to.scrollIntoView();
+};
 addEventListener("hashchange", unfold);
 unfold();
 const marks = [...document.querySelectorAll("details.help")];
-for (const mark of marks) mark.addEventListener("toggle", () => { if (mark.open) for (const other of marks) if (other !== mark) other.open = false; });
 addEventListener("click", (event) => { for (const mark of marks) if (!mark.contains(event.target)) mark.open = false; });
 addEventListener("keydown", (event) => { if (event.key === "Escape") for (const mark of marks) mark.open = false; });

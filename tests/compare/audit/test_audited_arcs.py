@@ -71,7 +71,7 @@ def test_the_words_of_what_is_found() -> None:
     ring = Arc(0, 0, 5, id="ring", full=True)
     scene = Scene([Circle(0, "1/3", vx=2, vy="1/7", id="ball")], arcs=[ring])
     wide = audited(ArcFault(fault="too wide within"), scene)
-    assert str(wide.fit) == "contacts 0.5 into each other fits 4 of 4 flights"
+    assert str(wide.fit) == "contacts 0.5 into each other fits 4 of 4 impacts"
     assert wide.first is not None
     assert wide.first.bodies == ("ball", "ring")
     assert wide.first.size == pytest.approx(0.5)

@@ -49,10 +49,10 @@ def coincidences(count: int) -> Iterator[tuple[str, Trajectory]]:
 
 
 def whole_catalogue(_: int) -> Iterator[tuple[str, Trajectory]]:
-    """Every family with its defaults."""
+    """Every family with its defaults, but for what falls onto something round."""
     for name in catalogue.names():
         scene = catalogue.build(name)
-        if scene.elastic:
+        if scene.elastic and not (scene.gravity is not None and scene.surfaces.pegs):
             yield name, ExactEngine().run(scene)
 
 

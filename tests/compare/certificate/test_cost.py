@@ -15,6 +15,9 @@ import pytest
 from certificate.checkers import NODE, TOOLS
 from certificate.samples import built
 from truebreak.compare.certificate import certificate_json, certificate_of, prover
+from truebreak.compare.certificate.tower import Exact
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import catalogue
 from truebreak.tools import verify
 
 Told = dict[str, Any]
@@ -269,3 +272,12 @@ def test_writing_does_the_work_of_checking_once(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(prover.Prover, "instant", forgetful)
     assert written_over_checked(tmp_path) > WRITING
+
+
+def test_a_face_on_the_line_of_another_takes_no_exact_number() -> None:
+    """A point that meets one rim of the mushroom is on the line of the other rim, and beside it: balls tell that."""
+    run = ExactEngine().run(catalogue.build("mushroom"), events=150)
+    met = [name for event in run.events for _, name in event.contacts]
+    assert met.count("rim right") > 2 and met.count("rim left") > 2
+    made = certificate_of(run)
+    assert Exact.work == 0 and not any(part.get("zeros") for part in made["instants"])

@@ -173,7 +173,7 @@ def path(tmp_path: Path) -> dict[str, str]:
 
 
 LINES_TO_COMPLETE = [
-    (("compare", "gal"), "galperin"),
+    (("compare", "galp"), "galperin"),
     (("compare", "rack:ro"), "rack:rows=4"),
     (("sweep", "gas", "--engines", "double,pymunk:it"), "double,pymunk:iterations=64"),
     (("adv",), "advise"),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from browser import Browser, found
-from test_browser import AXE, CLIPPED, SMALL_TEXT
+from test_browser import AXE, CLIPPED, SMALL_TEXT, UNFOLDED
 
 from truebreak.compare import compare, html_report
 from truebreak.scenarios import catalogue
@@ -25,6 +25,34 @@ NAMED = (
 """What the first answers are called."""
 
 PHONE, DESK = (390, 844), (1280, 800)
+
+QUICK = ("gas", "inscribed", "rack", "near-tie", "drop-pair")
+"""Scenes whose pages are unfolded in every test run; those of the others in the slow ones."""
+
+TALLEST = """(async () => {
+  const drawn = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  const folds = (root) => [...document.querySelectorAll('details:not(.help)')]
+    .filter((fold) => (fold.parentElement.closest('details') ?? null) === root);
+  let seen = ['as opened', document.documentElement.scrollHeight];
+  const opened = async (root, path) => {
+    for (const fold of folds(root)) {
+      fold.querySelector('summary').click();
+      if (!fold.open) fold.querySelector('summary').click();
+      const here = `${path} > ${fold.querySelector('summary').textContent.trim().slice(0, 40)}`;
+      await drawn();
+      const height = document.documentElement.scrollHeight;
+      if (height > seen[1]) seen = [here, height];
+      await opened(fold, here);
+    }
+  };
+  const choice = document.getElementById('engine');
+  for (const option of choice?.options ?? [null]) {
+    if (option) { choice.value = option.value; choice.dispatchEvent(new Event('change')); }
+    await opened(null, option?.textContent ?? '');
+  }
+  return seen;
+})()"""
+"""The tallest page that a reader comes to by unfolding, whichever engine is played: by what, and its height."""
 
 LARGEST = {"echo": 900_000, "cooling": 720_000}
 """Bytes of the pages over half a megabyte, of a hundred discs and of fifty."""
@@ -53,11 +81,29 @@ def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_pat
     assert browser.ask("document.documentElement.scrollHeight") <= 6000
     browser.size(320)
     browser.open(page)
-    browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+    browser.ask(UNFOLDED)
     assert browser.ask("document.documentElement.scrollWidth") <= 320
     assert browser.ask(CLIPPED) == []
     assert browser.ask(SMALL_TEXT) == []
     assert browser.messages == []
+
+
+@HERE
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in catalogue.names()]
+)
+def test_no_page_unfolds_to_more_than_6000_pixels_on_a_telephone(browser: Browser, tmp_path: Path, name: str) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(report(name), "utf-8")
+    browser.media(prefers_reduced_motion="reduce")
+    browser.size(*PHONE)
+    browser.open(page)
+    by_what, height = browser.ask(TALLEST)
+    assert height <= 6000, by_what
+    browser.ask("dispatchEvent(new Event('beforeprint'))")
+    assert browser.ask("[...document.querySelectorAll('details:not(.help)')].every((fold) => fold.open)")
+    browser.ask("dispatchEvent(new Event('afterprint'))")
+    assert browser.ask("document.documentElement.scrollHeight") <= 6000, "printed, and looked at again"
 
 
 @HERE
@@ -70,7 +116,7 @@ def test_axe_finds_nothing_on_a_telephone(browser: Browser, tmp_path: Path, name
     for scheme in ("light", "dark"):
         browser.media(prefers_color_scheme=scheme)
         browser.open(page)
-        browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+        browser.ask(UNFOLDED)
         browser.ask(AXE.read_text(encoding="utf-8") + "; 0")
         violations = json.loads(browser.ask("axe.run().then((found) => JSON.stringify(found.violations))"))
         assert [(rule["id"], [node["html"][:120] for node in rule["nodes"][:3]]) for rule in violations] == []

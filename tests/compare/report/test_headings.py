@@ -19,7 +19,7 @@ from truebreak.compare.report.orders_page import orders_html
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 
-HELP = r'<details class="help">.*?</details>'
+HELP = r'<details class="help"[^>]*>.*?</details>'
 HEADING = re.compile(rf'<div class="heading"><h[23][^>]*>.*?</h[23]>({HELP})?</div>', re.DOTALL)
 
 

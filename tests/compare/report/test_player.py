@@ -53,8 +53,9 @@ def test_a_finger_does_what_a_mouse_does(browser: Browser, files: Files) -> None
         assert browser.ask(CURRENT).startswith("1 | ")
         browser.touch("#scrubber", across=0.9)
         assert browser.ask(CLOCK) == pytest.approx(begin + (end - begin) * 0.9, rel=0.05)
-        browser.touch("details.engine > summary")
-        assert browser.ask("document.querySelector('details.engine').open")
+        browser.touch("details.engine + details.engine > summary")
+        opened = "[...document.querySelectorAll('details.engine')].map((fold) => fold.open)"
+        assert browser.ask(opened) == [False, True], "one at a time"
         browser.touch("#play")
         assert browser.ask("document.getElementById('play').textContent") == "Stop"
         browser.touch("#play")

@@ -16,7 +16,7 @@ from truebreak.compare.report.sentences import headline, verdict_sentence
 
 def test_the_account_of_the_page_adds_up_and_what_changes_nothing_is_folded() -> None:
     text = page("gas")
-    section = text.partition('id="account"')[2].partition("</section>")[0]
+    section = text.partition('id="account"')[2].partition('<details class="engine"')[0]
     told = comparison("gas")["pymunk"].diagnosis
     assert told is not None
     for kind in ("time step", "overlap", "lateness"):

@@ -177,9 +177,15 @@ def test_they_agree_on_a_reversal(spec: str, when: dict[str, int]) -> None:
     assert run.reversal is not None
 
 
+def has_quartics(scene: Scene) -> bool:
+    """Whether something round stands under gravity, which SymPy's engine has not."""
+    return scene.gravity is not None and bool(scene.surfaces.pegs)
+
+
 def test_every_scene_of_the_catalogue_is_compared() -> None:
     compared = {spec.partition(":")[0] for spec in (*TIED, *SINGLE)}
     others = {"reversal", "echo", "bumper"}  # a gas, reversed; balls that go out of play, which SymPy has not
+    others |= {name for name in catalogue.names() if has_quartics(catalogue.build(name))}
     assert compared | others == set(catalogue.names())
 
 

@@ -13,11 +13,11 @@ from truebreak.exact.laws.tangent_formulas import pair_tangent_blocks
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
-from truebreak.exact.replay.contact import Pair
+from truebreak.exact.replay.contact import AtArc, Pair
 from truebreak.exact.replay.error_bounds import Collision, Mirror, Spent
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.exact.replay.state import Go
-from truebreak.scenarios import Circle, Polygon, Quantity, Segment, StopReason, catalogue
+from truebreak.scenarios import Arc, Circle, Polygon, Quantity, Segment, StopReason, catalogue
 from truebreak.scenarios.files import loads_toml
 
 FEW, MANY = 500, 4096
@@ -98,6 +98,37 @@ def test_among_edges_bits_go_as_fast_too():
         radii = [float(body.flight.x.rad().log()) / log(2) for k, body in state.bodies.items() if k < 10]
     growth = error_growth(run, events) * events
     assert growth < 3000 + max(radii) < 1.1 * growth + 0.05 * events
+
+
+BOW = Arc("25/2", "9/2", "5/4", "27/2", "9/2", "25/2", "11/2", id="bow")
+
+
+@pytest.mark.parametrize(("name", "arcs"), [("gas:n=10,seed=1", (BOW,)), ("stadium", ()), ("mushroom", ())])
+def test_at_arcs_bits_go_as_fast_too(name, arcs):
+    """Ten discs with a bow among them; a point on a table with arcs. Balls lose twice as many and more."""
+    scene = catalogue.build(name).with_changes(until=None, events=None)
+    scene = scene.with_changes(arcs=arcs) if arcs else scene
+    events = 600
+    run = ExactEngine().run(scene, events=events)
+    steps = run.motion.log.steps
+    assert sum(isinstance(step, Go) and isinstance(step.source, AtArc) for step in steps) > 8
+    lost = []
+    for make in (CentredState, BallState):
+        with ball.precision(4000):
+            state = make(scene.surfaces)
+            for step in steps:
+                state.do(step)
+            radii = [body.flight.x.rad() for body in state.bodies.values()]
+        lost.append(4000 + max(float(radius.log()) / log(2) for radius in radii if radius > 0))
+    growth = error_growth(run, events) * events
+    assert lost[0] < 1.1 * growth + 0.05 * events
+    assert lost[1] > 1.8 * lost[0]
+
+
+@pytest.mark.parametrize("name", ["stadium", "mushroom", "lemon:d=6/5,y=1/7"])
+def test_every_number_lies_in_its_ball_at_arcs(name):
+    scene = catalogue.build(name).with_changes(until=None, events=None)
+    assert max(deviations(scene.surfaces, 120)) <= 0.0
 
 
 @pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])

@@ -74,6 +74,13 @@ SPECS = (
     "mushroom:stem=2,y=1/2",
     "lemon:d=sqrt(2),y=1/5",
     "round-table:n=12,speed=2",
+    "galton:rows=3,e=1,seed=9",
+    "plinko:slot=9,off=0",
+    "peg-mirror:rows=8,x=1/2,e=1/2",
+    "axis:k=0,h=1/3",
+    "ramp:h=sqrt(2),length=20",
+    "ski-jump:v=sqrt(3),e=1",
+    "platforms:vx=-100,e=1/2",
 )
 
 

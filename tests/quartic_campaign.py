@@ -1,0 +1,189 @@
+"""First falling zeros of many polynomials in doubles, in balls and exactly, compared with Sturm's chains: counted.
+
+python tests/quartic_campaign.py 1000 2000       # the polynomials of these numbers, and what is wrong
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from math import ldexp
+from typing import Any
+
+from flint import arb, fmpq
+from quartic_referee import Poly, first_fall
+
+from truebreak.exact.numbers import ball
+from truebreak.exact.replay.round_falls import (
+    PRIMES,
+    ExactZero,
+    Isolated,
+    Unclear,
+    falling_zero,
+    falling_zero_exactly,
+    falling_zero_in_balls,
+    gap_quartic,
+    horner,
+    horner_slope,
+    sharpened,
+)
+
+WIDTH = Fraction(1, 2**220)
+KINDS = (
+    "free", "zeros", "double", "close", "graze", "short", "ends", "negative", "cubic", "many", "parted", "faint", "far",
+)  # fmt: skip
+"""free: any coefficients; zeros: any zeros; double: two are one; close: two are 10**-9 to 10**-60 apart; graze: such
+two, or none; short: leading coefficients are 0; ends: the first zero is all but 0, the last all but infinite; negative:
+of the leading coefficient; cubic: after a contact; many: three or four zeros are one, or two pairs; parted: zeros where
+intervals end or are halved; faint: the leading coefficient all but vanishes; far: the first zero is far off."""
+
+
+def product(*zeros: Fraction, lead: Fraction = Fraction(1)) -> Poly:
+    """The polynomial with these zeros."""
+    found = [lead]
+    for zero in zeros:
+        found = [Fraction(0), *found]
+        for k in range(len(found) - 1):
+            found[k] -= zero * found[k + 1]
+    return found
+
+
+def drawn(rng: random.Random, kind: str) -> Poly | None:
+    """A polynomial that is positive at 0; None for one that is not."""
+
+    def number(low: int, high: int) -> Fraction:
+        return Fraction(rng.randint(low * 1000, high * 1000), rng.choice([1000, 1024, 997]))
+
+    some = number(0, 4) + Fraction(1, 1000)
+    tiny = Fraction(1, 10 ** rng.choice([9, 16, 30, 60]))
+    match kind:
+        case "free":
+            c = [some, *(number(-4, 4) for _ in range(4))]
+        case "zeros":
+            c = product(*(number(-2, 3) for _ in range(4)), lead=number(0, 2) + 1)
+        case "double":
+            c = product(some, some, number(-3, 6), number(-3, 6)) if rng.random() < 0.5 else product(some, some, -some)
+        case "close":
+            c = product(some, some + tiny, number(-3, 6), some + number(0, 1))
+        case "graze":
+            c = product(some, some, -some, -number(0, 3))
+            c[0] += tiny * rng.choice([-1, 1])
+        case "short":
+            c = [some, *(number(-4, 4) for _ in range(rng.randint(1, 3))), Fraction(0)]
+        case "ends":
+            c = product(tiny, 1 / tiny, number(1, 3), number(1, 3))
+        case "negative":
+            c = [some, number(-4, 4), number(-4, 4), number(-4, 4), -number(1, 4)]
+        case "many":
+            c = product(
+                *rng.choice([(some,) * 3, (some,) * 4, (some, some, 2 * some, 2 * some), (some,) * 3 + (-some,)])
+            )
+        case "parted":
+            zeros = [Fraction(ldexp(rng.choice(PRIMES) * rng.randint(1, 16), rng.randint(-14, -4))) for _ in range(3)]
+            c = product(*zeros, rng.choice([number(-3, 3), zeros[0] * rng.choice([1, 2])]))
+        case "faint":
+            c = [some, *(number(-4, 4) for _ in range(rng.randint(1, 3))), rng.choice([-1, 1]) * tiny]
+        case "far":
+            c = product(1 / tiny, some / tiny, -number(0, 3), rng.choice([2, -1]) / tiny)
+        case _:
+            d, v, h = [(number(-4, 4), number(-4, 4)) for _ in range(3)]
+            c = list(gap_quartic(*d, *v, *h, Fraction(0)))[1:]
+    c = c if c[0] >= 0 else [-x for x in c]
+    return c if c[0] > 0 and any(c[1:]) else None
+
+
+def polynomials(many: int, seed: int, first: int = 0) -> Iterator[tuple[str, Poly]]:
+    """Of every kind in turn, from one on."""
+    rng, k = random.Random(seed), first
+    many += first
+    while k < many:
+        kind = KINDS[k % len(KINDS)]
+        c = drawn(rng, kind)
+        if c is not None:
+            k += 1
+            yield kind, c
+
+
+def exact(x: Any) -> Fraction:
+    """A double or a fraction as Python's."""
+    return Fraction(x) if isinstance(x, float) else Fraction(int(x.p), int(x.q))
+
+
+def is_wrong(found: Any, truth: tuple[Fraction, Fraction] | None) -> bool:
+    """Whether an answer contradicts the truth; to say nothing is not wrong."""
+    if isinstance(found, Unclear):
+        return truth is not None and truth[1] < Fraction(found.since)
+    if found is None or truth is None:
+        return (found is None) != (truth is None)
+    return not (exact(found.low) < truth[1] and truth[0] < exact(found.high))
+
+
+def in_doubles(c: Poly) -> Any:
+    """Decided in doubles."""
+    mids = [float(x) for x in c]
+    return falling_zero(mids, [float(abs(Fraction(m) - x)) * 1.001 for m, x in zip(mids, c, strict=True)])
+
+
+def in_balls(c: Poly, bits: int = 300) -> Any:
+    """Decided in balls of so many bits."""
+    with ball.precision(bits):
+        return falling_zero_in_balls([arb(fmpq(x.numerator, x.denominator)) for x in c])
+
+
+def in_fractions(c: Poly) -> Any:
+    """Decided exactly."""
+    found = falling_zero_exactly([fmpq(x.numerator, x.denominator) for x in c])
+    return Isolated(found.low, found.high) if isinstance(found, ExactZero) else None
+
+
+def by_newton(c: Poly, bits: int = 300) -> Any:
+    """Where balls isolate it, sharpened to their precision."""
+    found = in_balls(c, bits)
+    if not isinstance(found, Isolated):
+        return found
+    with ball.precision(bits):
+        b = [arb(fmpq(x.numerator, x.denominator)) for x in c]
+        low, high = (arb(fmpq(*exact(end).as_integer_ratio())) for end in found)
+        zero = sharpened(low, high, lambda t: horner(b, t), lambda t: horner_slope(b, t))
+        if zero is None:
+            return Unclear(float(exact(found.low)) * (1 - 2.0**-40))
+        return Isolated(*(ball_end.fmpq() for ball_end in (zero.lower(), zero.upper())))
+
+
+WAYS: dict[str, Callable[[Poly], Any]] = {
+    "doubles": in_doubles,
+    "balls": in_balls,
+    "fractions": in_fractions,
+    "Newton": by_newton,
+}
+
+
+def campaign(low: int, high: int) -> Counter[str]:
+    """Of the polynomials of some numbers: how many of each kind, what each way leaves open, and what is wrong."""
+    counts: Counter[str] = Counter()
+    for number in range(low, high):
+        kind, c = next(polynomials(1, number, number))
+        truth = first_fall(c, WIDTH)
+        counts["polynomials"] += 1
+        counts[f"{kind}: falls" if truth is not None else f"{kind}: does not fall"] += 1
+        for way, decide in WAYS.items():
+            found = decide(c)
+            counts[f"{way}: open"] += isinstance(found, Unclear)
+            if way == "Newton" and isinstance(found, Isolated):
+                counts["Newton: fewer than 200 bits of 300"] += (
+                    exact(found.high) - exact(found.low) > exact(found.high) / 2**200
+                )
+            if is_wrong(found, truth):
+                counts[f"{way}: WRONG"] += 1
+                print(number, kind, way, found, truth, c, flush=True)
+        if not (number + 1) % 1000:
+            print(number + 1, dict(counts), flush=True)
+    return counts
+
+
+if __name__ == "__main__":
+    for name, count in sorted(campaign(int(sys.argv[1]), int(sys.argv[2])).items()):
+        print(f"{count:>8} {name}")
