@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
 import sys
 import types
@@ -219,14 +220,20 @@ def build(name: str, kind: Any, settings: Mapping[str, str]) -> Engine:
         if isinstance(kind, type) or (callable(kind) and not hasattr(kind, "run")):
             kind = _made(name, kind, {})
         return check_engine(kind)
-    hints = typing.get_type_hints(kind)
-    known = {f.name: hints.get(f.name, str) for f in dataclasses.fields(kind) if f.init and f.name != "name"}
+    known = _parameters(kind)
     values: dict[str, Any] = {}
     for key, value in settings.items():
         if key not in known:
             raise SceneError(f"engine {name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
         values[key] = converted(f"engine {name!r}: {key}", value, known[key])
     return check_engine(_made(name, kind, values))
+
+
+@functools.cache
+def _parameters(kind: Any) -> Mapping[str, Any]:
+    """The parameters of an engine's dataclass, and the type of each. A type written as text is read once."""
+    hints = typing.get_type_hints(kind)
+    return {f.name: hints.get(f.name, str) for f in dataclasses.fields(kind) if f.init and f.name != "name"}
 
 
 def _made(name: str, kind: Any, values: Mapping[str, Any]) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copyreg
 import math
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf, nextafter
@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import Undecided
-from ..exact.replay.contact import Gravity
-from ..scenarios.engine import ALL_KEYS, EventDriven, refuse_pegs
+from ..exact.replay.contact import Gravity, Pair
+from ..exact.replay.round_falls import Unclear, Unsharp, falling_zero, horner, horner_slope
+from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -176,6 +177,37 @@ class Intervals:
 INTERVALS = Intervals()
 
 
+class IntervalState(PlainState[Any]):
+    """See `PlainState`; which zero of a quartic a fall ends at is certain, or not told."""
+
+    def fall_wait(self, link: Pair) -> Any:
+        """See `Flights.fall_wait`: in doubles with a bound of what they are off, then by interval Newton."""
+        fall, stood = self.peg_fall(link), self.stood(link)
+        if not stood and (fall.gap() > ZERO) is not True:
+            raise Unsharp(0.0)
+        c = fall.polynomial(stood)
+        ends = [bounds(value) for value in c]
+        mids = [low + (high - low) / 2 for low, high in ends]
+        off = [nextafter(max(high - mid, mid - low), inf) for mid, (low, high) in zip(mids, ends, strict=True)]
+        found = falling_zero(mids, off)
+        if found is None:
+            return None
+        if isinstance(found, Unclear):
+            raise Unsharp(found.since)
+        iv: Any = mpmath.iv
+        wait = iv.mpf([found.low, found.high])
+        while (slope := horner_slope(c, wait)) < ZERO:
+            middle = iv.mpf(wait.mid)
+            near = middle - horner(c, middle) / slope
+            low, high = max(wait.a, near.a), min(wait.b, near.b)
+            assert (low <= high) is True, "a zero of a quartic is nowhere: a defect"
+            narrower = iv.mpf([low, high])
+            if (narrower.delta < wait.delta / 2) is not True:
+                return narrower
+            wait = narrower
+        return wait
+
+
 class IntervalMotion:
     """Straight flight between knots, in intervals.
 
@@ -184,15 +216,22 @@ class IntervalMotion:
         bits: the precision.
         end: the last time that may be asked for.
         falling: half of gravity; None without.
+        pegs: the circles that stand under it.
     """
 
     def __init__(
-        self, knots: Sequence[Sequence[tuple[Any, ...]]], bits: int, end: Any, falling: Gravity[Any] | None = None
+        self,
+        knots: Sequence[Sequence[tuple[Any, ...]]],
+        bits: int,
+        end: Any,
+        falling: Gravity[Any] | None = None,
+        pegs: Collection[int] = (),
     ) -> None:
         self.knots = knots
         self.bits = bits
         self.end = end
         self.falling = falling
+        self.pegs = pegs
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -202,16 +241,17 @@ class IntervalMotion:
         Raises:
             ValueError: for a time that is certainly before 0 or after the end.
         """
-        return self._rows(time, self.knots)
+        return self._rows(time, range(len(self.knots)))
 
-    def _rows(self, time: Any, flights: Sequence[Sequence[tuple[Any, ...]]]) -> list[tuple[Any, Any, Any, Any]]:
+    def _rows(self, time: Any, circles: Sequence[int]) -> list[tuple[Any, Any, Any, Any]]:
         """The same of some circles."""
         with INTERVALS.at(self.bits):
             at, end = _interval(time), _interval(self.end)
             if (at < ZERO) is True or (at > end) is True:
                 raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
             rows = []
-            for knots in flights:
+            for i in circles:
+                knots, falling = self.knots[i], None if i in self.pegs else self.falling
                 if time is self.end:
                     places = [len(knots) - 1]
                 elif isinstance(time, IntervalNumber) and time.instant is not None:
@@ -220,7 +260,7 @@ class IntervalMotion:
                     held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
                     sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
                     places = [k for k in held if k >= sure] or [0]
-                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at, self.falling) for k in places]))))
+                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at, falling) for k in places]))))
             return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -233,7 +273,7 @@ class IntervalMotion:
         if len(flies) < len(self.knots) and len(times):
             result[:] = [[float(IntervalNumber(value)) for value in row[0][1:5]] for row in self.knots]
         for k, time in enumerate(times):
-            rows = self._rows(time, [self.knots[i] for i in flies])
+            rows = self._rows(time, flies)
             result[k, flies] = np.reshape([[float(value) for value in row] for row in rows], (len(flies), 4))
         return result
 
@@ -284,7 +324,7 @@ class IntervalEngine(EventDriven):
     """
 
     bits: int = 53
-    scene_keys = ALL_KEYS - {"fixed"}
+    scene_keys = ALL_KEYS
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:
@@ -308,15 +348,14 @@ class IntervalEngine(EventDriven):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as far as intervals certify it (see `Engine.run`)."""
-        refuse_pegs(scene, "intervals", "use exact, or double, or leave gravity out")
         with INTERVALS.at(self.bits):
-            state = PlainState(scene.surfaces, INTERVALS)
+            state = IntervalState(scene.surfaces, INTERVALS)
             return run_plain(
                 scene,
                 self.name,
                 {"bits": self.bits},
                 PlainDecider(scene.surfaces, state, INTERVALS),
-                lambda knots, end: IntervalMotion(knots, self.bits, end, state.falling),
+                lambda knots, end: IntervalMotion(knots, self.bits, end, state.falling, state.pegs),
                 IntervalNumber,
                 until=until,
                 events=events,

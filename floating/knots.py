@@ -18,6 +18,9 @@ NEXT_TO = 1e-6
 DoubleKnot: TypeAlias = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
 
+DoubleRow: TypeAlias = tuple[float, float, float, float]
+"""(x, y, vx, vy) of one circle."""
+
 
 @dataclass(frozen=True)
 class DoubleMotion:
@@ -72,6 +75,11 @@ class DoubleMotion:
             result[:, column, 2:] = held[:, 3:]
         return result
 
+    def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
+        """A circle, by its place in the scene, at a time after one of its knots."""
+        t, x, y, vx, vy = knot
+        return x + vx * (time - t), y + vy * (time - t), vx, vy
+
     def _check(self, time: float) -> None:
         start = max((knots[0][0] for knots in self.knots), default=0.0)
         if not start <= time <= self.end:
@@ -96,15 +104,16 @@ class FallingMotion(DoubleMotion):
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
-        t, (hx, hy) = float(time), self.halves
+        t = float(time)
         self._check(t)
-        rows: list[tuple[float, float, float, float]] = []
-        for i, knots in enumerate(self.knots):
-            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
-            lag = 0.0 if i in self.pegs else t - t0
-            x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
-            rows.append((x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag))
-        return rows
+        return [self.flown(i, row[bisect_right(row, t, key=_time) - 1], t) for i, row in enumerate(self.knots)]
+
+    def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
+        """See `DoubleMotion.flown`."""
+        (t0, x, y, vx, vy), (hx, hy) = knot, self.halves
+        lag = 0.0 if place in self.pegs else time - t0
+        x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
+        return x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """See `DoubleMotion.sample`."""
@@ -115,12 +124,15 @@ class FallingMotion(DoubleMotion):
 
 @dataclass(frozen=True)
 class SteppedFall(DoubleMotion):
-    """The same under gravity by steps, of an engine that moves a circle first, and adds g dt to its velocity after.
+    """The same under gravity by steps: each adds g dt to a velocity, and moves the circle on before that or after.
 
     Attributes:
         gravity: along x and along y.
         dt: the step; straight flight in between.
         pegs: the circles that stand.
+        ahead: how much of its g dt a step moves a circle by: 0 of an engine that moves first, as pymunk, 1 of one that
+            adds g dt first, 1/2 of one that falls as the law has it.
+        early: how many g dt come between the velocity with which a circle bounces and the impulse: 1 in pymunk.
 
     >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5)
     >>> motion.state(0.5), motion.state(1.0), motion.state(1.25)
@@ -130,22 +142,25 @@ class SteppedFall(DoubleMotion):
     gravity: tuple[float, float] = (0.0, 0.0)
     dt: float = 1.0
     pegs: Collection[int] = ()
+    ahead: float = 0.0
+    early: float = 1.0
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
-        t, (gx, gy), dt = float(time), self.gravity, self.dt
+        t = float(time)
         self._check(t)
-        rows: list[tuple[float, float, float, float]] = []
-        for i, knots in enumerate(self.knots):
-            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
-            lag = 0.0 if i in self.pegs else t - t0
-            steps = round(lag / dt)
-            if abs(lag - steps * dt) > NEXT_TO * dt:  # not at a step, but for rounding
-                steps = math.floor(lag / dt)
-            fallen = dt * dt * steps * (steps - 1) / 2 + (lag - steps * dt) * steps * dt
-            x, y = x + vx * lag + gx * fallen, y + vy * lag + gy * fallen
-            rows.append((x, y, vx + gx * steps * dt, vy + gy * steps * dt))
-        return rows
+        return [self.flown(i, row[bisect_right(row, t, key=_time) - 1], t) for i, row in enumerate(self.knots)]
+
+    def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
+        """See `DoubleMotion.flown`."""
+        (t0, x, y, vx, vy), (gx, gy), dt = knot, self.gravity, self.dt
+        lag = 0.0 if place in self.pegs else time - t0
+        steps = round(lag / dt)
+        if abs(lag - steps * dt) > NEXT_TO * dt:  # not at a step, but for rounding
+            steps = math.floor(lag / dt)
+        fallen = dt * dt * steps * (steps - 1) / 2 + (lag - steps * dt) * steps * dt + self.ahead * dt * lag
+        x, y = x + vx * lag + gx * fallen, y + vy * lag + gy * fallen
+        return x, y, vx + gx * steps * dt, vy + gy * steps * dt
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """See `DoubleMotion.sample`."""
@@ -174,8 +189,28 @@ class EventMotion(DoubleMotion):
         [(2.0, 0.0, -1.0, 0.0)]
         """
         time, counts = self.left[event]
-        last = (knots[count - 1] for knots, count in zip(self.knots, counts, strict=True))
-        return [(x + vx * (time - t), y + vy * (time - t), vx, vy) for t, x, y, vx, vy in last]
+        last = enumerate(zip(self.knots, counts, strict=True))
+        return [self.flown(k, knots[count - 1], time) for k, (knots, count) in last]
+
+
+@dataclass(frozen=True)
+class FallingEvents(EventMotion, FallingMotion):
+    """The same under gravity.
+
+    >>> motion = FallingEvents([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0), left=[(1.0, [1])])
+    >>> motion.after(0) == motion.state(1.0)
+    True
+    """
+
+
+@dataclass(frozen=True)
+class SteppedEvents(EventMotion, SteppedFall):
+    """The same under gravity by steps.
+
+    >>> motion = SteppedEvents([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0, left=[(1.0, [1])])
+    >>> motion.after(0)
+    [(1.0, 5.0, 1.0, -4.0)]
+    """
 
 
 def _time(knot: DoubleKnot) -> float:

@@ -67,9 +67,13 @@ class PlainState(ReplayState[M]):
 
     def peg_hit(self, link: Pair) -> tuple[M, M]:
         """See `RoundFalls.peg_hit`; only of what comes."""
-        wait = told_wait(self, link)
+        wait = self.fall_wait(link)
         assert wait is not None, "a circle that was to fall onto another does not: a defect"
         return self.faller(link).flight.t, wait
+
+    def fall_wait(self, link: Pair) -> M | None:
+        """See `Flights.fall_wait`."""
+        return told_wait(self, link)
 
 
 # -- Tells when a run in finite precision goes round without end while its clock stands still.

@@ -10,8 +10,8 @@ from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import M, NumberSystem, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
 from ..exact.replay.arc_ranges import faces_arc
-from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, is_arc, is_flat, is_pair
-from ..exact.replay.round_falls import told_wait
+from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, is_arc, is_flat, is_pair, name_of
+from ..exact.replay.round_falls import Unsharp
 from ..exact.replay.state import ReplayState
 from ..exact.simulation.arc_meetings import arc_contact, face_contact, fall_to_face, predict_falls
 from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, link_of
@@ -34,7 +34,11 @@ class PlainPegs(Predictor[M]):
         """Queues the next meeting of a circle that falls with one that stands."""
         link = link_of(a, peg)
         assert is_pair(link)
-        wait = told_wait(self.state, link)
+        try:
+            wait = self.state.fall_wait(link)
+        except Unsharp as error:
+            self.queue.push_doubtful(self.bounds(a.flight.instant)[0] + error.since * (1 - 2.0**-40), link)
+            return
         if wait is not None:
             self.push(a.flight.t + wait, link)
 
@@ -136,6 +140,8 @@ class PlainMeetings(Generic[M]):
         """
         if is_arc(link):
             return self._meeting_arc(link)
+        if is_pair(link) and self._state.on_peg(link):
+            return self._meeting_fallen_onto(link)
         if is_flat(link) and link.wall in self._predictor.faces and self._state.scene.gravity is not None:
             return self._meeting_fallen_face(link, self._pull(link))
         if is_flat(link) and (pull := self._pull(link)):
@@ -175,6 +181,17 @@ class PlainMeetings(Generic[M]):
         except ZeroDivisionError:
             return None
         return clock + wait, disc == 0
+
+    def _meeting_fallen_onto(self, link: Pair) -> tuple[M, bool] | None:
+        """As `_meeting`, of a circle that falls onto one that stands."""
+        try:
+            wait = self._state.fall_wait(link)
+        except Unsharp:
+            who = name_of(self._state.scene, link)
+            raise Undecided(
+                f"whether {who} hit, graze or miss, at a zero of a quartic, cannot be decided in numbers of this width"
+            ) from None
+        return None if wait is None else (self._state.faller(link).flight.t + wait, False)
 
     def _pull(self, link: AtWall) -> int:
         """See `Sides.pull`; 0 without gravity."""

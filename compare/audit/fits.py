@@ -171,6 +171,7 @@ class BounceRatios:
     Attributes:
         asked: that of the scene.
         mean, low, high: over all bounces.
+        spread: their standard deviation.
         count: contacts alone at their instant whose approach is more than rounding.
     """
 
@@ -179,15 +180,16 @@ class BounceRatios:
     low: float
     high: float
     count: int
+    spread: float = 0.0
 
     def __str__(self) -> str:
         """In words.
 
-        >>> str(BounceRatios(0.9, 0.89, 0.875, 0.9, 12))
-        'asked for restitution 0.9, its 12 bounces have 0.89 on average, 0.875 to 0.9'
+        >>> str(BounceRatios(0.9, 0.89, 0.875, 0.9, 12, 0.008))
+        'asked for restitution 0.9, its 12 bounces have 0.89 on average, 0.875 to 0.9 (spread 0.008)'
         """
         has = f"its {self.count:,} bounces have" if self.count > 1 else "its bounce has"
-        spread = f" on average, {self.low:.4g} to {self.high:.4g}" if self.count > 1 else ""
+        spread = f" on average, {self.low:.4g} to {self.high:.4g} (spread {self.spread:.2g})" if self.count > 1 else ""
         return f"asked for restitution {self.asked:.4g}, {has} {self.mean:.4g}{spread}"
 
 
@@ -215,7 +217,8 @@ def bounces_of(transcript: Transcript, laws: Laws) -> BounceRatios | None:
     if not ratios:
         return None
     mean = math.fsum(ratios) / len(ratios)
-    return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios))
+    spread = math.sqrt(math.fsum((ratio - mean) ** 2 for ratio in ratios) / len(ratios))
+    return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios), spread)
 
 
 def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events: int, back: float) -> Iterable[Sample]:

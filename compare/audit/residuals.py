@@ -380,8 +380,9 @@ class Laws:
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
             opening = -line.nears(a.vx, a.vy)
             bounced = None
-            if self.fall is not None and self.fall.step:
-                bounced = opening + (line.nx * self.fall.gx + line.ny * self.fall.gy) * self.fall.step
+            if self.fall is not None and self.fall.step and self.fall.early:
+                gained = (line.nx * self.fall.gx + line.ny * self.fall.gy) * self.fall.step
+                bounced = opening + self.fall.early * gained
                 opening = (opening + (self.change - 1) * bounced) / self.change
             away = math.hypot(float(xa - line.x), float(ya - line.y))
             place = math.hypot(float(xa), float(ya))

@@ -80,13 +80,16 @@ class Fall(NamedTuple):
     Attributes:
         gx, gy: along x and y.
         size: of both.
-        step: of an engine that moves a circle by each step first, and adds g dt to its velocity after; else 0.
+        step: of an engine that adds g dt to a velocity at each step, and moves by it before, or after; else 0.
+        ahead, early: see `SteppedFall`.
     """
 
     gx: arb
     gy: arb
     size: float
     step: float = 0.0
+    ahead: float = 0.0
+    early: float = 1.0
 
     def fallen(self, span: arb) -> tuple[arb, arb]:
         """After a flight: by how many g the place is off the straight way, and by how many the velocity has changed."""
@@ -95,11 +98,12 @@ class Fall(NamedTuple):
         dt, steps = arb(self.step), round(float(span) / self.step)
         if abs(float(span) - steps * self.step) > NEXT_TO * self.step:  # not at a step, but for rounding
             steps = math.floor(float(span) / self.step)
-        return dt * dt * steps * (steps - 1) / 2 + (span - steps * dt) * steps * dt, steps * dt
+        way = dt * dt * steps * (steps - 1) / 2 + (span - steps * dt) * steps * dt
+        return (way + self.ahead * dt * span if self.ahead else way), steps * dt
 
     def place_late(self, span: float) -> float:
-        """By how far the place after a flight is behind that of a fall, for an engine of steps: half a step late."""
-        return self.size * self.step * span / 2
+        """By how far the place after a flight is off that of a fall, for an engine of steps: half a step in pymunk."""
+        return self.size * self.step * span * abs(0.5 - self.ahead)
 
     def straight(self, flight: ReportedFlight, t: arb, made: int) -> ReportedFlight:
         """The straight flight that comes to the place where a fall is at a time, with the velocity that it has there.
@@ -250,7 +254,8 @@ class Transcript:
         if run.scene.gravity is not None:
             gx, gy = (ball.constant(part) for part in run.scene.gravity)
             size = math.hypot(*map(float, run.scene.gravity))
-            self.fall = Fall(gx, gy, size, motion.dt if isinstance(motion, SteppedFall) else 0.0)
+            by_steps = (motion.dt, motion.ahead, motion.early) if isinstance(motion, SteppedFall) else ()
+            self.fall = Fall(gx, gy, size, *by_steps)
         self.end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
         if self.scene.capture:
             for entry in run.pocketings:

@@ -605,7 +605,7 @@ def _bounced_before_gain(state: ReplayState[arb], link: AtWall, pushed: Rows, fa
     """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
     line, (t, x, y, vx, vy) = state.line(link.circle, link.wall), pushed[link.circle]
     restitution = arb(1) if state.share is None else 2 * state.share - 1
-    more = restitution * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
+    more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
     return {link.circle: (t, x, y, vx + more * line.nx, vy + more * line.ny)}
 
 

@@ -7,7 +7,6 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from copy import deepcopy
 from typing import Any
 
 from ...exact.certified.certified_decider import FIRST_BITS
@@ -193,7 +192,7 @@ class _Follow:
         return True
 
     def _told(self, frame: dict[str, Any], log: list[dict[str, Any]], bits: int) -> dict[str, Any]:
-        told = {**deepcopy(frame), "bits": bits, "instants": deepcopy(log)}
+        told = {**_copied(frame), "bits": bits, "instants": _copied(log)}
         Exact.work, Exact.roots, self.prover = 0, list(self.roots), None
         self.prover = Prover(told, self.contacts, self.digits, self.times)
         self.prover.run()
@@ -210,6 +209,13 @@ class _Follow:
         at the end are the digits, and room for decisions."""
         lost, age = (self.prover.lost, max(1, self.prover.age)) if self.prover else (0, 1)
         return LEAST_BITS + 4 * self.digits + lost * len(self.log) * 17 // (16 * age)
+
+
+def _copied(part: Any) -> Any:
+    """A copy of plain JSON, to be completed in place."""
+    if isinstance(part, dict):
+        return {key: _copied(value) for key, value in part.items()}
+    return [_copied(value) for value in part] if isinstance(part, list) else part
 
 
 def _frame(trajectory: Trajectory) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """`python -m truebreak.compare.cli`."""
 
-from .entry import main
+from . import main
 
 if __name__ == "__main__":
     main()

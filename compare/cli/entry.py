@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import atexit
 import errno
-import gc
 import math
 import os
 import signal
@@ -174,7 +172,7 @@ def main(arguments: list[str] | None = None) -> None:
     words = [word for word in given if word != "--debug"]
     ended = Ended()
     try:
-        with ended.by_signals(), _rarely_collecting():
+        with ended.by_signals():
             code = _run(words)
             sys.stdout.flush()
     except KeyboardInterrupt:
@@ -240,22 +238,6 @@ class Ended:
         if self._number is not None and code in (ExitCode.INTERRUPTED, ExitCode.PIPE_CLOSED, ExitCode.USAGE):
             return 128 + self._number
         return int(code)
-
-
-RARELY = 20_000
-"""Objects made, less those gone, after which garbage is looked for: what a program imports is none."""
-
-
-@contextmanager
-def _rarely_collecting() -> Iterator[None]:
-    """Looks for garbage seldom, and not at all once the program ends: 7 % of a short command."""
-    atexit.register(gc.freeze)
-    before = gc.get_threshold()
-    gc.set_threshold(RARELY, *before[1:])
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 def _internal(error: Exception, debug: bool) -> ExitCode:

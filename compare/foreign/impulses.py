@@ -11,7 +11,6 @@ from flint import arb, arb_mat
 
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
-from ...scenarios.errors import SceneError
 from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 
@@ -66,13 +65,8 @@ class Impacts:
     """
 
     def __init__(self, scene: Scene) -> None:
-        if scene.moving_walls:
-            raise SceneError(f"{scene.name!r}: has walls that move, of which no log is judged yet; let them stand")
-        if scene.restitution.sign() == 0:
-            raise SceneError(f"{scene.name!r}: has restitution 0, of which no log is judged yet; take one above 0")
-        if scene.gravity is not None:
-            raise SceneError(f"{scene.name!r}: has gravity, of which no log is judged yet")
         self._change = 1.0 + float(scene.restitution)
+        self._gravity = (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
         self.things = tuple(parts_of(scene))
         self._near = PartsNear(scene, DOUBLES) if self.things else None
         self.count = len(scene.circles)
@@ -83,6 +77,7 @@ class Impacts:
             nx, ny = (float(n) for n in wall.normal)
             length = math.hypot(nx, ny)
             self._walls.append((float(wall.x0), float(wall.y0), nx / length, ny / length))
+        self._paces = [(float(wall.vx), float(wall.vy)) for wall in scene.walls]
         self._sides = [[1.0 if w.height(c.x, c.y).sign() >= 0 else -1.0 for w in scene.walls] for c in scene.circles]
 
     @kept
@@ -90,27 +85,28 @@ class Impacts:
         """1/m of each circle."""
         return np.array(self._inverse_masses)
 
-    def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
-        """The line of centres, at given places."""
+    def normal(self, link: Indices, rows: Sequence[Row], time: float) -> Normal:
+        """The line of centres, at given places, and where walls that move are at a time."""
         (i, j), (x, y) = link, rows[link[0]][:2]
         if self._near is not None and j in self._near.things:
             return _normal(self._near.part(i, j, *rows[i]))
         if j >= self.count:
             x0, y0, nx, ny = self._walls[j - self.count]
-            side = self._sides[i][j - self.count]
-            return Normal(side * nx, side * ny, side * (nx * (x - x0) + ny * (y - y0)) - self._radii[i])
+            side, (ux, uy) = self._sides[i][j - self.count], self._paces[j - self.count]
+            height = nx * (x - x0 - ux * time) + ny * (y - y0 - uy * time)
+            return Normal(side * nx, side * ny, side * height - self._radii[i])
         dx, dy = x - rows[j][0], y - rows[j][1]
         length = math.hypot(dx, dy)
         if length == 0.0:
             return Normal(1.0, 0.0, -self._radii[i] - self._radii[j])
         return Normal(dx / length, dy / length, length - self._radii[i] - self._radii[j])
 
-    def contacts(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[tuple[Indices, Normal]]:
+    def contacts(self, links: Sequence[Indices], rows: Sequence[Row], time: float) -> list[tuple[Indices, Normal]]:
         """Contacts with their lines of centres; one that is reported twice, in a concave corner, has two of them."""
         found: list[tuple[Indices, Normal]] = []
         for link, times in Counter(links).items():
             if times == 1 or self._near is None or link[1] not in self._near.things:
-                found.append((link, self.normal(link, rows)))
+                found.append((link, self.normal(link, rows, time)))
             else:
                 parts = self._near.near(*link, *rows[link[0]], math.inf)
                 found += [(link, _normal(part)) for part in parts[:times]]
@@ -122,17 +118,21 @@ class Impacts:
         vx, vy = rows[i][2:]
         if j < self.count:
             vx, vy = vx - rows[j][2], vy - rows[j][3]
+        elif j - self.count < len(self._paces):
+            vx, vy = vx - self._paces[j - self.count][0], vy - self._paces[j - self.count][1]
         return vx * normal.x + vy * normal.y
 
-    def bounce(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Row] | None:
+    def bounce(self, links: Sequence[Indices], rows: Sequence[Row], time: float) -> list[Row] | None:
         """The rows after impacts at one instant, in rounds, each of which all that approach share.
 
         None if none of the contacts approaches, or if the rounds have no end.
         """
-        after, contacts = list(rows), self.contacts(links, rows)
+        after, contacts, still = list(rows), self.contacts(links, rows, time), 0.0
         for done in range(MOST_ROUNDS):
             opening = [self.opening(link, after, normal) for link, normal in contacts]
-            closing = [k for k, speed in enumerate(opening) if speed < 0.0]
+            closing = [k for k, speed in enumerate(opening) if speed < still]
+            if self._change == 1.0:  # what has met stays closed, but for rounding
+                still = min(still, SOLVED * min(opening))
             if not closing:
                 return after if done else None
             matrix = self.matrix([contacts[k] for k in closing])
@@ -143,7 +143,7 @@ class Impacts:
         return None
 
     def inferred(
-        self, rows: Sequence[Row], before: Sequence[Row], room: float, way: float | None = None
+        self, rows: Sequence[Row], before: Sequence[Row], room: float, time: float, way: float | None = None
     ) -> tuple[list[Indices], float]:
         """The contacts that explain how velocities have changed, and the part of the change that they leave.
 
@@ -154,13 +154,14 @@ class Impacts:
             rows: the circles now.
             before: where they would be without the change.
             room: the largest gap of a contact.
+            time: now.
             way: how long ago two may have met; their line of centres is then taken as it was at the meeting of their
                 flights before, if that explains more.
         """
         change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
         moved = [k for k in range(self.count) if change[k].any()]
         there = [(*row[:2], *was[2:]) for row, was in zip(rows, before, strict=True)]  # as they came, where they are
-        near = [(link, n) for link in self._pairs(moved) for n in self._normals(link, there, room)]
+        near = [(link, n) for link in self._pairs(moved) for n in self._normals(link, there, room, time)]
         near = self._nearest(near) if self.things else near
         close = TOUCHING * max((abs(value) for k in moved for value in rows[k][:2]), default=0.0)
         touching = [(link, n) for link, n in near if abs(n.gap) <= close]
@@ -173,11 +174,11 @@ class Impacts:
         met = [(link, self._met(link, before, way) or normal) for link, normal in near]
         return min(self._explaining(met, change), found, key=lambda told: told[1])
 
-    def _normals(self, link: Indices, rows: Sequence[Row], room: float) -> list[Normal]:
+    def _normals(self, link: Indices, rows: Sequence[Row], room: float, time: float) -> list[Normal]:
         """The lines of centres of two things no farther apart than `room`: of a concave one, of each part of it."""
         if self._near is not None and link[1] in self._near.things:
             return [_normal(part) for part in self._near.near(*link, *rows[link[0]], room)]
-        normal = self.normal(link, rows)
+        normal = self.normal(link, rows, time)
         return [normal] if normal.gap <= room else []
 
     def _nearest(self, near: Sequence[tuple[Indices, Normal]]) -> list[tuple[Indices, Normal]]:
@@ -190,9 +191,12 @@ class Impacts:
         return sorted(kept, key=lambda told: told[0])
 
     def _met(self, link: Indices, rows: Sequence[Row], way: float) -> Normal | None:
-        """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
+        """The line of centres at which two circles that flew straight on met, no longer ago than `way`.
+
+        Under gravity two that move fly straight as seen from each other; of one that stands no line is known.
+        """
         i, j = link
-        if j >= self.count:
+        if j >= self.count or (any(self._gravity) and self.moves(i) != self.moves(j)):
             return None
         dx, dy, vx, vy = (one - other for one, other in zip(rows[i], rows[j], strict=True))
         reach, speed, near = self._radii[i] + self._radii[j], vx * vx + vy * vy, dx * vx + dy * vy
@@ -258,10 +262,10 @@ class Impacts:
         """Whether a place in `scene.ids` is that of a circle which can move."""
         return place < self.count and self.weights[place] > 0
 
-    def coupled(self, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
+    def coupled(self, links: Sequence[Indices], rows: Sequence[Row], time: float) -> bool:
         """Whether a moving circle has two of the contacts, not at right angles: then their order may matter."""
         lines: dict[int, list[Normal]] = {}
-        for link, normal in self.contacts(links, rows):
+        for link, normal in self.contacts(links, rows, time):
             for k in filter(self.moves, link):
                 others = lines.setdefault(k, [])
                 if any(abs(normal.x * other.x + normal.y * other.y) > SOLVED for other in others):
@@ -269,12 +273,21 @@ class Impacts:
                 others.append(normal)
         return False
 
-    def quiet(self, rows: Sequence[Row]) -> bool:
-        """Whether no two circles, and no circle and wall or thing, come nearer to each other: then none ever will."""
+    def quiet(self, rows: Sequence[Row], time: float) -> bool:
+        """Whether no two circles, and no circle and wall or thing, come nearer to each other: then none ever will.
+
+        Under gravity only where it pulls no circle to a wall, and nothing round stands.
+        """
         walls = range(self.count, self.count + len(self._walls))
         links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *walls)]
-        if not all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links):
+        normals = {link: self.normal(link, rows, time) for link in links}
+        if not all(self.opening(link, rows, normal) >= 0.0 for link, normal in normals.items()):
             return False
+        gx, gy = self._gravity
+        if gx or gy:
+            if self.things or not all(map(self.moves, range(self.count))):
+                return False
+            return all(n.x * gx + n.y * gy >= 0.0 for (_, j), n in normals.items() if j >= self.count)
         near = self._near
         return near is None or not any(near.comes_to(i, j, *rows[i]) for i in range(self.count) for j in near.things)
 

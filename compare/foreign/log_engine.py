@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...scenarios.engine import SCENE_KEYS, Unchangeable, horizon
+from ...scenarios.engine import ALL_KEYS, Unchangeable, horizon
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..validation import EngineError
@@ -310,7 +310,7 @@ class LogEngine(Unchangeable):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but those that it lacks."""
-        return (SCENE_KEYS | {"polygon", "arc"}) - self.lacks
+        return ALL_KEYS - {"wall kinds"} - self.lacks
 
     @property
     def last(self) -> Trajectory:

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Collection, Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from ...floating.knots import DoubleKnot, EventMotion
+from ...floating.knots import (
+    DoubleKnot,
+    DoubleMotion,
+    EventMotion,
+    FallingEvents,
+    FallingMotion,
+    SteppedEvents,
+    SteppedFall,
+)
 from ...floating.pocket_entries import entries, last_entry
 from ...scenarios.numbers.precision import Double
 from ...scenarios.settings import positive_count, positive_time
@@ -23,6 +32,67 @@ MOST_EVENTS = 1_000_000
 """Events of one recording: a few hundred megabytes."""
 
 
+class StepFall(NamedTuple):
+    """How an engine of steps falls: see `SteppedFall`."""
+
+    ahead: float
+    early: float
+
+
+FALLS_FEWEST = 3
+"""Flights by which the way in which an engine falls is known."""
+
+
+def step_fall(
+    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
+) -> StepFall | None:
+    """How an engine of steps falls, by the states that it reports; None where they do not agree.
+
+    Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
+    One that moves first is taken for pymunk's like.
+
+    Args:
+        room: by how much a place may be off.
+
+    >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
+    >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
+    >>> step_fall([told], (0.0, -4.0), 0.5, (), 1e-12)
+    StepFall(ahead=1.0, early=0.0)
+    """
+    (gx, gy), found = gravity, list[tuple[float, float]]()
+    square = gx * gx + gy * gy
+    for k, row in enumerate(knots):
+        for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
+            span = after - t
+            size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
+            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
+                continue
+            dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
+            unit = square * step * span
+            found.append((0.5 + (dx * gx + dy * gy) / unit, 2 * room * size * math.sqrt(square) / unit))
+    if len(found) < FALLS_FEWEST:
+        return None
+    ahead = sorted(value for value, _ in found)[len(found) // 2]
+    if not -NEAR_AHEAD <= ahead <= 1.0 + NEAR_AHEAD:
+        return None
+    if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
+        return None
+    ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
+    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
+
+
+NEAR_AHEAD = 2.0**-12
+"""How near two flights have to agree on the way in which an engine falls."""
+
+
+class Steps(NamedTuple):
+    """An engine of so many bits, with its time step, if it has one, and how it falls, where that is known."""
+
+    bits: int | None
+    step: float | None
+    fall: StepFall | None = None
+
+
 class RunSoFar:
     """The events of a run so far, and where every circle is.
 
@@ -30,6 +100,7 @@ class RunSoFar:
         scene: what is run.
         impacts: its laws.
         rows: x, y, vx, vy of every circle at the start.
+        steps: what the engine is.
 
     Attributes:
         times: of the events.
@@ -38,8 +109,10 @@ class RunSoFar:
         reckoned: the events that came without states.
     """
 
-    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row]) -> None:
-        self.scene, self._impacts = scene, impacts
+    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], steps: Steps) -> None:
+        self.scene, self._impacts, self._steps = scene, impacts, steps
+        self._gravity = None if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
+        self._way = self._flights()
         self.times: list[float] = []
         self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
         self.left: list[tuple[float, tuple[int, ...]]] = []
@@ -77,7 +150,7 @@ class RunSoFar:
             raise EngineError(f"{where}: more than {MOST_EVENTS:,} events; end the run before that")
         self.times.append(now)
         self._links.append(list(links))
-        self._coupled.append(len(links) > 1 and self._impacts.coupled(sorted(links), rows))
+        self._coupled.append(len(links) > 1 and self._impacts.coupled(sorted(links), rows, now))
 
     def fly(self, now: float, rows: Mapping[int, Row]) -> None:
         """Circles fly on from a time as told."""
@@ -92,8 +165,35 @@ class RunSoFar:
 
     def rows(self, now: float) -> list[Row]:
         """Where every circle is by its last flight."""
-        last = (row[-1] for row in self.knots)
-        return [(x + vx * (now - t), y + vy * (now - t), vx, vy) for t, x, y, vx, vy in last]
+        return [self._way.flown(k, row[-1], now) for k, row in enumerate(self.knots)]
+
+    def rounds(self, span: float) -> float:
+        """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
+        bits, step, _ = self._steps
+        if self._gravity is None or bits is None:
+            return FLIGHT
+        return max(FLIGHT, 4.0 * max(1.0, 1.0 if step is None else span / step) * 2.0**-bits)
+
+    def _flights(self) -> DoubleMotion:
+        """How circles fly, without knots."""
+        if self._gravity is None:
+            return DoubleMotion(())
+        (gx, gy), (_, step, fall) = self._gravity, self._steps
+        if fall is None or step is None:
+            return FallingMotion((), halves=(gx / 2, gy / 2), pegs=self.scene.pegs)
+        return SteppedFall((), math.inf, (gx, gy), step, self.scene.pegs, *fall)
+
+    def motion(self, knots: Sequence[Sequence[DoubleKnot]], end: float, scale: float) -> EventMotion:
+        """The flights between what was reported; of an engine of steps as its own states say that it falls."""
+        left, reckoned = self.left, tuple(sorted(self.reckoned))
+        if self._gravity is None:
+            return EventMotion(knots, end, left, reckoned)
+        (gx, gy), pegs, (_, step, fall) = self._gravity, self.scene.pegs, self._steps
+        if fall is None and step is not None and not reckoned:
+            fall = step_fall(knots, self._gravity, step, pegs, self.rounds(step) * scale)
+        if fall is None or step is None:
+            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left, reckoned)
+        return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 
 # ----------------------------------------
@@ -236,6 +336,7 @@ class Recording:
         parameters: its settings, for reports.
         returns: whether a run of a scene with a reversal is to end at the return, at twice the reversal's time.
         progress: called with how far the run is.
+        fall: how an engine of steps falls, where that is known; otherwise it is told by its states.
 
     Attributes:
         reckoned: whether a hit came without states, so that places were reckoned from times.
@@ -260,6 +361,7 @@ class Recording:
         parameters: Mapping[str, Any] | None = None,
         returns: bool = False,
         progress: OnProgress | None = None,
+        fall: StepFall | None = None,
     ) -> None:
         self.scene, self.name, self.bits, self.step = scene, name, bits, step
         self.parameters = dict(parameters or {})
@@ -271,9 +373,10 @@ class Recording:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
         numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
-        self._course = RunSoFar(scene, self._impacts, [(x, y, vx, vy) for x, y, vx, vy in numbers])
+        rows = [(x, y, vx, vy) for x, y, vx, vy in numbers]
+        self._course = RunSoFar(scene, self._impacts, rows, Steps(bits, step, fall))
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
-        self._now, self._end, self._steps = 0.0, 0.0, 0
+        self._now, self._end, self._steps, self._before = 0.0, 0.0, 0, 0.0
         self._budget: str | None = None
         self._quiet = self._reported = self._closed = False
 
@@ -354,7 +457,8 @@ class Recording:
         self._turn_before(now)
         before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
-        small = FLIGHT * max(math.hypot(*row[2:]) for row in [*rows, *before])
+        share, scene_stands = self._course.rounds(now - self._before), self.scene.gravity is None
+        small = share * max(math.hypot(*row[2:]) for row in [*rows, *before])
         turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
         changed = [k for k, by in enumerate(turned) if by > small]
         if changed and not self._reported:
@@ -363,7 +467,8 @@ class Recording:
         off = [
             k
             for k, by in enumerate(turned)
-            if by or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
+            if by > (0.0 if scene_stands else small)
+            or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > share * self._scale
         ]
         self._course.fly(now, {k: rows[k] for k in off})
         self._leave(now)
@@ -373,7 +478,7 @@ class Recording:
         if happened:
             self._turn_after()
             turns = self.scene.reverse_at is not None or self.scene.reverse_after is not None
-            self._quiet = not (turns and self.reversal is None) and self._impacts.quiet(rows)
+            self._quiet = not (turns and self.reversal is None) and self._impacts.quiet(rows, now)
         if self._steps >= MOST_STEPS:
             self.spent(f"{MOST_STEPS:,} states")
         self._closed = self._closed or (self._quiet and self.until is None)
@@ -429,7 +534,7 @@ class Recording:
             events=tuple(self._course.event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=EventMotion(knots, float(end), self._course.left, tuple(sorted(self._course.reckoned))),
+            motion=self._course.motion(knots, float(end), self._scale),
             reversal=turned,
             pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
@@ -459,7 +564,7 @@ class Recording:
         """Has the laws say how a hit without states leaves the circles."""
         self.reckoned = True
         self._course.reckoned.add(len(self._course) - 1)
-        after = self._impacts.bounce(links, rows)
+        after = self._impacts.bounce(links, rows, now)
         if after is None:
             if not self.notes:
                 self.notes.append(
@@ -474,7 +579,7 @@ class Recording:
         """The contacts of the last `way` of time."""
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
         room = 2 * fastest * way + FLIGHT * self._scale
-        links, left = self._impacts.inferred(rows, before, room, None if self.step else way)
+        links, left = self._impacts.inferred(rows, before, room, now, None if self.step else way)
         if not links or left > UNEXPLAINED:
             changed = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
             raise EngineError(
@@ -488,14 +593,15 @@ class Recording:
         at = self.scene.reverse_at
         if at is not None and self.reversal is None and float(at) < now:
             self._reverse(float(at))
-        self._now = self._end = max(self._now, now)
+        self._before, self._now = self._now, max(self._now, now)
+        self._end = self._now
 
     def _part_at_the_turn(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
         """Whether a hit at the very time of the reversal, to a double, comes after it: those that collide parted."""
         at = self.scene.reverse_at
         if at is None or self.reversal is not None or float(at) != now:
             return False
-        return all(self._impacts.opening(link, rows, self._impacts.normal(link, rows)) > 0.0 for link in links)
+        return all(self._impacts.opening(link, rows, self._impacts.normal(link, rows, now)) > 0.0 for link in links)
 
     def _turn_after(self) -> None:
         """The scene's reversal after a number of events, if it is due."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -28,6 +29,7 @@ from .row import Columns, Row, divergence_of, followed, laws_of, outcomes_change
 from .stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 
 if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
     from ..chaos.horizon import Followed
 
@@ -156,10 +158,13 @@ def checked(text: str) -> tuple[int, str]:
     thousand certificates of four events would take most of the time."""
     limit = sys.get_int_max_str_digits()
     try:
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "certificate.json"
-            file.write_text(text, encoding="utf-8")
-            return verify.verdict(str(file))
+        handle, path = tempfile.mkstemp(prefix="certificate-", suffix=".json")
+        try:
+            os.close(handle)
+            Path(path).write_text(text, encoding="utf-8")
+            return verify.verdict(path)
+        finally:
+            Path(path).unlink()
     finally:
         sys.set_int_max_str_digits(limit)
 
@@ -179,6 +184,16 @@ def with_more_bits(found: Certified) -> Certified:
 
 
 # -- the rows of one place
+
+
+@lru_cache(maxsize=1)
+def scene_of(place: MapPlace) -> Scene:
+    """The scene of a place: its rows are made of it, and kept under its digest.
+
+    >>> scene_of(MapPlace("near-ties", 20, "left")).name
+    'near-ties-left-20'
+    """
+    return stress_family(place.family).scene(place)
 
 
 @dataclass(frozen=True)
@@ -203,7 +218,7 @@ class StressJob:
         ('right', 'wrong', 'right')
         """
         of, place = stress_family(self.place.family), self.place
-        scene = of.scene(place)
+        scene = scene_of(place)
         run = uninterrupted(ExactEngine().run(scene))
         found = witness(run, of, place)
         varies = {"family": place.family, "side": place.side, "seed": str(place.seed), "k": str(place.k)}
@@ -306,7 +321,7 @@ class StressMap:
     def key(self, index: int) -> str:
         """The digest of the place's scene: a family may be another one by now."""
         place = self.places[index]
-        return stress_family(place.family).scene(place).digest
+        return scene_of(place).digest
 
     def job(self, index: int) -> StressJob:
         """Of one place."""

@@ -200,7 +200,7 @@ def _parted(run: Trajectory) -> bool:
         for pocket in run.scene.pockets
         for x, y, vx, vy in rows
     )
-    return Impacts(run.scene).quiet(rows) and not any(enters)
+    return Impacts(run.scene).quiet(rows, float(run.final_time)) and not any(enters)
 
 
 def _before_a_part(run: Trajectory, reference: Trajectory, alignment: Alignment, end: float) -> float:

@@ -61,6 +61,9 @@ SAME_NUMBER = 1e-6
 """Share of the largest number of an outcome by which its numbers may differ and still be the same: far above the
 rounding of a run that agrees, far below any other event."""
 
+ATOMS = frozenset({bool, int, str})
+"""Types of what has no error and no parts."""
+
 
 def same_outcome(a: Any, b: Any, room: float = 0.0) -> bool:
     """Whether two values are the same outcome: equal, but for an error of numbers that are not whole.
@@ -70,7 +73,9 @@ def same_outcome(a: Any, b: Any, room: float = 0.0) -> bool:
     """
     if isinstance(a, float) and isinstance(b, float):
         return abs(a - b) <= room or a == b
-    if isinstance(a, Mapping) and isinstance(b, Mapping):
+    if type(a) is type(b) and type(a) in ATOMS:
+        return bool(a == b)
+    if isinstance(a, dict | Mapping) and isinstance(b, dict | Mapping):
         return a.keys() == b.keys() and all(same_outcome(a[key], b[key], room) for key in a)
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):
         return len(a) == len(b) and all(same_outcome(x, y, room) for x, y in zip(a, b, strict=True))
@@ -111,7 +116,7 @@ def _largest(value: Any) -> float:
     """The largest number of an outcome."""
     if isinstance(value, bool) or value is None or isinstance(value, str):
         return 0.0
-    if isinstance(value, Mapping):
+    if isinstance(value, dict | Mapping):
         return max(map(_largest, value.values()), default=0.0)
     if isinstance(value, list | tuple):
         return max(map(_largest, value), default=0.0)

@@ -56,7 +56,7 @@ FORMS = {
     "assumptions? notes? pocketed? definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon bounces?",
-    "compare.audit.fits:BounceRatios": "asked mean low high count",
+    "compare.audit.fits:BounceRatios": "asked mean low high count spread",
     "compare.audit.audit:Violation": "kind event time bodies size bound=room",
     "compare.audit.fits:Fit": "description=what kind value spread explained of",
     "compare.audit.audit:Defect": "kind size order finest step of_step",

@@ -631,7 +631,7 @@ class _Case:
             raise CheckFailed("\n".join(lines), comparison)
         if found.kept is None:
             return [f"laws: not determined ({found.reason})"]
-        return [f"{found.steps} audited"]
+        return [f"{found.steps} audited", *([] if found.bounces is None else [str(found.bounces)])]
 
     def _steps(self, found: Audit) -> list[str]:
         """The first step of each kind that misses a law."""

@@ -15,7 +15,7 @@ from sympy import Add, Expr, Integer, Mul, Pow, Symbol, fraction, symbols
 x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R, wa, wb")
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
 gap, approach, root, cross, scale, square = symbols("gap, approach, root, cross, scale, square")
-ux, uy, speed = symbols("ux, uy, speed")
+ux, uy, speed, mixed = symbols("ux, uy, speed, mixed")
 along, slide, edge = symbols("along, slide, edge")
 share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 px, py, qx, qy = symbols("px, py, qx, qy")
@@ -63,6 +63,16 @@ FORMS = (
         Stable form of `derivation.pair_instant_speed`, which it equals up to the factor -1/|d|: the
         sign needs no square root.""",
         ("pair_approach(Q(4), Q(0), Q(-2), Q(1))", "Fraction(-8, 1)"),
+    ),
+    StableForm(
+        "pair_turned",
+        (dx, dy, vx, vy),
+        ((mixed, vx * (dx + dy)),),
+        (mixed - dy * (vx - vy), dx * (vx + vy) - mixed),
+        """d.v, which is `pair_approach`, and d x v, in three products of long numbers in place of four.
+
+        The product of d and the mirror image of v, as complex numbers, by Gauss's three products.""",
+        ("pair_turned(Q(4), Q(1), Q(-2), Q(1))", "(Fraction(-7, 1), Fraction(6, 1))"),
     ),
     StableForm(
         "pair_gap",

@@ -124,6 +124,17 @@ def _pair_times(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     )
 
 
+def _pair_turned(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """d.v as approaching circles have it, and d x v, whose square is what Lagrange's identity leaves."""
+    along, cross = formulas["pair_turned"](*_d, *_v)
+    approach, square = formulas["pair_approach"](*_d, *_v), _v[0] ** 2 + _v[1] ** 2
+    return (
+        along + pair_instant_speed() * _distance,
+        cross - _d[0] * _v[1] + _d[1] * _v[0],
+        cross**2 + approach**2 - square * _distance**2,
+    )
+
+
 def _pair_nearest(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """Half-way between the two times of touch, which are one where the circles graze."""
     earlier, later = pair_times()
@@ -353,6 +364,7 @@ PROOFS = (
     Proof("the range of an arc", pair_times, _arc_range),
     Proof("two circles meet head on", pair_times, _head_on),
     Proof("two circles approach", pair_instant_speed, _pair_speed),
+    Proof("two circles approach, and turn about each other", pair_instant_speed, _pair_turned),
     Proof("velocities after two circles collide", pair_velocities, _pair_velocities),
     Proof("velocities after two circles collide, by matrices", pair_velocities, _pair_mixed),
     Proof("velocity off a circle of infinite mass", fixed_circle_velocities, _fixed_circle),

@@ -8,7 +8,7 @@ from flint import arb
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
+from ..laws.formulas import pair_turned, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import SPARE_BITS, BallState, LoneContacts, Oblique, Told, Unchanging
 from .contact import (
@@ -43,6 +43,12 @@ from .error_bounds import Collision, Spent
 
 MOST_MOVERS = 24
 """Circles that move: a block costs the cube of their number, and balls lose little where each is hit seldom."""
+
+LONG_NUMBERS = 4_096
+"""Bits beyond which a product of two such numbers costs so much that clocks are kept short."""
+
+CLOCK_BITS = 256
+"""Of a short clock: at times of up to 2**100 it is less than 2**-156 beside its instant, which is next to nothing."""
 
 LONGEST_BREAK = 64
 """Instants for which nothing is begun, at most, after deviations that came to nothing."""
@@ -279,6 +285,24 @@ def _flies_inexactly(flight: Flight[arb]) -> bool:
 # two steps, with nothing changed.
 
 
+def short_clock(instant: arb, used: int) -> arb:
+    """A number without radius beside an instant, of few bits: times of that cost next to nothing in products.
+
+    Args:
+        instant: the instant.
+        used: the working precision.
+
+    >>> with ball.precision(9000):
+    ...     clock = short_clock(arb(2).sqrt(), 9000)
+    >>> clock.is_exact(), 0 < float(abs(clock - arb(2).sqrt())) < 2.0**-255
+    (True, True)
+    """
+    ball.use_bits(CLOCK_BITS)
+    clock = (+instant).mid()
+    ball.use_bits(used)
+    return clock
+
+
 def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
     """What carries out contacts that stand alone: on balls, or on midpoints where deviations are kept in a set."""
     return LoneCentred(state) if state.centred else LoneContacts(state)
@@ -327,7 +351,10 @@ class LoneCentred:
         a, b = state.bodies[one], state.bodies[other]
         square_reach, share_a, share_b, alike = self._known.partners(link)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
-        ball.use_bits(worst if worst < bits else bits)
+        used = worst if worst < bits else bits
+        ball.use_bits(used)
+        if used > LONG_NUMBERS:
+            return self._bounce_long(held, link, used, bits, step)
         ax, ay, avx, avy, at, a_last = held.mid[one]
         bx, by, bvx, bvy, bt, b_last = held.mid[other]
         vx, vy = bvx - avx, bvy - avy
@@ -375,6 +402,59 @@ class LoneCentred:
         found = carry_pair(held, state, link, (ex, ey, vx, vy, root), since, late, moved, clock, step)
         return None if found is None else self._land(held, moved, found, (instant, late), step, bits)
 
+    def _bounce_long(self, held: Deviations, link: Pair, used: int, bits: int, step: int) -> int | None:
+        """Two circles, in long numbers.
+
+        Args:
+            used: the working precision.
+
+        Raises:
+            Spent: as `_bounce`.
+        """
+        state = self._state
+        one, other = link
+        a, b = state.bodies[one], state.bodies[other]
+        square_reach, share_a, share_b, alike = self._known.partners(link)
+        ax, ay, avx, avy, at, a_last = held.mid[one]
+        bx, by, bvx, bvy, bt, b_last = held.mid[other]
+        vx, vy = bvx - avx, bvy - avy
+        if a_last >= b_last:
+            base = at
+            lag = at - bt
+            dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
+        else:
+            base = bt
+            lag = bt - at
+            dx, dy = bx - (ax + avx * lag), by - (ay + avy * lag)
+        along, cross = pair_turned(dx, dy, vx, vy)
+        square = vx**2 + vy**2
+        disc = square * square_reach - cross**2
+        if cross.is_zero() or not disc > ball.ZERO:
+            return None
+        root = disc.sqrt()
+        wait = -(along + root) / square
+        ex, ey = dx + vx * wait, dy + vy * wait
+        instant = base + wait
+        clock = short_clock(instant, used)
+        lag = clock - base
+        late = wait - lag
+        since_a, since_b = clock - at, clock - bt
+        if not (ball.is_sharp(since_a) and ball.is_sharp(since_b)):
+            return None
+        strength = share_a * root
+        jx, jy = strength * ex, strength * ey
+        px, py = jx * late, jy * late
+        ax, ay, avx, avy = ax + avx * since_a + px, ay + avy * since_a + py, avx - jx, avy - jy
+        if not alike:
+            strength = share_b * root
+            jx, jy = strength * ex, strength * ey
+            px, py = jx * late, jy * late
+        bx, by, bvx, bvy = bx + bvx * since_b - px, by + bvy * since_b - py, bvx + jx, bvy + jy
+        moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
+        since = since_a, since_b
+        found = carry_pair(held, state, link, (ex, ey, vx, vy, root), since, late, moved, clock, step)
+        return None if found is None else self._land(held, moved, found, (instant, late), step, bits)
+
     def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
         """A circle and a wall.
 
@@ -385,7 +465,8 @@ class LoneCentred:
         body = state.bodies[index]
         wall = self._known.wall(link)
         worst = body.acc + SPARE_BITS
-        ball.use_bits(worst if worst < bits else bits)
+        used = worst if worst < bits else bits
+        ball.use_bits(used)
         x, y, vx, vy, base, _ = held.mid[index]
         if isinstance(wall, Oblique):
             wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
@@ -394,7 +475,8 @@ class LoneCentred:
         instant = base + wait
         if not instant.is_finite():
             return None
-        clock = instant.mid()
+        long = used > LONG_NUMBERS
+        clock = short_clock(instant, used) if long else instant.mid()
         lag = clock - base
         if not ball.is_sharp(lag):
             return None
@@ -405,6 +487,12 @@ class LoneCentred:
             x, y = x + vx * lag, y + vy * lag
             x, y = xx * x + xy * y + shift_x, xy * x + yy * y + shift_y
             vx, vy = xx * vx + xy * vy, xy * vx + yy * vy
+        elif long:
+            x, y = x + vx * lag, y + vy * lag
+            if wall.level:
+                y, vy = wall.twice - y, -vy
+            else:
+                x, vx = wall.twice - x, -vx
         elif wall.level:
             x, y, vy = x + vx * lag, wall.touch + vy * late, -vy
         else:

@@ -271,6 +271,16 @@ class Flights(RoundFalls[N], WallFlights[N]):
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
         return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
 
+    def fall_wait(self, link: Pair) -> N | None:
+        """The time from its clock until a circle falls onto one that stands; None where it does not.
+
+        Only of numbers that answer at once.
+
+        Raises:
+            Unsharp: where they do not tell it.
+        """
+        raise NotImplementedError
+
     def graze(self, link: Round) -> tuple[N, N]:
         """As `round_hit`, for two that touch without pushing: the time at which they are nearest."""
         t, dx, dy, vx, vy, _ = self.relation(link)

@@ -15,7 +15,7 @@ from error_bound.campaign import LATER, PILOT, tallies
 from error_bound.scenes import KINDS, scene_of
 from error_bound.watch import Tally, watched
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay import deviations, error_set
+from truebreak.exact.replay import centred_state, deviations, error_set
 from truebreak.exact.replay import deviations as carrying
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.deviations import Deviations
@@ -35,6 +35,16 @@ def bounds_of(name: str, events: int, sets: tuple[int, int] = LATER) -> Tally:
 @pytest.mark.parametrize("name", [*(f"{kind} 0" for kind in KINDS), *OF_THE_CATALOGUE])
 def test_every_number_lies_in_its_bound(name: str) -> None:
     """Sets from the start of a run, those that its replays begin, contacts in one go and in two steps."""
+    tally = bounds_of(name, 40, PILOT if name in OF_THE_CATALOGUE else LATER)
+    assert not tally.faults
+    assert tally.checks > 100 and tally.sets > 0
+
+
+@pytest.mark.parametrize("name", [*(f"{kind} 1" for kind in KINDS), *OF_THE_CATALOGUE])
+def test_every_number_lies_in_its_bound_with_short_clocks(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of long numbers: clocks stand 2**-80 of their time beside the instants."""
+    monkeypatch.setattr(centred_state, "LONG_NUMBERS", 0)
+    monkeypatch.setattr(centred_state, "CLOCK_BITS", 80)
     tally = bounds_of(name, 40, PILOT if name in OF_THE_CATALOGUE else LATER)
     assert not tally.faults
     assert tally.checks > 100 and tally.sets > 0

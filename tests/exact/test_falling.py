@@ -10,7 +10,6 @@ from test_gravity import scene_of
 from truebreak.compare import compare
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.files.saved import run_of, saved_run
-from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.shadowing.shadows import shadow
@@ -280,8 +279,6 @@ def test_what_does_not_know_gravity_refuses_it_by_name():
         certificate_of(ExactEngine().run(peg, events=1))
     with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
         shadow(scene, events=3)
-    with pytest.raises(SceneError, match="has gravity, of which no log is judged yet"):
-        Impacts(scene)
     found = compare(scene, [PymunkEngine(dt=1 / 4)], events=12)
     assert found.candidates[0].alignment.divergence is not None
     assert found.candidates[0].diagnosis.closed

@@ -16,10 +16,9 @@ from mpmath import mpf, workdps
 from truebreak.compare.adapters.box2d import Box2DEngine
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.deadline import Clock
-from truebreak.compare.foreign.impulses import Impacts
 from truebreak.compare.grids.row import energy_drift, energy_gained
 from truebreak.compare.report.documents import trajectory_json
-from truebreak.compare.report.floats import floats_json
+from truebreak.compare.report.floats import floats_csv
 from truebreak.compare.report.listing import print_trajectory
 from truebreak.compare.report.player import played
 from truebreak.compare.shadowing.shadows import shadow
@@ -406,10 +405,8 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
         (lambda: scene.with_changes(reverse_at=1), "cannot be turned back, as walls go on; leave reverse_at out"),
         (lambda: scene.with_changes(reverse_after=1), "leave reverse_after out"),
         (lambda: shadow(scene), "walls that move"),
-        (lambda: Impacts(scene), "walls that move, of which no log is judged yet"),
-        (lambda: Impacts(Scene([Circle(0, 0)], restitution=0)), "restitution 0, of which no log is judged yet"),
         (lambda: check_start(scene), "walls that move"),
-        (lambda: floats_json(scene), "walls that move"),
+        (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
         (
             lambda: reach_of(ExactEngine().run(scene, events=2), local_error(DoubleEngine(), None, 53)),
             "walls that move",

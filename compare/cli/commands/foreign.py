@@ -58,7 +58,7 @@ not settled.
     default="capture",
     show_default=True,
     metavar="KEY,...",
-    help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
+    help="Keys of a scene that it does not follow: wall, pocket, capture, gravity, restitution, reverse_at, ...",
 )
 @reference_options
 @exit_zero("Exit with 0 even if a log diverged, breaks a law, or is undecided.")
@@ -123,6 +123,8 @@ def judge(
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:
                 say(out, f"{candidate.engine}: {note}.")
+            if candidate.laws is not None and candidate.laws.bounces is not None:
+                say(out, f"{candidate.engine}: {candidate.laws.bounces}.")
         for change in changes:
             say(out, change.sentence, "bold")
     return DONE if exit_zero else of_comparison(comparison)
@@ -130,14 +132,14 @@ def judge(
 
 def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
     """The engine of one log, with what the command line declares of it."""
-    from ....scenarios.engine import SCENE_KEYS
+    from ....scenarios.engine import ALL_KEYS
     from ....scenarios.settings import positive_time
     from ...engines import suggestion
     from ...foreign.log_engine import LogEngine
 
     missing = frozenset(filter(None, (key.strip() for key in lacks.split(","))))
-    for key in sorted(missing - SCENE_KEYS):
-        raise SceneError(f"--lacks: {key!r} is no key; {suggestion(key, sorted(SCENE_KEYS))}")
+    for key in sorted(missing - ALL_KEYS):
+        raise SceneError(f"--lacks: {key!r} is no key; {suggestion(key, sorted(ALL_KEYS))}")
     length = positive_time("--step", step)
     dt = None if length is None else float(length)
     return LogEngine.of(path, scene, bits=bits, step=dt, rounds_input=not exact_input, lacks=missing)

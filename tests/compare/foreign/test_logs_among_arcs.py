@@ -71,19 +71,19 @@ def test_a_log_of_a_stadium_is_judged(tmp_path: Path) -> None:
 
 def test_nothing_is_quiet_within_a_ring() -> None:
     within = Impacts(Scene([Circle(0, 0, r="1/2", vx=1, id="c")], arcs=[RING]))
-    assert not within.quiet([(0.0, 0.0, 1.0, 0.0)])
-    assert not within.quiet([(4.5, 0.0, -1.0, 0.0)])  # away from where it has just been
+    assert not within.quiet([(0.0, 0.0, 1.0, 0.0)], 0.0)
+    assert not within.quiet([(4.5, 0.0, -1.0, 0.0)], 0.0)  # away from where it has just been
     half = Impacts(Scene([Circle(0, 0, r="1/2", vx=1, id="c")], arcs=[HALF]))
-    assert half.quiet([(4.5, 0.0, -1.0, 0.0)])  # out by the opening
-    assert not half.quiet([(-9.0, 0.0, 1.0, 0.0)])  # in by the opening
-    assert not half.quiet([(9.0, 0.0, -1.0, 0.0)])
-    assert half.quiet([(9.0, 0.0, 1.0, 0.0)])
+    assert half.quiet([(4.5, 0.0, -1.0, 0.0)], 0.0)  # out by the opening
+    assert not half.quiet([(-9.0, 0.0, 1.0, 0.0)], 0.0)  # in by the opening
+    assert not half.quiet([(9.0, 0.0, -1.0, 0.0)], 0.0)
+    assert half.quiet([(9.0, 0.0, 1.0, 0.0)], 0.0)
 
 
 def test_impulses_of_both_sides_are_inferred() -> None:
     for x, speed in ((4.5, 1.0), (5.5, -1.0)):
         scene = Scene([Circle(x, 0, r="1/2", vx=speed, id="c")], arcs=[HALF])
-        links, left = Impacts(scene).inferred([(x, 0.0, -speed, 0.0)], [(x, 0.0, speed, 0.0)], 0.1)
+        links, left = Impacts(scene).inferred([(x, 0.0, -speed, 0.0)], [(x, 0.0, speed, 0.0)], 0.1, 0.0)
         assert links == [(0, 1)]
         assert left < 1e-12
 

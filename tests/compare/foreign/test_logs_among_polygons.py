@@ -50,8 +50,8 @@ def test_nothing_is_quiet_that_comes_to_another_face() -> None:
     """In a notch what is nearest recedes, and the other jaw comes: the log must not end there as if all were over."""
     hook = Polygon([(0, 0), (6, 0), (6, 6), (0, 6), (0, 4), (4, 4), (4, 2), (0, 2)], "g")
     impacts = Impacts(Scene([Circle("3", "5/2", r="1/2", id="c")], polygons=[hook]))
-    assert not impacts.quiet([(3.0, 2.5, -1.0, 1.0)])
-    assert impacts.quiet([(3.0, 2.5, -1.0, 0.1)])
+    assert not impacts.quiet([(3.0, 2.5, -1.0, 1.0)], 0.0)
+    assert impacts.quiet([(3.0, 2.5, -1.0, 0.1)], 0.0)
 
 
 def test_a_scene_in_doubles_has_its_polygons() -> None:

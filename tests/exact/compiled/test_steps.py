@@ -125,10 +125,14 @@ OBLIQUE = Scene(
     ],
     ids=["ten", "three", "mixed", "oblique", "galperin", "rack"],
 )
+@pytest.mark.parametrize("clocks", ["of all bits", "short"])
 def test_contacts_of_a_run_are_carried_in_the_same_bits(
-    scene: Scene, events: int, monkeypatch: pytest.MonkeyPatch
+    scene: Scene, events: int, clocks: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(precision, "LONG_BITS", 300)
+    if clocks == "short":
+        monkeypatch.setattr(lone_centred, "LONG_NUMBERS", 0)
+        monkeypatch.setattr(lone_centred, "CLOCK_BITS", 100)
     told = in_both(monkeypatch)
     assert ExactEngine().run(scene, events=events).events
     if events >= 400:

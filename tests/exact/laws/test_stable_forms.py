@@ -44,6 +44,7 @@ class Counted:
 
 COSTS = {
     "pair_approach": 3,
+    "pair_turned": 8,
     "pair_gap": 5,
     "pair_discriminant": 10,
     "pair_hit_time": 2,

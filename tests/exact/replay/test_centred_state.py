@@ -11,6 +11,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.laws.tangent_formulas import pair_tangent_blocks
 from truebreak.exact.numbers import ball
+from truebreak.exact.replay import centred_state
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.contact import AtArc, Pair
@@ -162,6 +163,23 @@ def test_a_long_run_keeps_its_deviations_in_a_set(monkeypatch):
         one, other = (run.events[index].time.ball(400) for run in (centred, plain))
         assert one.overlaps(other)
         assert one.rel_accuracy_bits() > 380
+
+
+def test_long_numbers_have_the_history_of_all_others(monkeypatch):
+    """With short clocks from early on: the same history in the same bits, and the same times to 400 of them."""
+    scene = catalogue.build("gas:n=6,seed=2,mixed=yes")
+    monkeypatch.setattr(precision, "LONG_BITS", 512)
+    plain = ExactEngine().run(scene, events=900)
+    clocks, made = [], centred_state.short_clock
+    monkeypatch.setattr(centred_state, "LONG_NUMBERS", 300)
+    monkeypatch.setattr(centred_state, "short_clock", lambda *given: clocks.append(made(*given)) or clocks[-1])
+    ours = ExactEngine().run(scene, events=900)
+    assert len(clocks) > 400
+    assert max(clock.bits() for clock in clocks) <= centred_state.CLOCK_BITS
+    assert [e.contacts for e in ours.events] == [e.contacts for e in plain.events]
+    assert ours.plan == plain.plan
+    for one, other in zip(ours.events[::60], plain.events[::60], strict=True):
+        assert one.time.ball(400).overlaps(other.time.ball(400))
 
 
 def turned(matrix, x, y):

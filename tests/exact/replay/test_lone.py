@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
+from truebreak.exact.replay import centred_state
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState, LoneCentred
 from truebreak.exact.replay.deviations import _landed
@@ -13,9 +16,13 @@ from truebreak.scenarios import catalogue
 FEW, MANY = 500, 4096
 
 
-def test_a_contact_in_one_go_is_in_its_balls_too(scene, request):
+@pytest.mark.parametrize("clocks", ["of all bits", "short"])
+def test_a_contact_in_one_go_is_in_its_balls_too(scene, clocks, request, monkeypatch):
     """Contacts that stand alone, of circles that move, are carried out in one go where there is a set: every number and
-    every instant holds the truth, and is known to nearly as many bits as by the two steps."""
+    every instant holds the truth, and is known to nearly as many bits as by the two steps. So they are with the clocks
+    of long numbers, which stand beside their instants."""
+    if clocks == "short":
+        monkeypatch.setattr(centred_state, "LONG_NUMBERS", 0)
     steps = ExactEngine().run(scene, events=150).motion.log.steps
     with ball.precision(MANY):
         true = BallState(scene)
@@ -39,6 +46,8 @@ def test_a_contact_in_one_go_is_in_its_balls_too(scene, request):
                 ours.do(each)
         else:
             struck += 1
+            clock = ours.bodies[after.links[0].circles[0]].flight.t
+            assert (clock.bits() <= centred_state.CLOCK_BITS) is (clocks == "short") or clock.bits() < FEW // 2
             assert accuracy >= min(FEW, plain.instant.rel_accuracy_bits()) - 60
         k += count
         ball.use_bits(MANY)
