@@ -652,12 +652,13 @@ class Checker(KeptApart):
             along, by = a * vy - b * vx, d * vy - e * vx  # the image of the way along a face
             vx, vy = a * vx + b * vy, d * vx + e * vy
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
-            zeros += [ONE] * (i in self.arcs or j in self.arcs)  # those are mapped by none
+            bow, to = (k in self.arcs and 1 + (k - self.arcs.start) % 2 for k in (i, j))
+            zeros += [ONE] * (bow != to)  # a side of an arc to the same side of another
             if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
                 zeros += [ONE] * (i not in self.faces or j not in self.faces)
                 zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
                 zeros += falls
-            elif i >= self.n:
+            elif i >= self.n and not bow:
                 zeros += [vx * wy - vy * wx, x * wx + y * wy]
                 ways = [(self.pull, self.pull)] if self.pull else []
                 ways += [[self.drift.get(k, (NONE, NONE)) for k in (i, j)]] if self.drift else []

@@ -141,8 +141,8 @@ class Prover(Checker):
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
         drift = {k: (Exact.of(x), Exact.of(y)) for k, (x, y) in self.drift.items()}
         pull = [Exact.of(x) for x in self.pull]
-        straight = {k: row for k, row in self.things_exact.items() if k not in self.arcs}
-        self.likely = Isometries(straight, self.n, self.faces, drift, (pull[0], pull[1]) if pull else None)
+        down = (pull[0], pull[1]) if pull else None
+        self.likely = Isometries(self.things_exact, self.n, self.faces, self.arcs, drift, down)
         told = self.form
         of = (told.sides, told.limits, self.laws)
         self.form = Recorded(self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
@@ -284,6 +284,9 @@ class Prover(Checker):
                     todo += sorted(more)
         if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
             self._try_all(entry)
+        pushed = {(push[0], push[1]) for pushes in entry["rounds"] for push in pushes}
+        if missing := pushed - self.met.keys() - self.lasting.keys():
+            raise Unsettled(f"whether {min(missing)} meet at it")
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
 
@@ -391,11 +394,6 @@ class Prover(Checker):
 
     def _witnesses(self, question: str, c: Contact, age: int) -> Iterator[Any]:
         """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
-        if c and c[1] in self.arcs:  # isometries map none
-            yield from (("back", *other) for other in [(), *((k,) for k in sorted(self.met))] if self.way)
-            if _exact(cast(Lazy, self.form.ask(question, c, age))):
-                yield None
-            return
         others: list[tuple[Contact, ...]] = [()]
         if question in ("gap", "closing"):
             others += [(other,) for other in sorted(self.met) if other != self.clock]
@@ -404,7 +402,7 @@ class Prover(Checker):
             yield from ((k, *other) for other in others for k in places)
         if question == "gap":
             for other in others:
-                if (to := other[0] if other else self.clock) and to[1] not in self.arcs:
+                if to := other[0] if other else self.clock:
                     yield from ((k, *other) for k in self._new(self.likely.between(c, to)))
         elif question in ("closing", "speed"):
             yield from ((k,) for k in self._new(self.likely.holding(c)))

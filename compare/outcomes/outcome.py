@@ -212,6 +212,8 @@ def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     line = sum((getattr(c, axis) for c in circles), ZERO) / len(circles)
     image = {str(c.id): str(circles[place].id) for c, place in zip(circles, found.circles, strict=True)}
     image |= {str(w.id): str(scene.walls[place].id) for w, place in zip(scene.walls, found.walls, strict=True)}
+    sides = scene.arc_sides
+    image |= {str(side.id): str(sides[place].id) for side, place in zip(sides, found.sides, strict=True)}
     return line, image
 
 

@@ -56,7 +56,17 @@ export class Isometry {
     for (const [i, j] of this.map) {
       const kind = this.sort(i), what = `${i} is mapped to ${j}`;
       if (kind !== this.sort(j)) refute(`${name}: ${what}, which is another kind`);
-      if (kind === 'arc') refute(`${name}: ${what}, and arcs are mapped by none`);
+      if (kind === 'arc') { // the same side of one as large, about the image of its middle, beyond the image of its chord
+        const [own, other] = [i, j].map(k => scene.arcs[(k - scene.firstBow) >> 1]);
+        if ((i - j) % 2) refute(`${name}: ${what}, which is the other side of an arc`);
+        for (const k of [0, 1]) {
+          same((A, w) => this.image(A, w, [own.x[w], own.y[w]], shift)[k], [other.x, other.y][k], what);
+          same((A, w) => this.image(A, w, [own.across[0][w], own.across[1][w]])[k], other.across[k], what);
+        }
+        same((A, w) => own.r[w], other.r, what);
+        same((A, w) => own.far[w], other.far, what);
+        continue;
+      }
       if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
         const p = walls[i - n], q = walls[j - n];
         for (const k of [0, 1]) {

@@ -149,6 +149,23 @@ def with_an_arc(arc: Told, **values: Any) -> Told:
     return {**bowed([{**BOW, **arc}], (90, 90, 0, 0)), **values}
 
 
+def two_rings(radii: tuple[str, str]) -> Told:
+    """Two rings far from a disc at rest, and an isometry that takes the one to the other."""
+    rings = [{**RING, "id": f"ring {k}", "x": str(40 * k), "r": r} for k, r in enumerate(radii)]
+    cert = bowed(rings, (90, 90, 0, 0))
+    cert["isometries"] = [{**SAME, "shift": ["40", "0"], "map": [[1, 3]]}]
+    return cert
+
+
+def short_to_long() -> Told:
+    """An arc of less than a half-turn is mapped to the rest of its circle, turned round: their chords are alike."""
+    short = {"id": "short", "x": "0", "y": "0", "r": "5", "x0": "4", "y0": "3", "x1": "-4", "y1": "3"}
+    long = {**short, "id": "long", "x": "40", "x0": "44", "y0": "-3", "x1": "36", "y1": "-3"}
+    cert = bowed([short, long], (90, 90, 0, 0))
+    cert["isometries"] = [{**SAME, "shift": ["40", "0"], "map": [[5, 7]]}]
+    return cert
+
+
 Changes = tuple[str, str] | list[tuple[str, str]]
 CANNOT_TURN = (
     'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
@@ -235,9 +252,26 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     "an arc's radius is positive": (
         ("sizes += arc_sizes", "0"), ("demand(r, [1], 'the radius of an arc is positive')", "0"), lambda: with_an_arc({"r": "-5"}),
     ),
-    "an isometry maps no arc": (
-        ("            zeros += [ONE] * (i in self.arcs or j in self.arcs)  # those are mapped by none\n", ""), ("if (kind === 'arc') refute(", "if (kind === 'arc') continue; if (0) refute("),
-        lambda: with_an_arc({}, isometries=[{**SAME, "map": [[3, 3]]}]),
+    "an isometry maps a side of an arc to the same side": (
+        ("            zeros += [ONE] * (bow != to)  # a side of an arc to the same side of another\n", ""), ("if ((i - j) % 2) refute(", "if (0) refute("),
+        lambda: with_an_arc({}, isometries=[{**SAME, "map": [[3, 4]]}]),
+    ),
+    "an isometry maps the middle of an arc": (
+        ("else: zeros += [x, y, vx - wx, vy - wy,", "else: zeros += [vx - wx, vy - wy,"),
+        ("same((A, w) => this.image(A, w, [own.x[w], own.y[w]], shift)[k], [other.x, other.y][k], what);", ""),
+        lambda: with_an_arc({}, isometries=[{**SAME, "shift": ["0", "1"], "map": [[3, 3]]}]),
+    ),
+    "an isometry maps the chord of an arc": (
+        ("else: zeros += [x, y, vx - wx, vy - wy,", "else: zeros += [x, y,"),
+        ("same((A, w) => this.image(A, w, [own.across[0][w], own.across[1][w]])[k], other.across[k], what);", ""),
+        lambda: with_an_arc({}, isometries=[{**UPSIDE_DOWN, "map": [[3, 3]]}]),
+    ),
+    "an isometry maps an arc to one as large": (
+        ("*(r - s for r, s in zip(k, m, strict=False))]", "]"), ("same((A, w) => own.r[w], other.r, what);", ""),
+        lambda: two_rings(("5", "6")),
+    ),
+    "an isometry maps an arc to one as long": (
+        ("*(r - s for r, s in zip(k, m, strict=False))]", "]"), ("same((A, w) => own.far[w], other.far, what);", ""), short_to_long,
     ),
     "no mirror holds to a wall that moves": (
         ("steered = c in self.bends or j in self.slopes", "steered = False"), (" || scene.steered(c)", ""), held_to_what_moves,
