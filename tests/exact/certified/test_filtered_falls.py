@@ -1,11 +1,12 @@
 """Walls that fall, faces and pegs in doubles: what is said is true of every state that its doubles may stand for.
 
-Each double is given as far off as it may be, two units, one way or the other. So bounds that are ten times too small
-are found, one by one, as are signs that are wrong: see the planted faults.
+Each double is given as far off as it may be, two units, one way or the other; signs and terms that are wrong are
+found: see the planted faults.
 """
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from fractions import Fraction as Q
 from random import Random
 from typing import Any, NamedTuple
 
+import pytest
 from flint import arb
 from quartic_referee import first_fall
 
@@ -312,3 +314,57 @@ def test_a_peg_that_the_flight_ends_before_is_none() -> None:
     assert low < 2.0 < high < low + 1e-12
     assert peg_in_doubles((0.0, 3.0, 0.0, 0.0, 0.0, 0.0), peg, 1.0, False) is False
     assert peg_in_doubles((0.0, 3.0, 0.0, 0.0, 4.0, 0.0), peg, 3.5, False) is False
+
+
+# -- Planted faults: the same functions with one thing changed.
+
+
+def spoiled(function: Callable[..., Any], right: str, wrong: str) -> Callable[..., Any]:
+    """A function of the filter with one piece of its text changed, in Python."""
+    text = inspect.getsource(function)
+    assert right in text
+    names = {**vars(filtered_falls), "predictions": None}
+    exec(compile(f"from __future__ import annotations\n{text.replace(right, wrong, 1)}", "spoiled", "exec"), names)
+    return names[function.__name__]
+
+
+FAULTS = [
+    ("half * t\n", "-half * t\n"),
+    ("(lift - drift) * t", "(lift + drift) * t"),
+    ("(lift - drift) * t", "lift - drift"),
+    ("2.0 * lift - drift", "lift - drift"),
+    ("2.0 * lift - drift", "2.0 * lift + drift"),
+    ("square - depth", "square + depth"),
+    ("root - speed", "root + speed"),
+    ("+ bend * t * t", "- bend * t * t"),
+    ("2.0 * bend * t", "bend * t"),
+    ("slide + arch", "slide + 2.0 * arch"),
+    ("if half >= 0.0 and speed > turn", "if half >= 0.0 and speed > -turn"),
+    ("gap < -early and (half >= 0.0 or speed < -turn)", "gap < -early"),
+    ("disc < -blur_disc and", "disc < blur_disc and"),
+    ("blur / -half + late + 8", "blur / -half + 0.1 * late + 8"),
+    ("2.0 * blur_wait + 8 * UNIT * (t + wait)\n    if", "0.2 * blur_wait + 0.8 * UNIT * (t + wait)\n    if"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong"), FAULTS)
+def test_a_planted_fault_in_walls_is_found(right: str, wrong: str) -> None:
+    fault = spoiled(fall_in_doubles, right, wrong)
+    assert any(judged(case, rng, fault) == "wrong" for case, rng in cases("faults", 6_000))
+
+
+PEG_FAULTS = [
+    ("wx * t, y", "-wx * t, y"),
+    ("2.0 * wy", "wy"),
+    ("reach * reach,\n", "reach,\n"),
+    ("2.0 * (ex * ux + ey * uy)", "ex * ux + ey * uy"),
+    ("2.0 * (ex * hx + ey * hy)", "-2.0 * (ex * hx + ey * hy)"),
+    ("2.0 * (ux * hx + uy * hy)", "-2.0 * (ux * hx + uy * hy)"),
+    ("hx * hx + hy * hy,", "hx * hx - hy * hy,"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong"), PEG_FAULTS)
+def test_a_planted_fault_in_pegs_is_found(right: str, wrong: str) -> None:
+    fault = spoiled(peg_in_doubles, right, wrong)
+    assert any(judged_peg(case, rng, fault) == "wrong" for case, rng in pegs("faults", 400))
