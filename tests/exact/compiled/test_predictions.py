@@ -152,6 +152,35 @@ def test_pegs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch:
     assert found["met"] > (20 if place < 1e45 or speed > 1.0 else -1)  # times beyond 10**60 are left to balls
 
 
+def polynomial(rng: Random) -> list[float]:
+    """Coefficients, the constant one first and above zero; often with zeros that are all but one, at many scales."""
+    degree, kind = rng.choice([2, 3, 4, 4, 4]), rng.random()
+    if kind < 0.4:
+        return [rng.uniform(0.0, 3.0), *(rng.uniform(-4.0, 4.0) for _ in range(degree))]
+    zeros = [rng.uniform(0.1, 3.0) * rng.choice([1.0, 1.0, -1.0]) for _ in range(degree)]
+    if kind < 0.7:
+        zeros[1] = zeros[0] * (1.0 + rng.choice([0.0, 2.0 ** -rng.randint(5, 52)]))
+    found = [1.0]
+    for zero in zeros:
+        found = [low - zero * high for low, high in zip([0.0, *found], [*found, 0.0], strict=True)]
+    scale = 2.0 ** rng.randint(-40, 40) * (-1.0 if found[0] < 0.0 else 1.0)
+    return [scale * number for number in found]
+
+
+def test_zeros_of_quartics_are_told_in_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng, found = Random(5), Counter[str]()
+    for _ in range(ROWS):
+        c = polynomial(rng)
+        off = [abs(number) * rng.choice([0.0, 2.0**-52, 2.0**-45]) for number in c]
+        end = rng.choice([float("inf"), rng.uniform(0.1, 4.0)])
+        compiled = round_falls.falling_zero(c, off, end)
+        with monkeypatch.context() as patch:
+            in_python(patch)
+            assert repr(compiled) == repr(round_falls.falling_zero(c, off, end))
+        found[type(compiled).__name__] += 1
+    assert min(found[name] for name in ("NoneType", "Isolated", "Unclear")) > 100
+
+
 OBLIQUE = Scene(
     [
         Circle(x, y, vx=v, vy=w, r="1/3")
