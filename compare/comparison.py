@@ -436,7 +436,7 @@ def explained(
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene
-    new = "" if scene.restitution.sign() else "whose restitution is 0"
+    new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
     if scene.gravity is not None and (scene.surfaces.pegs or scene.segments or scene.polygons or scene.arcs):
         new = "with gravity and something fixed that is no wall"
     motion = candidate.trajectory.motion

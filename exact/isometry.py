@@ -44,8 +44,8 @@ class SceneData:
             for k, (wall, end, pace) in enumerate(zip(self.walls, self.ends, self.paces, strict=True))
         }
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
-        self.arcs: list[tuple[Vector, FieldNumber, Vector | None]] = [
-            ((constant(s.x), constant(s.y)), constant(s.r), None if s.full else (constant(s.nx), constant(s.ny)))
+        self.arcs: list[tuple[Vector, FieldNumber, Vector, FieldNumber]] = [
+            ((constant(s.x), constant(s.y)), constant(s.r), (constant(s.nx), constant(s.ny)), constant(s.h))
             for s in scene.arc_sides
         ]
         self.arc_of = {arc: k for k, arc in enumerate(self.arcs)}
@@ -167,8 +167,8 @@ class Isometry:
 
     def arc(self, k: int) -> int | None:
         """The side of an arc on the image of side k."""
-        place, r, chord = self._data.arcs[k]
-        return self._data.arc_of.get((self.move(place), r, None if chord is None else self.turn(chord)))
+        place, r, chord, h = self._data.arcs[k]
+        return self._data.arc_of.get((self.move(place), r, self.turn(chord), h))
 
     def pocket(self, k: int) -> int | None:
         """The pocket at the image of pocket k."""

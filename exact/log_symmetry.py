@@ -457,7 +457,7 @@ class Symmetry:
         matrix: its linear part (a, b, c, d): (x, y) becomes (a x + b y, c x + d y), about `centre`.
         centre: a point that it leaves in place, the mean of the circles' centres.
         circles: for each circle, the index of its image.
-        walls: for each wall, the index of its image.
+        walls, sides: for each wall, and each side of an arc, the index of its image.
         mirror: whether it is a reflection (else a rotation).
     """
 
@@ -465,6 +465,7 @@ class Symmetry:
     centre: Vector
     circles: tuple[int, ...]
     walls: tuple[int, ...]
+    sides: tuple[int, ...]
     mirror: bool
 
 
@@ -472,14 +473,14 @@ class Symmetry:
 def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     """All mirrors and rotations of a scene, without the identity; none if its numbers are too deep to tell.
 
-    Of a scene with segments or polygons those of its `surfaces` are to be asked for: of itself none are given. Nor are
-    those of a scene with arcs looked for.
+    Of a scene with segments, polygons or arcs those of its `surfaces` are to be asked for: of itself none are given.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> [s.circles for s in symmetries(Scene([Circle(0, 3, vx=1), Circle(0, -3, vx=1), Circle(9, 0, vx=-1)]))]
     [(1, 0, 2)]
     """
-    if scene.surfaces is not scene or scene.arc_sides or (len(scene.circles) < 2 and not scene.walls):
+    alone = len(scene.circles) < 2 and not (scene.walls or scene.arc_sides)
+    if scene.surfaces is not scene or alone:
         return ()
     rough = _Rough(scene)
     if not rough.usable:
@@ -567,9 +568,10 @@ def _exactly(scene: Scene, wanted: Iterable[Likely]) -> Iterator[Symmetry]:
         g = Isometry(data, matrix, minus(centre, turned(matrix, centre)))
         circles = _all_apart([g.circle(i) for i in range(data.n)])
         walls = _all_apart([g.wall(k) for k in range(len(data.walls))])
+        sides = _all_apart([g.arc(k) for k in range(len(data.arcs))])
         held = not scene.capture or all(g.pocket(k) is not None for k in range(len(data.pockets)))
-        if circles is not None and walls is not None and held:
-            yield Symmetry(matrix, centre, circles, walls, mirror)
+        if circles is not None and walls is not None and sides is not None and held:
+            yield Symmetry(matrix, centre, circles, walls, sides, mirror)
 
 
 def _all_apart(images: list[int | None]) -> tuple[int, ...] | None:

@@ -208,9 +208,20 @@ class Scene:
 
         return closing_of(self.circles, self.walls[: self.faces.start])
 
+    @property
+    def _made_of(self) -> tuple[object, ...]:
+        """What scenes are told apart by; of `surfaces` the sides of arcs too, which are no field."""
+        return *(getattr(self, item.name) for item in fields(self) if item.compare), self.arc_sides
+
+    def __eq__(self, other: object) -> bool:
+        """By what it is made of."""
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self is other or self._made_of == other._made_of
+
     @kept
     def _hash(self) -> int:
-        return hash(tuple(getattr(self, item.name) for item in fields(self)))
+        return hash(self._made_of)
 
     def __hash__(self) -> int:
         """Taken once: what is known of a scene is looked up by it in every run."""

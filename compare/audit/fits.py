@@ -37,7 +37,8 @@ class Sample(NamedTuple):
         time: when.
         pair: who meets, by place.
         speed: how fast they approach along the line of centres.
-        restitution: the ratio of the normal speeds, after to before, as a share of the scene's; 1 by the law.
+        restitution: the ratio of the normal speeds, after to before, as a share of the scene's, or 1 more where that
+            is 0; 1 by the law.
         sliding: the ratio of the speeds across it; 1 by the law. nan where there is none.
         aside: the part of the change across the line of centres, as a share of the impulse; 0 by the law.
         masses: the mass of the first over that of the second as the two changes of velocity have it, over what it is;
@@ -279,8 +280,9 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
         lost, masses = (lost if lost > heavy else 0.0), (1.0 if abs(masses - 1) <= heavy else masses)
     aside = aside if aside > heavy else 0.0
     speeds = a.speed + a.fallen + la.speed + (0.0 if wall else instant.before[j].speed + instant.before[j].fallen)
-    room = (64 * laws.unit * speeds + met.bent) / (abs(closing) * min(1.0, laws.restitution))
-    slid, ratio = then / across if across else math.nan, -after / closing / laws.restitution
+    room = (64 * laws.unit * speeds + met.bent) / (abs(closing) * (laws.restitution or 1.0))
+    e, slid = laws.restitution, then / across if across else math.nan
+    ratio = -after / closing / e if e else 1 - after / closing
     yield Sample(
         instant.events[0] if instant.events else events, instant.time, pair, -closing, ratio, slid, aside,
         masses, lost, float(met.gap.mid()), room, met.room, abs(across),
@@ -409,8 +411,9 @@ def _follows(laws: Laws, missed: _Missed, shift: float, turn: float) -> bool:
 
 
 def _ratio(laws: Laws, share: float) -> str:
-    """A restitution that is a share of the scene's, in digits."""
-    return _told(share * laws.restitution, laws.restitution)
+    """A restitution that is a share of the scene's, in digits; see `Sample.restitution`."""
+    e = laws.restitution
+    return _told(share * e if e else share - 1, e)
 
 
 def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> tuple[float, float] | None:

@@ -20,7 +20,7 @@ from flint import arb
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtArc, AtWall, Entry, Flight, Pair, Touch, is_flat
+from ...exact.replay.contact import AtWall, Flight, Touch, can_push, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...floating.knots import SteppedFall
 from ...scenarios.numbers.quantity import Quantity
@@ -260,7 +260,7 @@ class Continuation:
         begin = steps_through(events[event - 1]) if event else 0
         found: list[tuple[set[int], list[Step]]] = []
         for step in self._log[begin : steps_through(events[event])]:
-            if isinstance(step, Go) and isinstance(step.source, Pair | AtWall | AtArc | Entry):
+            if isinstance(step, Go) and isinstance(step.source, tuple):
                 found.append(({*step.bodies, *step.source.circles}, [step]))
             elif isinstance(step, Kick):
                 circles = {k for link in step.links for k in link.circles}
@@ -274,9 +274,9 @@ class Continuation:
         for _, steps in found:
             kicks = [step for step in steps if isinstance(step, Kick)]
             if kicks:
-                source = steps[0].source if isinstance(steps[0], Go) else ()
+                source = steps[0].source if isinstance(steps[0], Go) else None
                 pushed = {k for step in kicks for at in step.links for k in at.circles if self._moving[k]}
-                asked = set(source.circles) if isinstance(source, Pair | AtWall | AtArc) else set[int]()
+                asked = set(source.circles) if isinstance(source, tuple) and can_push(source) else set[int]()
                 bodies = tuple(k for k in sorted(pushed | asked) if self._moving[k])
                 single = kicks[0].links[0] if len(kicks) == 1 and len(kicks[0].links) == 1 else None
                 mine = tuple(

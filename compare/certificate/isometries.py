@@ -20,6 +20,7 @@ class Isometries:
         things: circles, walls and pockets by index, in exact numbers, as the checker reads them.
         n: how many of them are circles.
         faces: which of them are faces of segments, the last of the walls.
+        arcs: which of them are sides of arcs, after these.
         drift: the velocities of walls that move, by index.
         pull: gravity.
     """
@@ -29,12 +30,15 @@ class Isometries:
         things: dict[int, list[Exact]],
         n: int,
         faces: range,
+        arcs: range,
         drift: Mapping[int, Vector],
         pull: Vector | None,
     ) -> None:
         self.drift, self.pull = drift, pull
         self.circles, self.n = [things[i] for i in range(n)], n
-        self.walls = [row[:4] for k, row in things.items() if k >= n]
+        self.walls = [row[:4] for k, row in things.items() if n <= k < arcs.start]
+        self.sides, self._first_side = [things[k] for k in arcs], arcs.start
+        self._side_of = {_key([*row, _hollow(k)]): k for k, row in enumerate(self.sides)}
         self.pockets = [[things[k][0], things[k][1], things[k][4]] for k in sorted(things, reverse=True) if k < 0]
         self._circle_of = {_key(row): i for i, row in enumerate(self.circles)}
         self._thick = [things[k][5] for k in faces]
@@ -47,7 +51,7 @@ class Isometries:
     def between(self, c: Contact, other: Contact) -> Iterator[dict[str, Any]]:
         """Those that take one meeting's data to another's."""
         (i, j), (k, m) = c, other
-        if (j < 0) != (m < 0) or (j < self.n) != (m < self.n):
+        if self._sort(j) != self._sort(m):
             return
         for to, of in ((k, m), (m, k)) if 0 <= j < self.n else ((k, m),):
             sources, images = [self._speed(i), self._arm(i, j)], [self._speed(to), self._arm(to, of)]
@@ -60,6 +64,8 @@ class Isometries:
     def holding(self, c: Contact) -> Iterator[dict[str, Any]]:
         """Those that may show that a closing speed is zero: the mirror along a wall, the shift between two circles."""
         i, j = c
+        if j >= self._first_side:
+            return
         if j >= self.n:
             _, _, nx, ny = self.walls[j - self.n]
             square = nx * nx + ny * ny
@@ -67,6 +73,11 @@ class Isometries:
             yield self._told((ONE - TWO * nx * nx / square, across, across, ONE - TWO * ny * ny / square), i, i)
         elif j >= 0:
             yield self._told((ONE, ZERO, ZERO, ONE), i, j)
+
+    def _sort(self, j: int) -> tuple[bool, bool, int]:
+        """What an index stands for: pocket, circle, wall or face, either side of an arc."""
+        side = j - self._first_side
+        return j < 0, j < self.n, -1 if side < 0 else side % 2
 
     def _as_fast(self, m: int, image: int, matrix: Matrix) -> bool:
         """Whether a wall and its image stay mapped as time goes on: both as they move, and as the frame falls."""
@@ -80,8 +91,11 @@ class Isometries:
         return self.circles[i][2], self.circles[i][3]
 
     def _arm(self, i: int, j: int) -> Vector:
-        """The vector from a circle's centre to the other one, to a pocket's, or at right angles to a wall."""
+        """The vector from a circle's centre to the other one, to a pocket's, an arc's, or at right angles to a wall."""
         x, y = self.circles[i][:2]
+        if j >= self._first_side:
+            u, v = self.sides[j - self._first_side][:2]
+            return u - x, v - y
         if j >= self.n:
             x0, y0, nx, ny = self.walls[j - self.n]
             scale = (nx * (x0 - x) + ny * (y0 - y)) / (nx * nx + ny * ny)
@@ -93,6 +107,8 @@ class Isometries:
         """The isometry of a linear part that takes centre i to centre k, in the terms of a certificate."""
         a, b, d, e = matrix
         (x, y), (u, v) = self.circles[i][:2], self.circles[k][:2]
+        gx, gy = self.pull or (ZERO, ZERO)
+        falls = not (a * gx + b * gy - gx or d * gx + e * gy - gy)  # else nothing that stands is mapped
         p, q = u - (a * x + b * y), v - (d * x + e * y)
 
         def turned(x: Exact, y: Exact) -> Vector:
@@ -103,7 +119,7 @@ class Isometries:
 
         pairs: list[list[int]] = []
         for m, (x, y, vx, vy, *kind) in enumerate(self.circles):
-            image = self._circle_of.get(_key([*moved(x, y), *turned(vx, vy), *kind]))
+            image = self._circle_of.get(_key([*moved(x, y), *turned(vx, vy), *kind])) if falls or kind[1] else None
             pairs += [] if image is None else [[m, image]]
         for m, (x, y, nx, ny) in enumerate(self.walls):
             if m < self._first:
@@ -113,8 +129,11 @@ class Isometries:
             else:
                 (x, y), (u, v) = moved(x, y), moved(x + ny, y - nx)
                 key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first]]
-                image = self._face_of.get(_key(key))
+                image = self._face_of.get(_key(key)) if falls else None
             pairs += [] if image is None else [[self.n + m, self.n + image]]
+        for m, (x, y, nx, ny, *kind) in enumerate(self.sides):
+            image = self._side_of.get(_key([*moved(x, y), *turned(nx, ny), *kind, _hollow(m)]))
+            pairs += [] if image is None else [[self._first_side + m, self._first_side + image]]
         for m, (x, y, r) in enumerate(self.pockets):
             image = self._pocket_of.get(_key([*moved(x, y), r]))
             pairs += [] if image is None else [[-1 - m, -1 - image]]
@@ -138,6 +157,10 @@ def orthogonal_maps(sources: Sequence[Vector], images: Sequence[Vector]) -> Iter
         pairs = zip(sources, images, strict=True)
         if not any((a * x + b * y - u) or (d * x + e * y - v) for (x, y), (u, v) in pairs):
             yield a, b, d, e
+
+
+def _hollow(side: int) -> Exact:
+    return ONE if side % 2 else ZERO
 
 
 def _line(x: Exact, y: Exact, nx: Exact, ny: Exact) -> list[Exact]:

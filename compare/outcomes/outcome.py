@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
@@ -46,7 +47,12 @@ def outcome(name: str) -> Outcome:
     Raises:
         KeyError: for an unknown name.
     """
-    module, _, function = OUTCOMES[name].partition(":")
+    return _loaded(OUTCOMES[name])
+
+
+@cache
+def _loaded(place: str) -> Outcome:
+    module, _, function = place.partition(":")
     return getattr(import_module(f".{module}", __package__), function)
 
 
@@ -212,6 +218,8 @@ def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     line = sum((getattr(c, axis) for c in circles), ZERO) / len(circles)
     image = {str(c.id): str(circles[place].id) for c, place in zip(circles, found.circles, strict=True)}
     image |= {str(w.id): str(scene.walls[place].id) for w, place in zip(scene.walls, found.walls, strict=True)}
+    sides = scene.arc_sides
+    image |= {str(side.id): str(sides[place].id) for side, place in zip(sides, found.sides, strict=True)}
     return line, image
 
 

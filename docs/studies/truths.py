@@ -458,7 +458,6 @@ standard error:
 ## What cannot be reproduced here
 
 - Periodic boundaries: there is no torus. Where a lattice has mirror lines, walls fold it exactly (`hexagon`).
-- The stadium and other curved walls: walls are straight lines.
 - Orban and Bellemans' own numbers, and Colonna's 192 and 336 particles: their starts are not at hand. That H returns in
   a certified run and not in floats is shown by a gas of our own: see [statistics](statistics.md).
 - Five free discs: no published number was at hand; `free-discs:n=5` collides 15 times, a witness of our own.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from random import Random
 from typing import Any, ClassVar
 
 import pytest
@@ -158,10 +159,40 @@ def test_a_report_has_every_kind_with_shares_that_add_up(spec: str) -> None:
     assert abs(sizes(found)["FLIGHTS"]) + abs(sizes(found)["IMPACTS"]) < 1e-9  # which are rounding
 
 
+def sticking(seed: int) -> Scene:
+    """Four to nine discs in a box of which two walls are aslant, with gravity or without, at restitution 0."""
+    draw = Random(seed)
+    discs = [
+        Circle(
+            f"{2 * (k % 3) + 1} + {draw.randint(0, 90)}/100", f"{2 * (k // 3) + 2} + {draw.randint(0, 90)}/100", "2/5",
+            f"{draw.randint(-300, 300)}/100", f"{draw.randint(-300, 300)}/100", draw.choice((1, 2, "1/3")),
+        )
+        for k in range(4 + seed % 6)
+    ]  # fmt: skip
+    walls = [FLOOR, Wall(0, 0, 0, 1, id="left"), Wall(9, 0, "19/2", 8, id="right"), Wall(0, 10, 1, "21/2", id="top")]
+    return Scene(discs, walls, gravity=draw.choice((None, None, (0, -1), ("1/7", -1))), restitution=0)
+
+
+@pytest.mark.parametrize("seed", [1, 9])
+def test_the_account_closes_where_what_has_met_stays_closed(seed: int) -> None:
+    """In numbers of 9 bits."""
+    scene, chosen = sticking(seed), engine_named("rounded:bits=9")
+    found = told(scene, chosen)
+    assert found.verdict == "diverged"
+    assert found.laws is not None
+    assert found.laws.kept is True
+    adds_up(found)
+    assert not refute(scene, chosen, found)
+    assert {row.cause.name for row in found.diagnosis.shares} <= {"INPUT", "FLIGHTS", "IMPACTS", "ARITHMETIC"}  # type: ignore[union-attr]
+
+
 def test_what_is_not_looked_for_is_refused_by_name() -> None:
+    """A disc passes between two that close: steps of 1/8 find no gap, and shut it."""
     scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0)
-    found = compare(scene, ["single"], events=9).candidates[0]
-    assert found.diagnosis is None or "restitution is 0" in found.diagnosis.finding
+    found = compare(scene, [PymunkEngine(dt=1 / 8)], events=9).candidates[0]
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    assert "restitution is 0, of engines of steps" in found.diagnosis.finding
 
 
 class Soft(PymunkEngine):

@@ -23,9 +23,10 @@ from truebreak.compare.adapters.rapier import RapierEngine
 from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.compare.chaos.certified_chaos import chaos
+from truebreak.compare.outcomes.outcome import mirror
 from truebreak.compare.tolerances.reach import reach_of
 from truebreak.compare.validation import unsupported
-from truebreak.exact import ExactEngine, question
+from truebreak.exact import ExactEngine, log_symmetry, question
 from truebreak.exact.certified import filtered_arcs
 from truebreak.exact.certified.filtered import DoubleFilter
 from truebreak.exact.certified.filtered_arcs import FloatArc, ShortArcSides
@@ -36,7 +37,7 @@ from truebreak.exact.replay.contact import AtArc, Body, Flight
 from truebreak.exact.simulation import arc_meetings
 from truebreak.exact.simulation.arc_meetings import ArcSides
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Arc, Circle, Scene, SceneError, Segment, Wall, arcs, surfaces
+from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Wall, arcs, surfaces
 from truebreak.scenarios.engine import SCENE_KEYS
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
@@ -527,3 +528,51 @@ def test_circles_as_wide_as_an_arc_meet_its_outside_and_its_ends() -> None:
     wide = [scene for scene in scenes if any(circle.r == scene.arcs[0].r for circle in scene.circles)]
     assert len(wide) > 20
     assert [found for scene in wide if (found := differs(scene))] == []
+
+
+MIRRORED = [
+    Circle(0, 2, vy="9/7", id="middle"),
+    *(Circle(s * Quantity.of("19/7"), "1/3", vx=s * Quantity.of("3/5"), vy="1/7", id=f"beside {s}") for s in (-1, 1)),
+]
+RING_ABOUT, CUP = Arc(0, 1, 9, full=True, id="ring"), Arc(0, 0, 9, -9, 0, 9, 0, id="cup")
+
+
+@pytest.mark.parametrize(
+    ("arcs", "mirrors"),
+    [
+        ([RING_ABOUT], 1),
+        ([CUP], 1),
+        ([Arc(9, 0, 4, 9, 4, 9, -4, id="right"), Arc(-9, 0, 4, -9, -4, -9, 4, id="left")], 1),
+        ([Arc(1, 1, 9, full=True, id="ring")], 0),  # beside the line
+        ([Arc(9, 0, 4, 9, 4, 9, -4, id="right"), Arc(-9, 0, 3, -9, -3, -9, 3, id="left")], 0),  # of another radius
+        ([Arc(0, 0, 9, -9, 0, 0, 9, id="cup")], 0),  # longer on one side
+        # one of less than a half-turn, and the rest of a circle like it: their chords are alike
+        ([Arc(15, 0, 5, 18, -4, 18, 4, id="right"), Arc(-15, 0, 5, -12, 4, -12, -4, id="left")], 0),
+    ],
+)  # fmt: skip
+def test_a_scene_with_arcs_is_its_own_mirror_image_where_its_arcs_are(arcs, mirrors):
+    scene = Scene(MIRRORED, arcs=arcs)
+    assert len(log_symmetry.symmetries(scene.surfaces)) == mirrors
+    assert (mirror(scene, "x") is not None) == bool(mirrors)
+
+
+@pytest.mark.parametrize("arcs", [[RING_ABOUT], [CUP]])
+def test_what_a_mirror_among_arcs_holds_to_its_line_meets_the_same(arcs, monkeypatch):
+    """The circle in the middle stays on the line, whatever its balls say; and the history is that of a run without."""
+    scene = Scene(MIRRORED, [Wall(0, 11, 1, 11)], arcs=arcs)
+    held = ExactEngine().run(scene, events=60)
+    monkeypatch.setattr(log_symmetry, "symmetries", lambda scene: ())
+    free = ExactEngine().run(scene, events=60)
+    assert [(e.contacts, e.impulses) for e in held.events] == [(e.contacts, e.impulses) for e in free.events]
+    for one, other in zip(held.events[::7], free.events[::7], strict=True):
+        assert one.time.ball(300).overlaps(other.time.ball(300))
+    assert held.final["middle"].x.bounds() == (0.0, 0.0)
+
+
+def test_scenes_as_engines_see_them_differ_where_their_arcs_do():
+    """What is known of a scene is looked up by it: nothing of another ring, hardly beside it, may be taken."""
+    one, other = (Scene(MIRRORED, arcs=[Arc(x, 1, 9, full=True, id="ring")]) for x in (0, "1/10**400"))
+    assert one.surfaces != other.surfaces and one.surfaces == Scene(MIRRORED, arcs=one.arcs).surfaces
+    assert hash(one.surfaces) == hash(Scene(MIRRORED, arcs=one.arcs).surfaces)
+    ties = [sum(len(event.ties) for event in ExactEngine().run(scene, events=20).events) for scene in (one, other)]
+    assert ties[0] > 4 and ties[1] == 0

@@ -49,11 +49,24 @@ export class Isometry {
     zero((A, w) => A.sub(A.add(A.square(b[w]), A.square(d[w])), one[w]), 'b² + d² = 1');
     zero((A, w) => A.add(A.mul(a[w], b[w]), A.mul(c[w], d[w])), 'a b + c d = 0');
     const { circles, walls, pockets, n } = scene;
+    const falls = what => { // where something that stands is mapped
+      for (const k of scene.gravity ? [0, 1] : []) same((A, w) => this.image(A, w, scene.gravity.map(x => x[w]))[k], scene.gravity[k], what);
+    };
     const same = (x, y, what) => zero((A, w) => A.sub(x(A, w), y[w]), what);
     for (const [i, j] of this.map) {
       const kind = this.sort(i), what = `${i} is mapped to ${j}`;
       if (kind !== this.sort(j)) refute(`${name}: ${what}, which is another kind`);
-      if (kind === 'arc') refute(`${name}: ${what}, and arcs are mapped by none`);
+      if (kind === 'arc') { // the same side of one as large, about the image of its middle, beyond the image of its chord
+        const [own, other] = [i, j].map(k => scene.arcs[(k - scene.firstBow) >> 1]);
+        if ((i - j) % 2) refute(`${name}: ${what}, which is the other side of an arc`);
+        for (const k of [0, 1]) {
+          same((A, w) => this.image(A, w, [own.x[w], own.y[w]], shift)[k], [other.x, other.y][k], what);
+          same((A, w) => this.image(A, w, [own.across[0][w], own.across[1][w]])[k], other.across[k], what);
+        }
+        same((A, w) => own.r[w], other.r, what);
+        same((A, w) => own.far[w], other.far, what);
+        continue;
+      }
       if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
         const p = walls[i - n], q = walls[j - n];
         for (const k of [0, 1]) {
@@ -64,6 +77,7 @@ export class Isometry {
             return A.sub(moved, ends(A, w, q)[k]);
           }, what);
         }
+        falls(what);
         same((A, w) => p.thick[w], q.thick, what);
         continue;
       }
@@ -90,6 +104,7 @@ export class Isometry {
         same((A, w) => this.image(A, w, [p.x[w], p.y[w]], shift)[k], [q.x, q.y][k], what);
         if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);
       }
+      if (kind === 'circle' && p.fixed) falls(what);
       same((A, w) => p.r[w], q.r, what);
       if (kind === 'circle') same((A, w) => p.w[w], q.w, what);
     }

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from audit.faulty import Faulty
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.floating import PymunkEngine
@@ -59,6 +60,33 @@ def test_engines_of_events_keep_the_laws_under_gravity(name: str, count: int) ->
     found = [audited(chosen, scene) for scene in SCENES[:count]]
     assert [audit.sentence for audit in found if not audit.kept] == []
     assert sum(audit.impacts for audit in found) > 10 * count
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad", "exact"])
+@pytest.mark.parametrize("falls", [True, False])
+def test_they_keep_them_where_what_has_met_stays_closed(name: str, falls: bool) -> None:
+    """At restitution 0 circles slide along walls and each other, or rest; of steps nothing is said."""
+    chosen, impacts = engine(name), 0
+    for scene in SCENES[:20]:
+        closed = scene.with_changes(restitution=0, gravity=scene.gravity if falls else None)
+        found = audited(chosen, closed)
+        assert found.kept is True, (scene.name, found.sentence)
+        impacts += found.impacts
+    assert impacts > 20
+    assert "restitution 0" in audit_run(PymunkEngine().run(closed, until=1), PymunkEngine()).reason
+
+
+@pytest.mark.parametrize("fault", [("restitution", 0.05), ("mass", 2.0), ("friction", 0.99), ("missed once", 0.0)])
+def test_a_fault_is_found_at_restitution_0(fault: tuple[str, float]) -> None:
+    told = "restitution 0.05 fits" if fault[0] == "restitution" else ""
+    box = [FLOOR, Wall(-7, 0, -7, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
+    discs = [Circle(-3, "43/7", 1, "13/11", "1/5"), Circle(2, "19/3", "4/5", -1, "-1/7", 3), Circle("1/2", 9, "1/2", 1)]
+    for pull in ("-1", "-1/1000"):
+        for events in (3, 25):
+            scene, chosen = Scene(discs, box, gravity=(0, pull), restitution=0), Faulty(*fault)
+            found = audit_run(chosen.run(scene, events=events, until=60), chosen)
+            assert found.kept is False, fault
+            assert told in found.sentence, found.sentence
 
 
 @pytest.mark.parametrize("bias", [1.0, 0.9**60, 0.0])

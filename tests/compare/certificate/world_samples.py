@@ -11,7 +11,7 @@ from arc_scenes import scene_of as arc_scene
 from certificate.test_tampering import Told, other_digit
 from truebreak.compare.certificate import certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Arc, Circle, Pocket, Scene, SceneError, Segment, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Segment, Wall, catalogue
 from truebreak.scenarios.trajectory import Trajectory
 
 SEEDS = range(24)
@@ -119,6 +119,19 @@ ARC_SEEDS = range(60)
 TABLES = ("stadium", "mushroom", "lemon", "round-table")
 
 
+def mirrored() -> list[Circle]:
+    """Two pairs of discs, each mirrored at the y axis: what they meet, they meet at once, however deep their roots."""
+    rows = [("2", "1/3", "3/5", "1/7"), ("3", "-7/2", "-2/5", "-1/3")]
+    return [
+        Circle(sign * Quantity.of(x), y, vx=sign * Quantity.of(vx), vy=vy) for x, y, vx, vy in rows for sign in (-1, 1)
+    ]
+
+
+def bows_apart() -> list[Arc]:
+    """Two bows that bulge towards each other, mirrored at the y axis."""
+    return [Arc(9, 0, 4, 9, 4, 9, -4, id="right"), Arc(-9, 0, 4, -9, -4, -9, 4, id="left")]
+
+
 def arcs_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
     """Scenes with arcs, and until when: there and back, joints, ends, points, pockets, what rests, what is struck."""
     ring, bow = Arc(0, 0, 5, full=True, id="ring"), Arc(0, 0, 5, 1, 0, -1, 0, id="bow")
@@ -140,6 +153,10 @@ def arcs_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
         "a graze": (Scene([Circle(-20, 6, vx=1)], arcs=[ring]), {}),
         "along a joint": (Scene([Circle(-8, 1, vx=1)], segments=[low], arcs=[bow]), {}),
         "past it, inward": (Scene([Circle(0, -9, vx="1/9", vy=1)], arcs=[bow]), {"events": 3}),
+        "mirrored in a ring": (Scene(mirrored(), arcs=[Arc(0, 0, 7, full=True, id="ring")]), {"events": 30}),
+        "mirrored between bows": (
+            Scene(mirrored()[:2], [Wall(0, -9, 1, -9), Wall(0, 9, 1, 9)], arcs=bows_apart()), {"events": 20},
+        ),
         "at rest in a cup": (Scene([Circle(0, -4), Circle(0, 3, vy=-1)], arcs=[cup]), {"events": 4}),
         "at rest on a ring": (Scene([Circle(0, 6), Circle(9, 6, vx=-1)], arcs=[ring]), {"events": 3}),
         "a pocket in a ring": (
