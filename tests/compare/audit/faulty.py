@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.recorded import RecordedEngine
