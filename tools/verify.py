@@ -149,6 +149,21 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
     twice = cached_property(lambda m: m.closing + m.closing)
     near = cached_property(lambda m: m.slide * m.gap - m.twice * m.foot)  # where the gap is zero,
     beyond = cached_property(lambda m: -m.twice * m.square - m.near)  # both times -2 closing
+    hollow, pull = 0, ()  # under gravity: whether its speed is negative; half of gravity
+    def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
+        if not m.hollow: return m.gap / (m.disc.sqrt() - m.closing)
+        return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
+    def there(m, again):  # the sign of whether the foot is on it then
+        wait, lift = m.wait(again), m.d[1] * m.pull[0] - m.d[0] * m.pull[1]
+        foot = m.foot + (m.slide + lift * wait) * wait
+        signs = {foot.sign(), (m.square - foot).sign()}
+        return -1 if signs & {-1, 0} else None if None in signs else 1
+class Dropping(Nearing):  # of one that falls and a fixed one: further terms of the gap, s^3 and s^4
+    bend = ()  # half of how fast v changes
+    speed = cached_property(lambda m: Nearing.speed.func(m) + m.along(m.d))
+    row = cached_property(lambda m: [m.gap, m.closing + m.closing, m.speed, m.along(m.v), m.last])
+    last = cached_property(lambda m: m.bend[0] * m.bend[0] + m.bend[1] * m.bend[1])
+    def along(m, z): return (x := z[0] * m.bend[0] + z[1] * m.bend[1]) + x
 class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
     hollow, bow = 0, ()
     def turn(m, x): return -x if m.hollow else x
@@ -165,15 +180,61 @@ class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap
         return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
     def there(m, again):  # whether that is within the range
         wait = m.wait(again)
-        return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach)
+        return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach).sign()
+def shift(row):  # of whole numbers: the polynomial from 1 on
+    row = [*row]
+    for k in range(len(row) - 1):
+        for j in range(len(row) - 2, k - 1, -1): row[j] += row[j + 1]
+    return row
+def keeps(row, wait):  # the sign of a polynomial on [0, wait], or for ever; None if not known
+    power = wait  # in whole numbers, with [0, 1] for [0, wait]: the least that it is, and the most
+    for k in range(1, len(row)) if wait else ():
+        row, power = [*row[:k], row[k] * power, *row[k + 1:]], power * wait
+    parts = [([x.m - x.r for x in row], [x.m + x.r for x in row], wait is None, 0)]
+    while parts:
+        low, high, ever, depth = parts.pop()
+        charge(20_000 + 20 * max(abs(x) for x in low + high).bit_length())
+        if min(low) >= 0 < low[0]: continue  # all its terms rise
+        if high[0] < 0 or sum(high) < 0: return -1
+        if low[0] <= 0 or (not ever and sum(low) <= 0) or depth > 300: return None
+        if not ever and min(shift(low[::-1])) >= 0: continue  # times (1 + x)^n, of 1 / (1 + x)
+        if ever: parts += [(low, high, False, depth)]  # [0, 1]; then what is beyond, twice as large
+        else:  # both halves; the first with x / 2 for x, times 2^n
+            low, high = ([x << n for n, x in enumerate(side[::-1])][::-1] for side in (low, high))
+            parts += [(low, high, False, depth + 1)]
+        low, high = shift(low), shift(high)
+        if ever: low, high = ([x << n for n, x in enumerate(side)] for side in (low, high))
+        parts += [(low, high, ever, depth + 1)]
+    return 1
+def divided(row, x):  # a polynomial over x - s, where it is zero at x
+    rest = [-row[-1]]
+    for term in row[-2:0:-1]: rest = [x * rest[0] - term, *rest]
+    return rest
+def value(row, x):
+    total = row[-1]
+    for term in row[-2::-1]: total = total * x + term
+    return total
+def falling(row, low, high):  # the one zero of a polynomial that lies between, where it falls
+    slope = [Ball(k * x.m, k * x.r, x.bits) for k, x in enumerate(row)][1:]
+    x = Ball((low.m + high.m) // 2, (high.m - low.m) // 2 + low.r + high.r + 1, low.bits)
+    demand(value(slope, x).sign(), [-1], "whether a gap falls all the time that is said", Unsettled)
+    for end, sign in ((low, 1), (high, -1)):
+        demand(value(row, end).sign(), [sign], "a gap does not fall through zero where it is said")
+    while True:  # Newton
+        mid = Ball(x.m, 0, x.bits)
+        next = mid - value(row, mid) / value(slope, x)
+        if next.r >= x.r: return x
+        x = next
 class Space:
     """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle (ends
     come last), wall j - n (faces come last), side of an arc (after these), or pocket -1 - j."""
     def __init__(self, n, things, sides, limits, world, of):
         self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
-        e, pull, drift, self.bows = world  # restitution, half the gravity, walls that move, arcs
+        e, pull, drift, self.bows, self.slopes = world  # restitution, half the gravity, walls that
+        # move, the first side of an arc, and how faces pull: the sign of their speeds
         self.loss, self.pull = of(e), [*map(of, pull)]
         self.drift = {k: [*map(of, v)] for k, v in drift.items()}
+        self.pegs = {k for k in range(n) if pull and not things[k][5]}  # fixed, where others fall
         self.things = {k: [*map(of, row)] for k, row in things.items()}
         self.flights = {k: Flight(*row[:4], 0, {}) for k, row in self.things.items()}
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
@@ -197,13 +258,22 @@ class Space:
         return [x * time for x in pull] + [x + x for x in pull]
     def true(self, i, age):  # where a circle is, and its velocity, in the frame of the scene
         row = self.put(i, age)[:4]
-        return [x + y for x, y in zip(row, self.fallen(age), strict=True)] if self.pull else row
+        if not self.pull or i in self.pegs: return row
+        return [x + y for x, y in zip(row, self.fallen(age), strict=True)]
     def meeting(self, c, age):  # of two at an instant
         (i, j), (x, y, vx, vy, *_) = c, self.put(c[0], age)
         if j < self.n:
             (u, v, p, q, *_), (r, s) = self.put(j, age), self.at(*(self.things[k][4] for k in c))
-            d, reach = (u - x, v - y), s if j < 0 else r + s
-            return Nearing(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
+            d, reach, kind = (u - x, v - y), s if j < 0 else r + s, Nearing
+            speeds = p - vx, q - vy
+            if peg := self.pegs & {*c}:
+                x, y, p, q = self.fallen(age)
+                bend = self.at(*self.pull)
+                if j in peg: x, y, p, q, *bend = (-z for z in (x, y, p, q, *bend))
+                d, speeds, kind = (d[0] + x, d[1] + y), (speeds[0] + p, speeds[1] + q), Dropping
+            m = kind(d, speeds, reach, {i: (-d[0], -d[1]), j: d})
+            if peg: m.bend = bend
+            return m
         u, v, p, q, size, more, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         if j >= self.bows:
             d, within = (u - x, v - y), (j - self.bows) % 2
@@ -223,7 +293,8 @@ class Space:
         gap = wall.height - (r + more) * size
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
         if self.pull:
-            p, q = self.at(*self.pull)
+            wall.pull = p, q = self.at(*self.pull)
+            wall.hollow = self.slopes.get(j) == -1
             wall.speed = d[0] * (p + p) + d[1] * (q + q)
             wall.disc = wall.disc - wall.speed * wall.gap
         return wall
@@ -234,13 +305,36 @@ class Space:
             far, fast = abs(x.m) + abs(y.m) + abs(r.m), abs(vx.m) + abs(vy.m)
             kept[key] = *(z.m for z in row), far, x.r + y.r + r.r, fast, vx.r + vy.r
         return kept[key]
-    def hit(self, c, again):  # when the gap of two falls through zero, perhaps from zero
+    def hit(self, c, again, near):  # when the gap of two falls through zero, perhaps from zero
         if self.read is Sum: return UNTOLD
+        if self.pegs & {*c}: return self.drop(c, again, near)
         m = self.meeting(c, start := self.start(c))
-        if c[1] >= self.bows: wait = m.wait(again)
+        if c[1] >= self.bows or c[1] in self.slopes: wait = m.wait(again)
         elif again: wait = -(m.closing + m.closing) / m.speed
         else: wait = m.gap / (m.disc.sqrt() - m.closing)
         return self.times[start].at(self.bits) + wait
+    def drop(self, c, again, near):  # the same, of a fixed one: where a decimal says
+        start, order = again or (self.start(c), 0)
+        charge(9_000 + len(near) * (len(near) + self.bits >> 5))
+        one, at = whole(10 ** len(near.partition(".")[2])), whole(int(near.replace(".", "")))
+        low, high = (((at + side) / one).at(self.bits) for side in (whole(-1), whole(1)))
+        first = self.times[start].at(self.bits)
+        return first + falling(self.meeting(c, start).row[order:], low - first, high - first)
+    def aside(self, c, start, age):  # whether all of a flight is beside a fixed circle
+        i, j = c if c[1] in self.pegs else c[::-1]
+        if age is None: return False
+        kept, key = self.flights[i].seen, (start, age, self.bits, 0)
+        if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
+            (x, y, vx, vy), wait = self.true(i, start), self.wait(start, age)
+            way = [z * wait for z in (vx, vy)]
+            to = zip((x, y), way, self.true(i, age), strict=False)
+            spots = [(z + z, z + z + w, e + e) for z, w, e in to]
+            kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
+        (u, v, *_), r, s = self.put(j, 0), *self.at(*(self.things[k][4] for k in c))
+        charge(5_000)
+        room = 2 * (r.m + r.r + s.m + s.r)
+        return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
+                   for z, (low, high) in zip((u, v), kept[key], strict=True))
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
         for k in range(len(rows)):  # all rows lose their first number
             top = [x / rows[k][0] for x in rows[k][1:]]
@@ -259,7 +353,8 @@ class Space:
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
                                -(met[c].closing + self.before[c])] for c in push])
         for c, j in zip(push, s, strict=True):
-            for i, (x, y) in met[c].arms.items():
+            flown = met[c].arms.keys() - self.pegs  # those have one flight from time 0 on
+            for i, (x, y) in ((i, met[c].arms[i]) for i in flown):
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
                 self.flights[i] = Flight(u, v, vx + w * x, vy + w * y, age, {})
         return s
@@ -284,7 +379,167 @@ def ends_of(segments, arcs):  # as fixed circles; those at one place are one: th
             demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
             if sign == 1: found[key] = [*place, NONE, NONE, r, NONE]
     return [*found.values()]
-class Checker:
+class KeptApart:
+    """How a checker proves that two kept apart on their flights."""
+    def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
+    def other(self, c):  # with the other face of the segment, or the other side of the arc
+        first = self.arcs.start if c[1] in self.arcs else self.faces.start
+        return c[0], first + ((c[1] - first) ^ 1)
+    def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
+        bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
+        return bow or self.slopes.get(c[1]) == -1
+    def drops(self, c): return not self.ball.pegs.isdisjoint(c)  # whether it falls on a fixed one
+    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
+    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
+        if self.other(c) in self.parted: return
+        start, end = self.ball.start(c), None
+        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
+        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
+        for world in (self.few, self.ball):
+            charge(30_000)
+            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
+            gap, closing = sign("gap"), sign("closing")
+            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
+            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
+            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
+            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
+        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
+        refuse(not clear and over, f"{c} overlap, or touch from the start")
+        clear = clear or shown("foot", "far")
+        if clear and closing == -1:
+            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
+            refuse(hit, f"{c} meet on the way")
+            if shown("near", "beyond"): return
+        elif clear and (closing == 0 or shown("closing")):
+            return self.slides(c, start, age, gap, last)
+        raise Unsettled(f"whether {c} pass it")
+    def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
+        signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
+        if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
+        if any(self.zero(x, c, age) for x in ("foot", "far")): return
+        inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
+        refuse(inside, f"{c} touch as the flight ends")
+        raise Unsettled(f"whether {c} are on it")
+    def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
+        gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
+                                  for x in ("gap", "height", "foot", "far"))
+        if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
+        if any(self.zero(x, c, 0) for x in ("foot", "far")): return
+        inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
+        refuse(inside, f"{c}: it starts in a segment")
+        raise Unsettled(f"whether {c[0]} starts in a segment")
+    def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
+        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
+        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
+        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
+        if c in self.bends:
+            m = world.meeting(c, at)
+            closing = m.closing if turn > 0 else -m.closing
+            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
+            safe = rise in (0, 1) or sign == -1
+            if gap == 1 and not safe and span[1:]:
+                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
+            return gap, safe, rise == -1 and sign == 1
+        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
+        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
+        if wall := c[1] >= self.n:
+            side, off, slip = world.sides[c], off + slip, by
+            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
+        else:
+            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
+            gap, rise = x * x + y * y - size, x * vx + y * vy
+        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
+        if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
+            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
+        if safe or wall: return sign, safe, rise < -slip
+        cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
+        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
+        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
+    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
+        if self.falls(c): return self.rises(c, age)
+        if self.drops(c): return self.flies(c, age)
+        slides = self.slopes.get(c[1]) == 0  # perhaps: and then comes back to be beside it
+        if c in self.parted and not (self.hollow(c) or slides): return charge(500)
+        if c[1] in self.arcs or c[1] in self.slopes: return self.misses(c, age, last)
+        if c[1] in self.faces: return self.passes(c, age, last)
+        span = [start := self.ball.start(c)] + [age] * (age is not None)
+        for world in (self.few, self.ball):
+            gaps, meet = [], True
+            for turn, at in zip((1, -1), span, strict=False):
+                gap, safe, falls = self.look(world, c, at, turn, span)
+                gaps, meet = [*gaps, gap], meet and falls
+                if (gaps == [-1] and c[1] < 0) or (safe and {*gaps} == {1}): return
+        refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
+        shown = ("closing", "disc")[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]
+        for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
+            if self.zero(x, c, start): return
+        raise Unsettled(f"whether {c} meet before it")
+    def again(self, c):  # since when, and of what order, a gap was zero that comes to zero again
+        return (self.falls(c) or self.hollow(c) or self.drops(c)) and self.parted.get(c)
+    def flies(self, c, age, ends=0):  # as `clear`, of one that falls and a fixed one: the gap is
+        start, order = self.again(c) or (self.ball.start(c), 0)  # positive but for zeros at the
+        if start == age and age: return charge(500)  # start, and at the end, that are known
+        for world in (self.few, self.ball):
+            if not (order or ends) and world.aside(c, start, age): return
+            row, wait = world.meeting(c, start).row[order:], None
+            if age is not None: wait = world.wait(start, age)
+            for _ in range(ends): row = divided(row, wait)
+            if (sign := keeps(row, wait)) == 1: return
+        demand(sign, [1], f"{c} meet before it, or overlap")
+    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
+    def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
+        refuse(age is None, f"{c} meet in the end")
+        if (start := self.ball.start(c)) == age: return charge(500)
+        for world in (self.few, self.ball):
+            if c in self.parted:  # the gap was zero: what is left of it over the time since
+                m = world.meeting(c, start)
+                gap = m.closing + m.closing + m.speed * world.wait(start, age)
+            else: gap = world.ask("gap", c, age)
+            if gap.sign() == 1: return
+        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
+    def misses(self, c, age, last):  # as `clear`, of a side of an arc, or of a face where it falls
+        other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
+        if start == age or other in self.parted or c in self.lasting: return charge(500)
+        bow, flat = c[1] in self.arcs, self.slopes.get(c[1]) == 0
+        if hollow and bow and other in self.met: return charge(500)  # it was outside up to now
+        again = c in self.parted  # from within alone
+        for world in (self.few, self.ball):
+            charge(30_000)
+            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
+            gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
+            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
+            if disc == -1 and not again: return
+            if hollow:  # the gap is concave: it falls later than now, or fell before the start
+                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
+            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1) or (
+                    closing == 0 and (gap == 1 or not flat)): return  # convex
+            hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
+            if (there := m.there(again) if hits else None) == -1: return
+        if hollow and not again and self.zero("disc", c, start): return  # it is never within
+        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
+            if self.zero(x, c, start): return
+        if flat and gap != 1 and (closing == 0 or self.zero("closing", c, start)):
+            return self.slides(c, start, age, gap, last)
+        ends = closing2 == -1 and not (later.foot.sign() and later.far.sign())  # right at its end?
+        ends = ends and any(self.zero(x, c, age) for x in ("foot", "far"))
+        if ends and self.zero("gap", c, age): return
+        ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
+        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
+        refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
+        raise Unsettled(f"whether {c} meet on the way")
+    def across(self, c):  # at time 0: proves that a circle is not across an arc
+        m, inner = self.ball.meeting(c, 0), self.other(c)
+        sides = [x for x in (c, inner) if x in self.meets]
+        met = self.met.keys() & {*sides}
+        refuse(met and not self.things[c[0]][4], f"{c}: its centre is on the arc")
+        gaps = {self.ball.ask("gap", x, 0).sign() for x in sides}
+        if met or 1 in gaps: return
+        square = m.d[0] * m.d[0] + m.d[1] * m.d[1]
+        within = m.beside(m.d, square.sqrt()).sign() if square.sign() == 1 else None
+        if within == -1: return
+        if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
+        demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
+class Checker(KeptApart):
     """Follows a certificate. Of the flights of now it keeps `parted`, what was at gap zero on them,
     and `lasting`, what stays so; of the way out `out`, its instants that are not undone; of an
     instant `met`, what is listed, and `known`, all at gap zero, with the signs of closing."""
@@ -324,9 +579,9 @@ class Checker:
         pull = pull if any(pull) else []
         drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
                                             for row in scene.get("walls", ())) if any(v)}
-        refuse(pull and (pockets or segments or arcs or not all(row[5] for row in circles)),
-               "under gravity it has more than walls and circles that fall", Malformed)
-        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE),
+        refuse(pull and (pockets or arcs), "under gravity it has pockets or arcs", Malformed)
+        stands = pull and (segments or not all(row[5] for row in circles))
+        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
                "a run that cannot be turned back is", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
         self.bounced = 1 if loss else 0  # the sign of what has pushed
@@ -346,7 +601,7 @@ class Checker:
             edge = p * ends[0] + q * ends[1] if ends else -ONE
             if ends: demand(sign_of(p * p + q * q), [1], "an arc has one end", Malformed)
             bows += [[x, y, p, q, r, edge]] * 2
-        self.arcs = range(n + len(lines), n + len(lines) + len(bows))
+        self.arcs, self.slopes = range(n + len(lines), n + len(lines) + len(bows)), {}
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
         self.things = dict(enumerate(circles + lines + bows)) | dict(enumerate(rims, -len(rims)))
         self.movable = {i for i, row in enumerate(circles) if row[5]}
@@ -370,22 +625,27 @@ class Checker:
                  for i in self.movable for k, (x, y, p, q, *_) in enumerate(lines[:len(walls)], n)}
         for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
         self.bends = {c: 0 for c in sides if pull or c[1] in self.drift}  # signs of their speeds
-        for c in self.bends if pull else ():
-            p, q = self.things[c[1]][2:4]
+        for j in range(n, self.arcs.start) if pull else ():
+            p, q = self.things[j][2:4]
             sign = sign_of(p * pull[0] + q * pull[1])
-            self.bends[c] = sides[c] * demand(sign, [-1, 0, 1], f"whether {c} are pulled together")
+            self.slopes[j] = demand(sign, [-1, 0, 1], f"whether gravity pulls to {j}")
+        for c in self.bends if pull else (): self.bends[c] = sides[c] * self.slopes[c[1]]
+        for j in range(n, self.faces.start): self.slopes.pop(j, None)  # of faces alone from now on
         sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
-        self.laws = laws = loss, [x * HALF for x in pull], self.drift, n + len(lines)
+        laws = loss, [x * HALF for x in pull], self.drift, n + len(lines), self.slopes
+        self.laws = laws
         self.worlds = [Space(n, self.things, sides, limits, laws, of) for of in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
-        self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], set()
+        self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], {}
         self.age, self.count, self.known, self.lasting, self.due, self.way = -1, 0, {}, {}, 0, 0
         self.last = self.end["limit"] if self.end["reason"] == "events" else None
         self.draw = "seed" in self.policy and random.Random(int(self.policy[16:])).randrange
     def isometry(self, told):  # its linear part, its map, as the data have it, and whose flights
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
+        u, v = self.pull or (NONE, NONE)  # kept where something fixed is mapped
+        falls = [a * u + b * v - u, d * u + e * v - v]
         for i, j in images.items():
             (x, y, vx, vy, *k), (u, v, wx, wy, *m) = self.things[i], self.things[j]
             x, y = a * x + b * y + p - u, d * x + e * y + q - v
@@ -397,6 +657,7 @@ class Checker:
             if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
                 zeros += [ONE] * (i not in self.faces or j not in self.faces)
                 zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
+                zeros += falls
             elif i >= self.n and not bow:
                 zeros += [vx * wy - vy * wx, x * wx + y * wy]
                 ways = [(self.pull, self.pull)] if self.pull else []
@@ -404,6 +665,7 @@ class Checker:
                 zeros += [(a * x + b * y - u) * wx + (d * x + e * y - v) * wy
                           for (x, y), (u, v) in ways]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
+            zeros += falls if i in self.ball.pegs else []
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
         for x in zeros: demand(sign_of(x), [0], "an isometry maps otherwise")
         return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
@@ -433,7 +695,8 @@ class Checker:
         alike = other in self.met and self.image(images, c) == other
         if alike and (question == "gap" or first > abs(self.met[other])):
             return all(k in kept for k in c if 0 <= k < self.n)
-        if self.n <= j < self.arcs.start and question == "closing" and c not in self.bends:
+        steered = c in self.bends or j in self.slopes
+        if self.n <= j < self.arcs.start and question == "closing" and not steered:
             nx, ny = self.things[j][2:4]
             return images.get(i) == i in kept and not (a * nx + b * ny + nx or d * nx + e * ny + ny)
         unturned = question in ("closing", "speed") and not any((a - ONE, b, d, e - ONE))
@@ -446,130 +709,6 @@ class Checker:
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0
         raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
-    def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
-    def other(self, c):  # with the other face of the segment, or the other side of the arc
-        first = self.arcs.start if c[1] in self.arcs else self.faces.start
-        return c[0], first + ((c[1] - first) ^ 1)
-    def hollow(self, c): return c[1] in self.arcs and (c[1] - self.arcs.start) % 2  # from within
-    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
-    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
-        if self.other(c) in self.parted: return
-        start, end = self.ball.start(c), None
-        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
-        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
-        for world in (self.few, self.ball):
-            charge(30_000)
-            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
-            gap, closing = sign("gap"), sign("closing")
-            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
-            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
-            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
-            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
-        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
-        refuse(not clear and over, f"{c} overlap, or touch from the start")
-        clear = clear or shown("foot", "far")
-        if clear and closing == -1:
-            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
-            refuse(hit, f"{c} meet on the way")
-            if shown("near", "beyond"): return
-        elif clear and (closing == 0 or shown("closing")):  # it slides, if it is on the line
-            if gap or last or out(lambda x: sign(x, age)) or shown("foot", "far", at=age): return
-            inside = 1 == sign("foot", age) == sign("far", age)
-            refuse(inside and (gap == 0 or shown("gap")), f"{c} touch as the flight ends")
-        raise Unsettled(f"whether {c} are on it")
-    def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
-        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
-        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
-        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
-        if c in self.bends:
-            m = world.meeting(c, at)
-            closing = m.closing if turn > 0 else -m.closing
-            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
-            safe = rise in (0, 1) or sign == -1
-            if gap == 1 and not safe and span[1:]:
-                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
-            return gap, safe, rise == -1 and sign == 1
-        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
-        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
-        if wall := c[1] >= self.n:
-            side, off, slip = world.sides[c], off + slip, by
-            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
-        else:
-            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
-            gap, rise = x * x + y * y - size, x * vx + y * vy
-        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
-        if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
-            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
-        if safe or wall: return sign, safe, rise < -slip
-        cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
-        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
-        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
-    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
-        if self.falls(c): return self.rises(c, age)
-        if c in self.parted and not self.hollow(c): return charge(500)
-        if c[1] in self.faces: return self.passes(c, age, last)
-        if c[1] in self.arcs: return self.misses(c, age, last)
-        span = [start := self.ball.start(c)] + [age] * (age is not None)
-        for world in (self.few, self.ball):
-            gaps, meet = [], True
-            for turn, at in zip((1, -1), span, strict=False):
-                gap, safe, falls = self.look(world, c, at, turn, span)
-                gaps, meet = [*gaps, gap], meet and falls
-                if (gaps == [-1] and c[1] < 0) or (safe and {*gaps} == {1}): return
-        refuse(gaps[0] == 0 or (gaps[0] and (meet or -1 in gaps)), f"{c} meet before it or overlap")
-        shown = ("closing", "disc")[:1 if 0 <= c[1] < self.n and self.points(*c) else 2]
-        for x in shown if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
-            if self.zero(x, c, start): return
-        raise Unsettled(f"whether {c} meet before it")
-    def again(self, c): return c in self.parted and (self.falls(c) or self.hollow(c))
-    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
-    def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
-        refuse(age is None, f"{c} meet in the end")
-        if (start := self.ball.start(c)) == age: return charge(500)
-        for world in (self.few, self.ball):
-            if c in self.parted:  # the gap was zero: what is left of it over the time since
-                m = world.meeting(c, start)
-                gap = m.closing + m.closing + m.speed * world.wait(start, age)
-            else: gap = world.ask("gap", c, age)
-            if gap.sign() == 1: return
-        demand(gap.sign(), [1], f"{c} meet before it, or overlap")
-    def misses(self, c, age, last):  # as `clear`, of a side of an arc
-        other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
-        if start == age or other in self.parted or c in self.lasting: return charge(500)
-        if hollow and other in self.met: return charge(500)  # it was outside up to now
-        again = c in self.parted  # from within alone
-        for world in (self.few, self.ball):
-            charge(30_000)
-            m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
-            gap, closing, disc = (x.sign() for x in (m.gap, m.closing, m.disc))
-            gap2, closing2 = (later.gap.sign(), later.closing.sign()) if later else (None, None)
-            if disc == -1 and not again: return
-            if hollow:  # the gap is concave: it falls later than now, or fell before the start
-                if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or closing in (0, 1) or (gap2 == 1 and closing2 == -1): return  # convex
-            hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
-            if (there := m.there(again).sign() if hits else None) == -1: return
-        if hollow and not again and self.zero("disc", c, start): return  # it is never within
-        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
-            if self.zero(x, c, start): return
-        ends = closing2 == -1 and not later.foot.sign()  # does it fall right at its end?
-        if ends and self.zero("foot", c, age) and self.zero("gap", c, age): return
-        ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
-        done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
-        refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
-        raise Unsettled(f"whether {c} meet on the way")
-    def across(self, c):  # at time 0: proves that a circle is not across an arc
-        m, inner = self.ball.meeting(c, 0), self.other(c)
-        sides = [x for x in (c, inner) if x in self.meets]
-        met = self.met.keys() & {*sides}
-        refuse(met and not self.things[c[0]][4], f"{c}: its centre is on the arc")
-        gaps = {self.ball.ask("gap", x, 0).sign() for x in sides}
-        if met or 1 in gaps: return
-        square = m.d[0] * m.d[0] + m.d[1] * m.d[1]
-        within = m.beside(m.d, square.sqrt()).sign() if square.sign() == 1 else None
-        if within == -1: return
-        if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
-        demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
@@ -583,26 +722,31 @@ class Checker:
         refuse(len({*met} & self.meets) < len(met) * (1 + turn), f"{met} cannot meet")
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(told[0]) if told
-                           else w.hit(met[0], self.again(met[0])))
+                           else w.hit(met[0], self.again(met[0]), entry["time"]))
         self.said(self.ball.times[age], entry["time"])
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
+            if self.drops(c):  # up to now they were apart
+                if age: self.flies(c, age, 1 if self.met[c] else 2)
+                continue
             if not face:
                 refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
             if face or c[1] in self.arcs:
                 refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
-                refuse(age and self.met[c] > 0, f"{c}: it comes from behind")
+                away = 0 if self.slopes.get(c[1]) == -1 else 1  # what rises to it, or from it
+                refuse(age and self.met[c] >= away, f"{c}: it comes from behind")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn
         self.known = turned if turn else self.lasting | self.met
         for c in () if age else self.meets:
             if c[1] in self.arcs and not self.hollow(c): self.across(c)
+            if c[1] in self.slopes and c not in self.met: self.outside(c)
         for c in () if age else self.bends.keys() - self.met.keys():
             if self.falls(c): demand(self.ball.ask("gap", c, 0).sign(), [1], f"{c} overlap")
         if turn: self.settle(self.movable)
@@ -620,7 +764,7 @@ class Checker:
         bits = max(max(sharp, default=0) + KEEP, self.few.bits)
         if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
-        found = {c for i in circles for c in self.of[i]} - self.known.keys()
+        found = {c for i in circles - self.ball.pegs for c in self.of[i]} - self.known.keys()
         for c in found & self.meets: self.clear(c, self.age)
     def resolve(self, rounds, entry, moved):  # rounds; then entries; then what lasts
         known, pushes, self.count = self.known, {}, self.count + bool(rounds)
@@ -656,8 +800,9 @@ class Checker:
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = known = {c: sign for c, sign in known.items() if c in self.meets}
         self.lasting = {c: 0 for c in known if (c in self.lasting and not moved & {*c})
-                        or not (known[c] or self.sign("speed", c))}
-        self.parted = {c for c in self.parted if not moved & {*c}} | known.keys()
+                        or not (known[c] or self.drops(c) or self.sign("speed", c))}
+        self.parted = {c: since for c, since in self.parted.items() if not moved & {*c}}
+        self.parted |= {c: (self.age, 2 if known[c] == 0 else 1) for c in known}
         self.isometries = [(*g[:2], self.mapped(g)) for g in self.isometries]
         if not self.way and (pushes or not self.age):
             self.out.append((pushes, {c for c in known if c[1] >= 0}))

@@ -107,6 +107,8 @@ class Isometries:
         """The isometry of a linear part that takes centre i to centre k, in the terms of a certificate."""
         a, b, d, e = matrix
         (x, y), (u, v) = self.circles[i][:2], self.circles[k][:2]
+        gx, gy = self.pull or (ZERO, ZERO)
+        falls = not (a * gx + b * gy - gx or d * gx + e * gy - gy)  # else nothing that stands is mapped
         p, q = u - (a * x + b * y), v - (d * x + e * y)
 
         def turned(x: Exact, y: Exact) -> Vector:
@@ -117,7 +119,7 @@ class Isometries:
 
         pairs: list[list[int]] = []
         for m, (x, y, vx, vy, *kind) in enumerate(self.circles):
-            image = self._circle_of.get(_key([*moved(x, y), *turned(vx, vy), *kind]))
+            image = self._circle_of.get(_key([*moved(x, y), *turned(vx, vy), *kind])) if falls or kind[1] else None
             pairs += [] if image is None else [[m, image]]
         for m, (x, y, nx, ny) in enumerate(self.walls):
             if m < self._first:
@@ -127,7 +129,7 @@ class Isometries:
             else:
                 (x, y), (u, v) = moved(x, y), moved(x + ny, y - nx)
                 key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first]]
-                image = self._face_of.get(_key(key))
+                image = self._face_of.get(_key(key)) if falls else None
             pairs += [] if image is None else [[self.n + m, self.n + image]]
         for m, (x, y, nx, ny, *kind) in enumerate(self.sides):
             image = self._side_of.get(_key([*moved(x, y), *turned(nx, ny), *kind, _hollow(m)]))

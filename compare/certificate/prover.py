@@ -6,16 +6,24 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
+from contextlib import suppress
+from decimal import Decimal, localcontext
+from functools import partial
+from itertools import chain
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Space, Unsettled, enclosed
+from ...exact.exact_motion import ExactValue
+from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Refuted, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of
 
 DEEP_ROOTS = 7
 """Roots beyond those at hand that an exact zero may take."""
+
+NEARER = (40, 160, 640)
+"""Digits in which a time is said that tells a zero of a quartic from others, where fewer do not suffice."""
 
 DEEP_WORK = 1 << 32
 """Work that an exact zero may take (see `Exact.work`): some seconds."""
@@ -81,11 +89,11 @@ class Remembering(Space):
             self.met[c] = kept = (*asked, super().meeting(c, age))
         return kept[3]
 
-    def hit(self, c: Contact, again: bool) -> Any:
+    def hit(self, c: Contact, again: Any, near: str) -> Any:
         """As in any world; asked again, it is the same number."""
-        asked = (c, len(self.times), self.start(c))
+        asked = (c, len(self.times), self.start(c), near if self.pegs & {*c} else "")
         if self.last[0] != asked:
-            self.last = asked, super().hit(c, again)
+            self.last = asked, super().hit(c, again, near)
         return self.last[1]
 
 
@@ -95,6 +103,10 @@ class Recorded(Remembering):
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.struck: dict[int, list[list[Lazy]]] = {}
+
+    def drop(self, c: Contact, again: Any, near: str) -> Lazy:
+        """No exact number: a zero of a quartic."""
+        return Lazy(None, _unknown)
 
     def blow(self, age: int, push: Any, coming: Any, s: Any) -> Any:
         """As in any world."""
@@ -110,10 +122,18 @@ class Prover(Checker):
         certificate: all but the witnesses, times and final state; it is completed in place.
         contacts: for each instant from time 0 on, the contacts of its event.
         digits: decimals after the point of the times and of the final state.
+        times: by the place of an instant, when it is, where that may be a zero of a quartic.
     """
 
-    def __init__(self, certificate: dict[str, Any], contacts: list[frozenset[Contact]], digits: int) -> None:
+    def __init__(
+        self,
+        certificate: dict[str, Any],
+        contacts: list[frozenset[Contact]],
+        digits: int,
+        times: Mapping[int, ExactValue],
+    ) -> None:
         super().__init__(certificate, 1)
+        self.near = times
         self.contacts, self.digits = contacts, digits
         self.known_isometries: dict[str, int] = {}
         self.history: list[dict[int, Any]] = []
@@ -171,18 +191,19 @@ class Prover(Checker):
     def said(self, value: Ball, text: str) -> None:
         """Nothing: numbers are written, not read."""
 
-    def decimal(self, value: Ball) -> str:
+    def decimal(self, value: Ball, digits: int | None = None) -> str:
         """A number to the digits asked for.
 
         Raises:
             Unsettled: if it is not known so sharply.
         """
-        scale, bits = 10**self.digits, value.bits
+        digits = self.digits if digits is None else digits
+        scale, bits = 10**digits, value.bits
         if value.r * scale * 8 > 1 << bits:
             raise Unsettled("a number is not known to as many digits")
         nearest = (2 * value.m * scale + (1 << bits)) >> (bits + 1)
         whole, part = divmod(abs(nearest), scale)
-        return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
+        return f"{'-' if nearest < 0 else ''}{whole}.{part:0{digits}d}"
 
     @property
     def lost(self) -> int:
@@ -197,7 +218,8 @@ class Prover(Checker):
             self._gather(entry, self.contacts[self.age + 1])
         super().instant(entry)
         self.history.append(self.rows)
-        entry["time"] = self.decimal(self.ball.times[self.age])
+        if not (self.clock and self.drops(self.clock) and self.age):  # that one is a witness
+            entry["time"] = self.decimal(self.ball.times[self.age])
 
     # -- what falls on an instant
 
@@ -223,12 +245,21 @@ class Prover(Checker):
             return
         wanted = sorted(contacts or {(i, j) for i, j in map(tuple, entry["enter"])})
         near = [c for c in wanted if c in self.meets and c not in self.lasting and not self._left(c)]
-        hits = [(self.ball.hit(c, bool(self.again(c))), c) for c in near if len(near) == 1 or self._hits(c)]
+        flat = [c for c in near if not self.drops(c) and (len(near) == 1 or self._hits(c))]
+        hits = [(self.ball.hit(c, self.again(c), ""), c) for c in flat]
+        if self.ball.pegs:  # of an end and a face of one thing it may be either
+            hits = [hit for hit in hits if _as_said(hit[0], self.near[self.age])]
+        if not hits:
+            for c in (c for c in near if self.drops(c)):
+                with suppress(Unsettled, Refuted):
+                    entry["time"], when = _dropped(self, c, self.near[self.age])
+                    hits = [(when, c)]
+                    break
         if not hits:
             raise Unsettled("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
         self.ball.times.append(time)
-        self.form.times.append(self.form.hit(clock, bool(self.again(clock))))
+        self.form.times.append(self.form.hit(clock, self.again(clock), ""))
         self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < len(self.told["scene"]["circles"])}
         tried = {clock}
@@ -269,10 +300,10 @@ class Prover(Checker):
             return True
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
-            if isinstance(m, Bowing):
+            if isinstance(m, Bowing) or (isinstance(m, Facing) and c[1] in self.slopes):
                 again, gap, closing = bool(self.again(c)), m.gap.sign(), m.closing.sign()
                 ahead = closing == 1 or (gap == 1 and not again) if m.hollow else gap == 1 and closing == -1
-                if ahead and (again or m.disc.sign() == 1) and m.there(again).sign() == 1:
+                if ahead and (again or m.disc.sign() == 1) and m.there(again) == 1:
                     return True
                 continue
             signs = [m.closing.sign(), m.disc.sign()]
@@ -305,7 +336,7 @@ class Prover(Checker):
         if ranged:
             if self.other(c) in self.parted:
                 return False
-        elif not self.falls(c) and self._apart(c):
+        elif not (self.falls(c) or self.drops(c)) and self._apart(c):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)
@@ -334,7 +365,7 @@ class Prover(Checker):
 
     def settle(self, circles: Set[int]) -> None:
         """As the checker's, of what has not been seen to keep apart while the instant was gathered."""
-        found = {c for i in circles for c in self.of[i] if c not in self.known}
+        found = {c for i in circles - self.ball.pegs for c in self.of[i] if c not in self.known}
         for c in found & self.meets:
             if c not in self.cleared:
                 self.clear(c, self.age)
@@ -393,6 +424,46 @@ class Prover(Checker):
                 self.isometries.append(g)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]
+
+
+def _unknown() -> Exact:
+    raise Unsettled("a zero of a quartic is no exact number here")
+
+
+def _as_said(time: Ball, said: ExactValue) -> bool:
+    """Whether a time may be the one at which the run has an instant."""
+    text = _spelt(float(said), 14)
+    at, scale = int(text.replace(".", "")) << time.bits, 10 ** len(text.partition(".")[2])
+    return abs(time.m * scale - at) <= time.r * scale + (1 << time.bits)
+
+
+def _dropped(prover: Prover, c: Contact, said: ExactValue) -> tuple[str, Ball]:
+    """When a circle falls onto one that is fixed: in so many digits that no other zero is as near, and sharply.
+
+    Raises:
+        Unsettled: if no number of digits that is tried tells.
+        Refuted: if it does not fall onto it then.
+    """
+    again = prover.again(c)
+
+    def first(texts: Iterable[Callable[[], str]]) -> tuple[str, Ball]:
+        for spell in texts:
+            with suppress(Unsettled):
+                return (text := spell()), prover.ball.hit(c, again, text)
+        raise Unsettled("when a circle falls onto one that is fixed")
+
+    nearer = (partial(_spelt, said.digits(digits), digits) for digits in NEARER)
+    _, time = first(chain((partial(_spelt, float(said), 16),), nearer))
+    return first(partial(prover.decimal, time, prover.digits + more) for more in (0, *NEARER))
+
+
+def _spelt(value: float | str, digits: int) -> str:
+    """A positive time that is right to so many digits but for the last, as a decimal without exponent that is."""
+    number = Decimal(value)
+    after = max(0, digits - 2 - number.adjusted())
+    with localcontext() as context:
+        context.prec = digits + after + abs(number.adjusted()) + 9
+        return f"{number:.{after}f}"
 
 
 def _text(x: Lazy) -> str:

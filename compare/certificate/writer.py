@@ -71,16 +71,10 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:
         raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
-    if trajectory.scene.pegs:
+    if trajectory.scene.gravity is not None and (bows := (*trajectory.scene.arcs, *trajectory.scene.pockets)):
         raise CertificateError(
-            f"the scene has gravity and circle {trajectory.scene.ids[min(trajectory.scene.pegs)]!r}, which is fixed: "
-            "meetings of such are zeros of quartics, which certificates do not know; leave it out"
-        )
-    if trajectory.scene.surfaces.pegs:
-        thing = (*trajectory.scene.segments, *trajectory.scene.polygons)[0]
-        raise CertificateError(
-            f"the scene has gravity and {thing.id!r}, which has ends: meetings with ends are zeros of quartics, "
-            "which certificates do not know; leave it out"
+            f"the scene has gravity and {bows[0].id!r}: certificates do not know arcs and pockets where things fall; "
+            "leave it out"
         )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
@@ -136,11 +130,11 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
         frame = _frame(trajectory)
     except Unsettled as doubt:
         raise CertificateError(f"the scene's numbers: {doubt}") from None
-    log, contacts = instants(trajectory)
+    log, contacts, times = instants(trajectory)
     had = int(trajectory.plan["bits"])
     bits = LEAST_BITS if had <= FIRST_BITS else had * 5 // 4
     most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])) + EACH * len(log))
-    follow = _Follow(frame, log, contacts, digits)
+    follow = _Follow(frame, log, contacts, digits, times)
     if len(log) > LONG and follow.part(len(log) // PART):
         bits = follow.needed
     while True:
@@ -164,14 +158,19 @@ class _Follow:
 
     Args:
         frame: the certificate, all but the log.
-        log, contacts: what `instants` tells.
+        log, contacts, times: what `instants` tells.
         digits: decimals after the point.
     """
 
     def __init__(
-        self, frame: dict[str, Any], log: list[dict[str, Any]], contacts: list[frozenset[Contact]], digits: int
+        self,
+        frame: dict[str, Any],
+        log: list[dict[str, Any]],
+        contacts: list[frozenset[Contact]],
+        digits: int,
+        times: dict[int, ExactValue],
     ) -> None:
-        self.frame, self.log, self.contacts, self.digits = frame, log, contacts, digits
+        self.frame, self.log, self.contacts, self.digits, self.times = frame, log, contacts, digits, times
         self.roots = list(Exact.roots)
         self.prover: Prover | None = None
 
@@ -195,7 +194,7 @@ class _Follow:
     def _told(self, frame: dict[str, Any], log: list[dict[str, Any]], bits: int) -> dict[str, Any]:
         told = {**_copied(frame), "bits": bits, "instants": _copied(log)}
         Exact.work, Exact.roots, self.prover = 0, list(self.roots), None
-        self.prover = Prover(told, self.contacts, self.digits)
+        self.prover = Prover(told, self.contacts, self.digits, self.times)
         self.prover.run()
         return told
 
@@ -243,8 +242,11 @@ def _frame(trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozenset[Contact]]]:
-    """The instants from time 0 on, each a dict with `rounds`, `enter` and perhaps `turn`, and the contacts of each.
+def instants(
+    trajectory: Trajectory,
+) -> tuple[list[dict[str, Any]], list[frozenset[Contact]], dict[int, ExactValue]]:
+    """The instants from time 0 on, each a dict with `rounds`, `enter` and perhaps `turn`; the contacts of each; when
+    they are.
 
     The first is time 0, whether anything falls on it or not.
     """
@@ -258,10 +260,12 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     contacts: dict[int, set[Contact]] = {}
     entries: dict[int, list[list[int]]] = {}
     steps: Sequence[Step] = ()
+    times: dict[int, ExactValue] = {}
     for happened in (*trajectory.events, *trajectory.pocketings, trajectory.reversal):
         if happened is None:
             continue
         time, number = _instant(happened.time)
+        times[number] = time
         steps = time.log.steps
         ends[number] = max(time.upto, ends.get(number, 0))
         if isinstance(happened, Event):
@@ -270,6 +274,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
             entries.setdefault(number, []).append([place[happened.circle], -1 - pockets[happened.pocket]])
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
+    when: dict[int, ExactValue] = {}
     done = 0
     for number in sorted(ends):
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
@@ -280,10 +285,12 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
             met.append(frozenset())
         enter, pushed = entries.get(number, []), contacts.get(number, set())
         clocks = {} if turn or not number else {"met": [list(c) for c in sorted(pushed)] or list(enter)}
+        if number in times:
+            when[len(found)] = times[number]
         found.append({**turn, **clocks, "rounds": rounds, "enter": enter, "time": "0"})
         met.append(frozenset(pushed))
         done = max(done, ends[number])
-    return found, met
+    return found, met, when
 
 
 def _instant(time: Real) -> tuple[ExactValue, int]:

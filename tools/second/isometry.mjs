@@ -49,6 +49,9 @@ export class Isometry {
     zero((A, w) => A.sub(A.add(A.square(b[w]), A.square(d[w])), one[w]), 'b² + d² = 1');
     zero((A, w) => A.add(A.mul(a[w], b[w]), A.mul(c[w], d[w])), 'a b + c d = 0');
     const { circles, walls, pockets, n } = scene;
+    const falls = what => { // where something that stands is mapped
+      for (const k of scene.gravity ? [0, 1] : []) same((A, w) => this.image(A, w, scene.gravity.map(x => x[w]))[k], scene.gravity[k], what);
+    };
     const same = (x, y, what) => zero((A, w) => A.sub(x(A, w), y[w]), what);
     for (const [i, j] of this.map) {
       const kind = this.sort(i), what = `${i} is mapped to ${j}`;
@@ -74,6 +77,7 @@ export class Isometry {
             return A.sub(moved, ends(A, w, q)[k]);
           }, what);
         }
+        falls(what);
         same((A, w) => p.thick[w], q.thick, what);
         continue;
       }
@@ -100,6 +104,7 @@ export class Isometry {
         same((A, w) => this.image(A, w, [p.x[w], p.y[w]], shift)[k], [q.x, q.y][k], what);
         if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);
       }
+      if (kind === 'circle' && p.fixed) falls(what);
       same((A, w) => p.r[w], q.r, what);
       if (kind === 'circle') same((A, w) => p.w[w], q.w, what);
     }

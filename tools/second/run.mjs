@@ -7,6 +7,7 @@ import { Random } from './random.mjs';
 import { Rounds } from './rounds.mjs';
 import { witness } from './witness.mjs';
 import { theEnd } from './end.mjs';
+import { divided, falling, keeps } from './quartic.mjs';
 
 /** @typedef {import('./scene.mjs').Contact} Contact */
 /** @typedef {{c: Contact, sign: number, lasted: boolean}} Known a contact at gap zero, and the sign of its closing speed */
@@ -36,6 +37,8 @@ export class Run {
       this.turnedAt = scene.circles.map(() => 0); // the instant at which the velocity changed last
       this.captured = scene.circles.map(() => false);
       /** @type {Map<number, number>} the instant at which a contact was known last */ this.knownAt = new Map();
+      /** @type {Map<number, {k: number, t: object, order: number}>} of one that stands: when its gap was zero last, and of what order */
+      this.zeroes = new Map();
       /** @type {Map<number, Known>} known at the last instant, as left */ this.left = new Map();
       this.events = 0;
       this.turnTime = null;
@@ -72,13 +75,25 @@ export class Run {
       if (!atStart) return this.here(i, w);
       return other && other.start > h.start ? this.moved(h, A, w, A.sub(other.t[w], h.t[w])) : h.p.map(x => x[w]);
     };
-    const time = () => (atStart ? this.startOf(c) : this.now)[w]; // of walls alone
-    return this.scene.laws(c, A, w, place(f, g, c.i), velocity(f), place(g, f, c.j), velocity(g), c.kind === 'wall' ? time() : null);
+    const time = () => (atStart ? this.startOf(c) : this.now)[w]; // of walls, and of what stands where others fall
+    return this.scene.laws(c, A, w, place(f, g, c.i), velocity(f), place(g, f, c.j), velocity(g), c.kind === 'wall' || c.drops ? time() : null);
   }
   /** The later start of the flights of a contact. */
   startOf(c) {
     const f = this.flights[c.i], g = c.kind === 'circle' ? this.flights[c.j] : f;
     return (g.start > f.start ? g : f).t;
+  }
+  /** Since when a gap with one that stands is a polynomial, and of what order its zero is there. */
+  since(c) {
+    const { start, t } = this.flights[c.drops.mover];
+    return this.parted(c) ? this.zeroes.get(c.key) : { k: start, t, order: 0 };
+  }
+  /** That polynomial, its zero at the start divided out. */
+  quartic(c, A, w, { t, order }) {
+    const f = this.flights[c.drops.mover], peg = this.flights[c.drops.peg].p.map(x => x[w]), none = [A.zero ?? null, A.zero ?? null];
+    const there = this.moved(f, A, w, A.sub(t[w], f.t[w])), way = f.v.map(x => x[w]);
+    const both = c.drops.mover === c.i ? [there, way, peg, none] : [peg, none, there, way];
+    return this.scene.laws(c, A, w, ...both, t[w]).quartic().slice(order);
   }
   sign(law) { return this.scene.sign(law); }
   /** The sign of a number that no witness can show to be zero. */
@@ -114,7 +129,8 @@ export class Run {
    */
   apart(c, mode) {
     if (this.scene.falls(c)) { this.rises(c, mode); return; }
-    if (c.kind === 'arc') { this.misses(c, mode); return; }
+    if (c.drops) { this.stays(c, mode); return; }
+    if (c.kind === 'arc' || this.scene.slope(c) !== null) { this.misses(c, mode); return; }
     if (this.parted(c)) return;
     if (c.face) { this.passes(c, mode); return; }
     const start = name => (A, w) => this.laws(c, A, w, true)[name]();
@@ -163,13 +179,38 @@ export class Run {
     if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(`${c.name} meet, which is not told`);
   }
 
-  /** As `apart`, of a side of an arc: its gap does not fall through zero within its range. */
+  /** As `apart`, of one that stands where the other falls: the gap is positive, but for a zero of such an order now. */
+  stays(c, mode, order = 0) {
+    const since = this.since(c), { worlds, sameLow } = this.scene;
+    if (since.k === this.k && this.k && mode !== 'ever') return;
+    for (const w of sameLow ? [1] : [0, 1]) {
+      const A = worlds[w], wait = mode === 'ever' ? null : A.sub(this.now[w], since.t[w]);
+      let row = this.quartic(c, A, w, since);
+      for (let k = 0; k < order; k++) row = divided(row, wait, A);
+      const s = keeps(row, wait, A);
+      if (s > 0) return;
+      if (s < 0) refute(`${c.name} meet, which is not told, or overlap`);
+    }
+    undecided(`whether ${c.name} kept apart`);
+  }
+
+  /** At time 0: no circle lies in a segment, as one of its faces tells. */
+  outside(c) {
+    const at = name => this.sign((A, w) => this.laws(c, A, w)[name]());
+    const [gap, height, foot, far] = ['gap', 'height', 'foot', 'far'].map(at);
+    if (gap > 0 || height < 0 || foot <= 0 || far <= 0) return;
+    if (gap <= 0 && foot > 0 && far > 0 && height >= 0) refute(`${c.name} starts in a segment`);
+    undecided(`whether ${c.name} starts in a segment`);
+  }
+
+  /** As `apart`, of a side of an arc, or of a face under gravity: its gap does not fall through zero within its range. */
   misses(c, mode) {
-    const { hollow } = c, other = this.scene.otherSide(c), ever = mode === 'ever';
+    const slope = this.scene.slope(c), hollow = c.hollow || slope < 0, ever = mode === 'ever';
+    const other = c.face ? this.scene.otherFace(c) : this.scene.otherSide(c);
     if (this.flights[c.i].start === this.k && !ever) return;
-    if ((other && this.parted(other)) || (!hollow && this.parted(c))) return;
+    if ((other && this.parted(other)) || (!hollow && slope !== 0 && this.parted(c))) return;
     if (this.left.get(c.key)?.lasted && this.parted(c)) return; // it rests there
-    if (hollow && this.met.some(x => x.c.key === other.key)) return; // it was outside up to now
+    if (c.hollow && this.met.some(x => x.c.key === other.key)) return; // it was outside up to now
     const what = `whether ${c.name} meet on the way`, again = hollow && this.fromZero(c);
     const at = (name, start = true) => this.sign((A, w) => this.laws(c, A, w, start)[name]());
     const gap = again ? 0 : at('gap'), closing = at('closing'), disc = at('disc');
@@ -177,11 +218,19 @@ export class Run {
     if (disc < 0 && !again) return;
     if (hollow) { // the gap is concave: it falls after now, or fell before the start
       if (gapNow > 0 || closingNow > 0 || (gap < 0 && closing <= 0)) return;
-    } else if (gap < 0 || closing >= 0 || (gapNow > 0 && closingNow < 0)) return; // convex
+    } else if (gap < 0 || closing > 0 || (gapNow > 0 && closingNow < 0)) return; // convex
+    else if (closing === 0 && (gap > 0 || slope !== 0)) return;
     const zero = again ? closing > 0 : disc > 0; // it falls once; where is that?
-    const there = zero ? this.sign((A, w) => this.falling(c, A, w, again)) : undefined;
-    if (there < 0) return;
-    if (!ever && closingNow < 0 && this.exactly(c, 'within') && this.meetsNow(c)) return; // it is at its end
+    const reads = zero ? [0, 1].slice(c.face ? 0 : 1).map(k => this.sign((A, w) => this.falling(c, A, w, again, k))) : [undefined];
+    if (reads.some(s => s < 0 || (s === 0 && c.face))) return;
+    const there = reads.every(s => s > 0) ? 1 : undefined;
+    if (slope === 0 && !(gap > 0) && (closing === undefined || closing === 0)) { // it slides along the line, if it is at it
+      if (closing === undefined) witness(this, 'closing', c, what);
+      this.slides(c, mode, gap);
+      return;
+    }
+    const ends = c.face ? ['foot', 'far'] : ['within'];
+    if (!ever && closingNow < 0 && ends.some(x => this.exactly(c, x)) && this.meetsNow(c)) return; // it is at its end
     const grazes = hollow ? (again ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : [];
     for (const question of grazes) {
       if (at(question) === 0) return;
@@ -195,12 +244,13 @@ export class Run {
     undecided(what);
   }
   /** Is the gap of a side of an arc within its range where it falls through zero, seen from the start of the flight? */
-  falling(c, A, w, again) {
+  falling(c, A, w, again, end) {
     if (w === 2) return null; // there is a root, or a division
     const l = this.laws(c, A, w, true), closing = l.closing(), disc = again ? null : l.disc();
     if (disc && disc.lo <= 0n) return null;
-    const wait = A.div(A.neg(A.add(closing, again ? closing : A.sqrt(disc))), l.speed());
-    return wait && l.after(wait);
+    const concave = c.kind === 'arc' || this.scene.slope(c) < 0;
+    const wait = concave ? A.div(A.neg(A.add(closing, again ? closing : A.sqrt(disc))), l.speed()) : A.div(l.gap(), A.sub(A.sqrt(disc), closing));
+    return wait && (c.face ? l.beside(wait)[end] : l.after(wait));
   }
   /** Is a number of a contact zero now, as exact numbers tell? */
   exactly(c, name) {
@@ -237,9 +287,9 @@ export class Run {
   passes(c, mode) {
     if (this.parted(this.scene.otherFace(c))) return; // on the other side all the while
     const at = (name, start = true) => this.sign((A, w) => this.laws(c, A, w, start)[name]());
-    const aside = start => at('foot', start) <= 0 || at('far', start) <= 0;
+    const aside = () => at('foot') <= 0 || at('far') <= 0;
     const what = `whether ${c.name} kept apart`, gap = at('gap');
-    if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside(true))) {
+    if (this.flights[c.i].start === 0 && !(gap > 0 || at('height') < 0 || aside())) {
       if (gap <= 0 && at('foot') > 0 && at('far') > 0 && at('height') >= 0) refute(`${c.name} overlap, or touch from the start`);
       undecided(`whether ${c.name} overlap`);
     }
@@ -254,8 +304,13 @@ export class Run {
       undecided(`whether ${c.name} meet on the way`);
     }
     if (closing === undefined) witness(this, 'closing', c, what);
-    if (gap > 0 || mode !== 'flight' || aside(false)) return; // it slides along the line, if it is at it
-    if (gap === 0 && at('foot', false) > 0 && at('far', false) > 0) refute(`${c.name} touch as the flight ends`);
+    this.slides(c, mode, gap);
+  }
+  /** Along a face, if it is at its line: it is not beside it where a flight ends. */
+  slides(c, mode, gap) {
+    const [foot, far] = ['foot', 'far'].map(name => this.sign((A, w) => this.laws(c, A, w)[name]()));
+    if (gap > 0 || mode !== 'flight' || foot <= 0 || far <= 0) return;
+    if (gap === 0 && foot > 0 && far > 0) refute(`${c.name} touch as the flight ends`);
     undecided(`whether ${c.name} touch as the flight ends`);
   }
   /** Is the foot of the centre now strictly between the ends of a face, or the centre within the range of an arc? */
@@ -268,8 +323,8 @@ export class Run {
   endFlights(circles, known) {
     const ending = new Set(circles);
     for (const i of ending) for (const c of this.contactsOf(i)) {
-      if (known.has(c.key)) continue;
-      const other = c.kind === 'circle' ? (c.i === i ? c.j : c.i) : -1;
+      if (known.has(c.key) || c.drops?.peg === i) continue; // of what stands, flights of others end
+      const other = c.kind === 'circle' && !c.drops ? (c.i === i ? c.j : c.i) : -1;
       if (other < i && ending.has(other)) continue; // done
       if (other >= 0 && !ending.has(other) && this.flights[other].start === this.k && this.k) continue; // done when that ended
       this.apart(c, 'flight');
@@ -301,7 +356,7 @@ export class Run {
       if (e.exact) refute('it has a time already');
       this.now = before;
     } else if (!e.exact) {
-      this.now = this.clock(met[0]);
+      this.now = met[0].drops ? this.drop(met[0], e.time) : this.clock(met[0]);
       told = true;
     }
     if (k && !turn) {
@@ -318,6 +373,7 @@ export class Run {
     for (const x of this.left.values()) if (turn || (x.lasted && (!x.c.face || this.within(x.c)))) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
     if (k === 0) for (const i of this.moving()) for (const c of this.contactsOf(i)) {
       if (c.kind === 'arc' && !c.hollow) this.across(c, known);
+      if (scene.slope(c) !== null && !known.has(c.key)) this.outside(c);
       if (!scene.falls(c) || known.has(c.key)) continue;
       if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(`${c.name} overlap at time 0`);
     }
@@ -349,9 +405,10 @@ export class Run {
     // 7: what lasts
     for (const x of known.values()) {
       this.knownAt.set(x.c.key, k);
+      if (x.c.drops) this.zeroes.set(x.c.key, { k, t: this.now, order: x.sign === 0 ? 2 : 1 });
       if (this.movers(x.c).some(i => this.captured[i])) { known.delete(x.c.key); continue; }
       if (x.lasted && !this.movers(x.c).some(i => rounds.pushed.has(i))) continue;
-      x.lasted = x.sign === 0 && this.signed((A, w) => this.laws(x.c, A, w).speed(), 'speed', x.c,
+      x.lasted = x.sign === 0 && !x.c.drops && this.signed((A, w) => this.laws(x.c, A, w).speed(), 'speed', x.c,
         `whether the two of ${x.c.name} move as one`) === 0;
     }
     this.left = known;
@@ -382,6 +439,13 @@ export class Run {
   }
 
 
+  /** The time at which a circle falls onto one that stands: the one zero about where a decimal says. */
+  drop(c, { value, unit }) {
+    const { scene } = this, A = scene.full, since = this.since(c), first = since.t[1];
+    const [low, high] = [-1n, 1n].map(n => A.sub(A.of(scene.exact.plus(value, unit, n)), first));
+    return scene.widen(A.add(first, falling(this.quartic(c, A, 1, since), low, high, A, `the clock ${c.name}`)));
+  }
+
   /** The time at which the gap of a contact falls through zero. */
   clock(c) {
     const { full } = this.scene, name = `the clock ${c.name}`;
@@ -391,13 +455,13 @@ export class Run {
       const wait = full.div(full.twice(laws.closing()), full.neg(laws.speed())) ?? undecided(`when ${name} hits`);
       return this.scene.widen(full.add(this.startOf(c)[1], wait));
     }
-    const arc = c.kind === 'arc', zero = arc && c.hollow && this.fromZero(c);
+    const slope = this.scene.slope(c), arc = c.kind === 'arc' || slope < 0, zero = (c.hollow || slope < 0) && this.fromZero(c);
     if (zero) {
       const wait = full.div(full.neg(full.twice(laws.closing())), laws.speed()) ?? undecided(`when ${name} hits`);
       return this.scene.widen(full.add(this.startOf(c)[1], wait));
     }
     const disc = this.known(law(l => l.disc()), `whether ${name} hits`);
-    const leaves = () => c.kind === 'wall' && !pulled && this.known(law(l => l.closing()), `whether ${name} hits`) > 0;
+    const leaves = () => c.kind === 'wall' && !pulled && !(slope < 0) && this.known(law(l => l.closing()), `whether ${name} hits`) > 0;
     if (disc <= 0 || leaves()) refute(`${name} does not hit`);
     if (laws.disc().lo <= 0n) undecided(`when ${name} hits`); // known in exact numbers only
     const root = c.kind === 'wall' && !this.scene.steered(c) ? full.neg(laws.closing()) : full.sqrt(laws.disc());
@@ -424,9 +488,19 @@ export class Run {
       if (other && this.parted(other)) refute(`${c.name} is on the other side`);
       if (c.face && this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
     }
-    if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
+    if (tellsTime) { // the gap falls
+      if (c.drops) this.stays(c, 'flight', 1);
+      this.met.push({ c, sign: -1, lasted: false });
+      return;
+    }
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
+    if (this.k && this.scene.slope(c) < 0 && sign === 0) refute(`${c.name} comes from behind`);
+    if (c.drops) {
+      if (this.k) this.stays(c, 'flight', sign ? 1 : 2);
+      this.met.push({ c, sign, lasted: false });
+      return;
+    }
     if (this.k && !c.face && sign === 0 && this.signed(law('speed'), 'speed', c, `whether the two of ${c.name} move as one`) <= 0) {
       refute(`${c.name} is at gap zero all the time, or below it, and does not come to it`);
     }

@@ -69,8 +69,9 @@ export class Scene {
     const elastic = zero(this.exact.sub(this.restitution[2], one)), turned = reverse_at || reverse_after;
     if (turned && (!elastic || this.walls.some(x => x.way))) malformed('no scene: a run that cannot be turned back is');
     if (!this.gravity) return;
-    const falls = this.circles.every(c => !zero(c.w[2]));
-    if (!falls || pockets.length || segments.length || arcs.length) malformed('no scene: under gravity there is more than walls and circles that fall');
+    if (pockets.length || arcs.length) malformed('no scene: under gravity there are pockets or arcs');
+    const stands = segments.length || this.circles.some(c => zero(c.w[2]));
+    if (turned && stands) malformed('no scene: a run that cannot be turned back is, where something stands');
   }
   /** How far the frame has fallen at a time in which flights are straight, and how fast it is, in the world w. */
   fallen(A, w, time) {
@@ -190,6 +191,8 @@ export class Scene {
     const { pulls, side } = this.walls[c.j - this.n];
     return pulls * side[c.i] < 0;
   }
+  /** Of a face under gravity: is the circle pulled to it (-1), parted from it (1), or neither? Else null. */
+  slope(c) { return c.face && this.gravity ? this.walls[c.j - this.n].pulls : null; }
   /** Is it of a wall from which the gap does not change as from one that rests? */
   steered(c) { return c.kind === 'wall' && Boolean(this.gravity || this.walls[c.j - this.n].way); }
 
@@ -205,7 +208,9 @@ export class Scene {
     const hollow = kind === 'arc' && (j - this.firstBow) % 2 === 1;
     if (hollow && !this.roomy[i][(j - this.firstBow) >> 1]) return null;
     const face = kind === 'wall' && j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
-    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow };
+    const fixed = kind === 'circle' && this.gravity && (circles[i].fixed ? j : circles[j].fixed ? i : -1);
+    const drops = kind === 'circle' && this.gravity && fixed >= 0 ? { mover: fixed, peg: i + j - fixed } : null; // the one falls, the other does not
+    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow, drops };
   }
 
   /** The same circle with the other side of the same arc; null where there is no room for it. */
@@ -258,10 +263,13 @@ export class Scene {
       const foot = () => along(place);
       // and the foot at the zero of the gap, times -2 closing
       const near = () => A.sub(A.mul(along(u), gap()), A.twice(A.mul(closing(), foot())));
+      // under gravity the foot after a time
+      const later = wait => A.add(foot(), A.mul(A.add(along(way), A.mul(A.mul(along(this.gravity.map(x => x[w])), this.half[w]), wait)), wait));
       return {
         height,
         foot,
         far: () => A.sub(square(), foot()),
+        beside: wait => [later(wait), A.sub(square(), later(wait))],
         near,
         beyond: () => A.neg(A.add(A.twice(A.mul(closing(), square())), near())),
         direction: () => n,
@@ -290,6 +298,7 @@ export class Scene {
         after: wait => range(d.map((x, k) => A.add(x, A.mul(own[k], wait))), reach),
       };
     }
+    if (c.drops) return this.dropping(c, A, w, p, u, q, v, time);
     const pocket = c.kind === 'pocket' && this.pockets[-1 - c.j];
     const d = pocket ? minus([pocket.x[w], pocket.y[w]], p) : minus(q, p);
     const speeds = pocket ? [A.neg(u[0]), A.neg(u[1])] : minus(v, u);
@@ -301,6 +310,24 @@ export class Scene {
       closing: () => dot(d, speeds),
       speed,
       disc: () => A.sub(A.mul(speed(), reach()), A.square(A.sub(A.mul(d[0], speeds[1]), A.mul(d[1], speeds[0])))),
+    };
+  }
+
+  /** The laws for one that falls and one that stands: the gap is a quartic, `quartic` its terms from the constant on. */
+  dropping(c, A, w, p, u, q, v, time) {
+    const first = c.drops.mover === c.i, { by, speed } = this.fallen(A, w, time);
+    const [place, way, centre] = first ? [p, u, q] : [q, v, p];
+    const from = [0, 1].map(k => A.sub(A.add(place[k], by[k]), centre[k])); // from the one that stands
+    const fast = [0, 1].map(k => A.add(way[k], speed[k])), half = this.gravity.map(x => A.mul(x[w], this.half[w]));
+    const dot = (a, b) => A.add(A.mul(a[0], b[0]), A.mul(a[1], b[1])), square = a => A.add(A.square(a[0]), A.square(a[1]));
+    const gap = () => A.sub(square(from), A.square(A.add(this.circles[c.i].r[w], this.circles[c.j].r[w])));
+    const closing = () => dot(from, fast), pace = () => A.add(square(fast), A.twice(dot(from, half)));
+    return {
+      direction: () => (first ? from.map(x => A.neg(x)) : from),
+      gap,
+      closing,
+      speed: pace,
+      quartic: () => [gap(), A.twice(closing()), pace(), A.twice(dot(fast, half)), square(half)],
     };
   }
 }

@@ -160,7 +160,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ('{sign("near"), sign("beyond")} & {-1, 0}', '{-(sign("near") or 0)} & {-1, 0}'), ("if (near <= 0 || beyond <= 0) return;", "if (near >= 0) return;"), onto_a_face,
     ),
     "a face is not met from behind": (
-        ("refuse(age and self.met[c] > 0, ", "refuse(0, "), ("if (c.kind !== 'pocket') refute(", "if (0) refute("), lambda: through_a_face(met=[[0, 4]]),
+        ("refuse(age and self.met[c] >= away, ", "refuse(0, "), ("if (c.kind !== 'pocket') refute(", "if (0) refute("), lambda: through_a_face(met=[[0, 4]]),
     ),
     "a point does not meet an end without thickness": (
         ("refuse(c[0] < c[1] < self.n and self.points(*c), ", "refuse(0, "), ("if (c.blunt) refute(", "if (0) refute("), lambda: through_an_end(met=[[0, 1]]),
@@ -182,13 +182,13 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ("clear = start or ", "clear = True or "), ("if (this.flights[c.i].start === 0 && !(", "if (0 && !("), lambda: across_a_segment("3/2", 1),
     ),
     "whether something starts across a segment is decided": (
-        ('raise Unsettled(f"whether {c} are on it")', "return"), ("undecided(`whether ${c.name} overlap`)", "void 0"), hardly_across,
+        ('raise Unsettled(f"whether {c} pass it")', "return"), ("undecided(`whether ${c.name} overlap`)", "void 0"), hardly_across,
     ),
     "whether a face is met is decided": (
-        ('raise Unsettled(f"whether {c} are on it")', "return"), ("undecided(`whether ${c.name} meet on the way`)", "return"), hardly_on_a_face,
+        ('raise Unsettled(f"whether {c} pass it")', "return"), ("undecided(`whether ${c.name} meet on the way`)", "return"), hardly_on_a_face,
     ),
     "what a circle slides on is told": (
-        ("if gap or last or out(", "if True or out("), ("if (gap > 0 || mode !== 'flight' || aside(false)) return;", "return;"), what_it_slides_on,
+        ("if gap or last or signs", "if True or signs"), ("if (gap > 0 || mode !== 'flight' || foot <= 0 || far <= 0) return;", "return;"), what_it_slides_on,
     ),
     "a face is left at its end": (
         ("if c[1] not in self.faces or self.within(c)}", "}"), (" && (!x.c.face || this.within(x.c))", ""), a_face_that_was_left,
@@ -209,7 +209,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         lambda: alike({"map": [[5, 7]], "shift": ["0", "-10"]}, UPPER, LOWER),
     ),
     "an isometry maps faces to faces": (
-        ("            zeros += [ONE] * (i not in self.faces or j not in self.faces)\n", ""), ("if (kind !== this.sort(j)) refute(", "if (0) refute("),
+        ("                zeros += [ONE] * (i not in self.faces or j not in self.faces)\n", ""), ("if (kind !== this.sort(j)) refute(", "if (0) refute("),
         lambda: alike({"map": [[3, 4]]}, UPPER, walls=(Wall(-4, -20, 4, -20),)),
     ),
     "what slides comes to no gap zero on the way back": (

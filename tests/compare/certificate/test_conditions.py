@@ -17,6 +17,7 @@ from certificate import forgeries_by_condition as forged
 from certificate.checkers import NODE, TOOLS, needs_node
 from certificate.forgeries_by_condition import MEET, PAIR, STOPPED, TURN, of
 from certificate.forging import Told, refused_by_both, told
+from certificate.peg_forgeries import PEG_CONDITIONS
 from certificate.segment_forgeries import SEGMENT_CONDITIONS
 from certificate.test_forgeries import back_after_rounds_that_do_not_go_back
 from certificate.test_loopholes import (
@@ -343,7 +344,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         forged.not_closing_as_before_the_round,
     ),
     "what lasts has no speed": (
-        ('or not (known[c] or self.sign("speed", c))}', "or not known[c]}"),
+        ('or not (known[c] or self.drops(c) or self.sign("speed", c))}', "or not known[c]}"),
         ("move as one`) === 0;", "move as one`) >= 0;"), forged.together_after_a_graze,
     ),
     "what lasts is not pushed": (
@@ -375,7 +376,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         forged.a_blow_that_is_not_passed_on,
     ),
     "what has parted may come back": (
-        ("{c for c in self.parted if not moved & {*c}} | known.keys()", "self.parted | known.keys()"),
+        ("for c, since in self.parted.items() if not moved & {*c}}", "for c, since in self.parted.items()}"),
         ("k !== undefined && this.movers(c).every(i => this.turnedAt[i] <= k)", "k !== undefined"),
         forged.met_again_after_a_wall,
     ),
@@ -483,6 +484,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     ),
     **SEGMENT_CONDITIONS,
     **WORLD_CONDITIONS,
+    **PEG_CONDITIONS,
 }  # fmt: skip
 
 
@@ -527,6 +529,9 @@ ELSEWHERE = {
     "overlap, or touch from the start": "the line that asks for it stands above",
     "meet on the way": "what it refutes would not be decided in the next lines",
     "touch as the flight ends": "the line before it stands above",
+    'raise Unsettled(f"whether {c} are on it")': "the line that returns stands above",
+    "whether a gap falls all the time that is said": "without it a quotient would be none",
+    "a gap does not fall through zero where it is said": "DECIMALS: what is found instead is not where it is said",
     # and of the second one
     "the scene has no thing": "test_agreement",
     "undecided(`${name}: whether ${what}`)": "each of the zeros stands above",
@@ -549,13 +554,18 @@ ELSEWHERE = {
     "at gap zero all the time": "the line before it stands above",
     "is at gap zero and parts": "the line before it stands above",
     "is on the rim and not told": "test_forgeries",
+    "falls all the time that is told": "without it a quotient would be none",
+    "hits when it is told": "a sign that is not known is not the one that is wanted",
+    "does not fall through zero when it is told": "DECIMALS: what is found instead is not where it is told",
+    "undecided(`when ${what} hits`)": "without a quotient there is none, and two intervals with one zero meet",
+    "=== 0) refute(`${c.name} comes from behind`)": "it is in a segment, or came into one: that is refuted as it does",
     "the scene: whether ${what}": "each of the demands stands above",
     "no scene: it is not so that ${what}": "each of the demands stands above",
 }
 """What else either checker raises, and where that is tried."""
 
 RAISES = re.compile(r"\b(?:refuse|demand|refute|malformed|undecided|stuck)\(|\braise ")
-FOLLOWS = ("run", "rounds", "isometry", "back", "witness", "end", "scene")
+FOLLOWS = ("run", "rounds", "isometry", "back", "witness", "end", "scene", "quartic")
 """Modules of the second checker that follow a run; what the others refuse is no certificate (test_bad_files)."""
 
 

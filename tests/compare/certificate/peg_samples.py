@@ -1,0 +1,170 @@
+"""Certificates of runs with fixed circles, segments and polygons under gravity; and ways to alter those."""
+
+from __future__ import annotations
+
+from functools import cache
+from random import Random
+from typing import Any
+
+from certificate.test_tampering import Told, other_digit
+from certificate.world_samples import WORLD_WAYS
+from truebreak.compare.certificate import certificate_of
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall
+from truebreak.scenarios.trajectory import Trajectory
+
+SEEDS = range(40)
+EVENTS = 8
+
+FLOOR = Wall(0, -9, 1, -9, id="floor")
+BOX = [FLOOR, Wall(-20, 0, -20, 1, id="left"), Wall(20, 0, 20, 1, id="right")]
+BAR = Segment(-3, 0, 3, 0, id="bar")
+TABLE = Polygon([(-4, -1), (4, -1), (4, 0), (-4, 0)], "table")
+DART = Polygon([(-4, -1), (4, -1), (0, 1), (0, 3)], "dart")
+DOWN = (0, -10)
+
+
+def peg(x: int | str, y: int | str, name: str = "p", r: int | str = "1/2") -> Circle:
+    """A fixed circle."""
+    return Circle(x, y, r, m="oo", id=name)
+
+
+def by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
+    """Scenes, and until when: along an axis, mirrored, at once on two, past and off, ends, corners, slides, grazes."""
+    far = {"events": EVENTS}
+    pair = [Circle(-2, 10, "1/2", vx="1/9", id="a"), Circle(2, 10, "1/2", vx="-1/9", id="b")]
+    mirrored = [*pair, peg("-3/2", 0), peg("3/2", 0, "q"), peg(0, -3, "s")]
+    ball = Circle("1/3", 8, vx=1, id="a")
+    between = [Circle(0, 8, id="a"), peg(-1, 0), peg(1, 0, "q")]
+    steep = Segment(5, 0, 7, 4, id="steep", r="1/5")
+    high = [*BOX, Wall(0, 20, 1, 20, id="top")]
+    return {
+        "past a peg for ever": (Scene([Circle(0, 10, vx=1), peg("3", 0)], gravity=DOWN), {}),
+        "off a peg for ever": (Scene([Circle("1/7", 10), peg(0, 0)], gravity=DOWN), {}),
+        "on the axis of a peg": (Scene([Circle(0, 10), peg(0, 0)], restitution="3/4", gravity=DOWN), {"events": 4}),
+        "mirrored": (Scene(mirrored, BOX[:1], gravity=DOWN), far),
+        "mirrored, one by one": (Scene(mirrored, BOX[:1], gravity=DOWN, tie_policy="sequential:seed=3"), far),
+        "on two at once": (Scene(between, BOX, gravity=DOWN), {"events": 4}),
+        "on two, one by one": (Scene(between, BOX, gravity=DOWN, tie_policy="sequential"), {"events": 4}),
+        "at a peg from the start": (Scene([Circle(0, "3/2", vx=1, vy=2), peg(0, 0)], BOX, gravity=DOWN), {"events": 4}),
+        "up to a horizon": (Scene([ball, peg(0, 0)], BOX, gravity=DOWN), {"until": 5}),
+        "to rest on a peg": (Scene([ball, peg(0, 0)], BOX, gravity=DOWN, restitution=0), {"events": 4}),
+        "a lift and a peg": (
+            Scene([ball, peg(0, 0)], [Wall(0, -9, 1, -9, id="lift", vy="1/10"), *BOX[1:]], gravity=DOWN), {"events": 6},
+        ),
+        "up beside a bar, and onto it": (
+            Scene([Circle(-4, -2, "1/2", vx=2, vy=8)], segments=[BAR], gravity=(0, -8)), {"events": 3},
+        ),
+        "a bar from below": (Scene([Circle(0, -2, "1/2", vy=8)], BOX[:1], segments=[BAR], gravity=(0, -8)), far),
+        "a bar and its ends": (
+            Scene([Circle(-2, 6, vx="1/4")], BOX[:1], segments=[BAR], gravity=DOWN, restitution="9/10"), far,
+        ),
+        "a corner at a foot of zero": (Scene([Circle(3, 3)], BOX[:1], segments=[BAR], gravity=DOWN), {"events": 2}),
+        "pulled along a face": (
+            Scene([Circle(0, 1, "1/2", vx=1)], BOX[:1], segments=[Segment(2, -1, 2, 2, id="u")], gravity=(0, "-1/4")),
+            {"events": 3},
+        ),
+        "a graze of a bar from below": (Scene([Circle(0, -6, vy=10)], BOX[:1], segments=[BAR], gravity=DOWN), far),
+        "a point": (Scene([Circle("1/9", 6, 0, point=True)], BOX[:1], segments=[BAR], gravity=DOWN), {"events": 4}),
+        "a table": (Scene([Circle(-2, 6, vx="1/4"), ball], BOX, polygons=[TABLE], gravity=DOWN), far),
+        "a dart": (Scene([Circle(-1, 6, vx="1/4"), ball], BOX, polygons=[DART], gravity=DOWN), far),
+        "pulled aside": (
+            Scene([ball, peg(0, 0)], high, segments=[steep], gravity=("1/3", "-sqrt(2)")), far,
+        ),
+    }  # fmt: skip
+
+
+def scene_of(seed: int) -> Scene | None:
+    """Discs and points among pegs, segments and polygons, between walls; None where what it draws is refused."""
+    rng = Random(f"pegs {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 50, high * 50)}/50"
+
+    def radius() -> str:
+        return rng.choice(["1/2", "1/4", "3/10", "sqrt(2)/4"])
+
+    discs = [
+        Circle(some(-4, 4), some(4, 9), radius(), some(-4, 4), some(-4, 4), m=rng.choice([1, 2, "1/3"]), id=f"c{k}")
+        for k in range(rng.randint(1, 2))
+    ]
+    discs += [peg(some(-5, 5), some(-4, 4), f"p{k}", radius()) for k in range(rng.randint(0, 6))]
+    rng.shuffle(discs)
+    try:
+        bars = [
+            Segment(some(-5, 5), some(-4, 4), some(-5, 5), some(-4, 4), r=rng.choice(["0", "1/5"]), id=f"s{k}")
+            for k in range(rng.randint(0, 2))
+        ]
+        return Scene(
+            discs,
+            [Wall(0, -6, 1, -6, id="floor"), Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")],
+            segments=bars,
+            gravity=rng.choice([(0, -10), ("1/3", -4), ("sqrt(2)", -3)]),
+            restitution=rng.choice(["1", "9/10", "1/2"]),
+        )
+    except SceneError:
+        return None
+
+
+@cache
+def peg_runs() -> dict[str, Trajectory]:
+    """Runs of all of these."""
+    cases = by_hand()
+    cases |= {f"pegs {k}": (scene, {"events": EVENTS}) for k in SEEDS if (scene := scene_of(k)) is not None}
+    return {name: ExactEngine().run(scene, **limits) for name, (scene, limits) in cases.items()}
+
+
+@cache
+def peg_samples() -> dict[str, Told]:
+    """The certificates of these."""
+    return {name: certificate_of(run) for name, run in peg_runs().items()}
+
+
+def fixed(told: Told) -> list[dict[str, str]]:
+    """The circles and the segments of a certificate that stand."""
+    return [row for row in told["scene"]["circles"] if row["w"] == "0"] + told["scene"].get("segments", [])
+
+
+def moved_peg(told: Told, draw: Random) -> None:
+    """Something that stands is elsewhere, or larger."""
+    if rows := fixed(told):
+        row, by = draw.choice(rows), draw.choice(["+1", "-1/8", "+1/1000", "-1/1" + "0" * 30, "+1/1" + "0" * 60])
+        for key in draw.choice([("x", "x0", "x1"), ("y", "y0", "y1"), ("r",)]):
+            if key in row:
+                row[key] += by
+
+
+def let_fall(told: Told, draw: Random) -> None:
+    """A fixed circle falls, or one that falls is fixed."""
+    row = draw.choice(told["scene"]["circles"])
+    row["w"] = "1" if row["w"] == "0" else "0"
+    if draw.random() < 0.5:
+        row["vx"] = row["vy"] = "0"
+
+
+def less_said_of_a_time(told: Told, draw: Random) -> None:
+    """A time is said in fewer digits, or with another digit: it is what says which zero is meant."""
+    entry = draw.choice(told["instants"][1:])
+    if draw.random() < 0.7:
+        entry["time"] = entry["time"][: -draw.randint(1, len(entry["time"].partition(".")[2]) + 1)] or "0"
+    else:
+        entry["time"] = other_digit(entry["time"], draw)
+
+
+def bounce_left_out(told: Told, draw: Random) -> None:
+    """An instant is left out."""
+    if len(told["instants"]) > 2:
+        del told["instants"][draw.randrange(1, len(told["instants"]))]
+
+
+def another_thing(told: Told, draw: Random) -> None:
+    """What meets or pushes is another thing."""
+    entry = draw.choice(told["instants"])
+    if rows := [*entry.get("met", ()), *(push for one in entry.get("rounds", ()) for push in one)]:
+        old, new = [*draw.choice(rows)], draw.randrange(len(told["scene"]["circles"]) + 12)
+        for row in rows:
+            if row[:2] == old[:2]:
+                row[1] = new
+
+
+PEG_WAYS = (moved_peg, let_fall, less_said_of_a_time, bounce_left_out, another_thing, *WORLD_WAYS)
