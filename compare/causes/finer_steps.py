@@ -49,7 +49,7 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     if first > 1 and all(agrees[first:]):
         runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]
-    return [Experiment(CauseName["STEP"], f"with a step of {', '.join(runs)}", None, enough)]
+    return [Experiment(CauseName["STEP"], f"a step of {', '.join(runs)}", None, enough)]
 
 
 def _by_chance(lab: Laboratory) -> bool:

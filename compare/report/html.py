@@ -64,7 +64,7 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     if horizon.low.event is None:
         return f"predicted to be right {seen_words(found.events)}"
     if horizon.high.event is None:
-        half = "" if horizon.expected.event is None else f", half by {horizon.expected.event:,}"
+        half = f", half by {horizon.expected.event:,}" if horizon.expected.event else ""
         return f"predicted to diverge from event {horizon.low.event:,} on{half}"
     if horizon.low.event == horizon.high.event:
         return f"predicted to diverge at event {horizon.low.event:,}"
@@ -293,6 +293,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
     horizons = foreseen(comparison)
     bands = predictions(comparison, horizons)
     lead = subject(comparison)
+    said = answers(comparison, lead, horizons)
     blocks = [
         _block(comparison, number, candidate, horizons, lead)
         for number, candidate in enumerate(comparison.candidates)
@@ -305,7 +306,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         title=f"{comparison.scene.name}: truebreak",
         sentence=verdict_line(comparison),
         tone=tone(comparison),
-        answers=answers(comparison, lead, horizons),
+        answers=said,
         about=ABOUT,
         warnings=_warnings(comparison),
         comparison=comparison,
@@ -318,7 +319,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
             for number, candidate in enumerate(comparison.candidates)
         ],
         bands=bands,
-        not_foreseen=not_foreseen_phrase(horizons),
+        not_foreseen="" if horizons and horizons.reason in said.why else not_foreseen_phrase(horizons),
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
         plots=[Markup(error_plot(comparison, width, bands)) for width in (WIDE, NARROW)],

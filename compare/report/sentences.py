@@ -323,9 +323,13 @@ def ending_phrase(run: Trajectory) -> str:
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import catalogue
     >>> ending_phrase(ExactEngine().run(catalogue.build("bounce")))
-    'it ends there: infinitely many collisions in finite time: ball and floor by 19'
+    'it ends there: infinitely many collisions in finite time (ball and floor by 19)'
     """
-    return f"it ends there: {run.stop.message}" if run.stop.reason in AT_AN_END else ""
+    if run.stop.reason not in AT_AN_END:
+        return ""
+    what = run.stop.reason.value
+    who = run.stop.message.removeprefix(what).removeprefix(": ")
+    return f"it ends there{',' if ': ' in what else ':'} {what}{f' ({who})' if who else ''}"
 
 
 def _by_flight(time: float) -> float:
@@ -334,19 +338,28 @@ def _by_flight(time: float) -> float:
 
 
 def growth_phrase(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None) -> str:
-    """How errors can grow to the end, or to a divergence without a margin, in the direction that grows most."""
+    """How errors can grow to the end, or to a divergence without a margin, in the direction that grows most.
+
+    Where an engine agrees and the growth is not measured to the end, that, and why it is not.
+    """
     reference, parted = comparison.reference, candidate.alignment.divergence
-    if foreseen is None or (parted is None and foreseen.reason):
+    if foreseen is None:
         return ""
+    unknown = ""
+    if parted is None and foreseen.reason:
+        beyond = f" beyond event {foreseen.events - 1:,}" if foreseen.events else ""
+        unknown = f"Whether it is chaos{beyond} is not known: {foreseen.reason}."
     events = foreseen.events if parted is None else parted.expected_event
-    growth = error_growth(reference, events) if events <= foreseen.events else None
+    growth = error_growth(reference, events) if 0 < events <= foreseen.events else None
     if growth is None:
-        return ""
+        return unknown
     bits, last = growth * events, float(reference.events[events - 1].time)
     if bits - _by_flight(last) >= CHAOS_BITS:
         longer = parted is None and reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON)
         beyond = "; a longer run may diverge" if longer else ""
         return f"Errors can grow by {growth:.3g} bits an event, which is chaos{beyond}."
+    if unknown:
+        return unknown
     if bits - _by_flight(last) < CALM_BITS:
         return "It is not chaos: errors hardly grow on the way."
     return f"Errors can grow by {bits:.2g} bits on the way."

@@ -248,7 +248,7 @@ def test_an_engine_whose_steps_are_dear_has_a_shorter_series() -> None:
         dear: compare(scene, [Dear(1 / 64, step_microseconds=dear)]).candidates[0].diagnosis for dear in (1.0, 2000.0)
     }
     rows = {dear: {row.cause.value: row.result for row in found.experiments} for dear, found in told.items() if found}
-    assert rows[1.0]["time step"].startswith("with a step of 0.00781")
+    assert rows[1.0]["time step"].startswith("a step of 0.00781")
     assert rows[2000.0]["time step"] == "not tried: a finer step takes more than 1,000 steps"
 
 

@@ -12,6 +12,11 @@ from browser import Browser, found
 from test_browser import AXE, CLIPPED, SMALL_TEXT, UNFOLDED
 
 from truebreak.compare import compare, html_report
+from truebreak.compare.chaos.certified_chaos import chaos
+from truebreak.compare.orders.all_orders import all_orders
+from truebreak.compare.report.chaos_page import chaos_html
+from truebreak.compare.report.orders_page import orders_html
+from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 
 HERE = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
@@ -104,6 +109,26 @@ def test_no_page_unfolds_to_more_than_6000_pixels_on_a_telephone(browser: Browse
     assert browser.ask("[...document.querySelectorAll('details:not(.help)')].every((fold) => fold.open)")
     browser.ask("dispatchEvent(new Event('afterprint'))")
     assert browser.ask("document.documentElement.scrollHeight") <= 6000, "printed, and looked at again"
+
+
+@HERE
+@pytest.mark.parametrize("kind", ["chaos", "orders"])
+def test_pages_of_chaos_and_of_all_orders_are_no_longer(browser: Browser, tmp_path: Path, kind: str) -> None:
+    """A hundred exponents, and 24 outcomes with their pictures."""
+    page, scene = tmp_path / "page.html", catalogue.build("rack:rows=3")
+    page.write_text(
+        chaos_html(chaos(catalogue.build("gas:n=25"), ["double"], events=60))
+        if kind == "chaos"
+        else orders_html(scene, all_orders(ExactEngine(), scene)),
+        "utf-8",
+    )
+    browser.media(prefers_reduced_motion="reduce")
+    browser.size(*PHONE)
+    browser.open(page)
+    by_what, height = browser.ask(TALLEST)
+    assert height <= 6000, by_what
+    browser.ask(UNFOLDED)
+    assert browser.ask(CLIPPED) == []
 
 
 @HERE

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from browser import Browser, found
+from test_browser import UNFOLDED
 
 from truebreak.compare.cli import main
 from truebreak.compare.grids import survival
@@ -136,7 +137,7 @@ def test_axe_finds_nothing_and_no_text_is_small(browser: Browser, page: Path, sc
     browser.media(prefers_color_scheme=scheme)
     browser.size(width)
     browser.open(page)
-    browser.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+    browser.ask(UNFOLDED)
     browser.ask(AXE.read_text(encoding="utf-8") + "; 0")
     told_by_axe = browser.ask("axe.run().then((found) => JSON.stringify(found.violations.map((rule) => rule.id)))")
     assert json.loads(told_by_axe) == []
