@@ -102,6 +102,18 @@ leave it out
     """
     for i in scene.pegs:
         raise SceneError(f"circle {scene.ids[i]!r} is fixed, under gravity, and {who} do not take that; {remedy}")
+    refuse_ends(scene, who, remedy)
+
+
+def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
+    """As `refuse_pegs`, of segments and polygons alone.
+
+    Raises:
+        SceneError: naming the thing with ends.
+
+    >>> from truebreak.scenarios import Circle
+    >>> refuse_ends(Scene([Circle(0, 9), Circle(0, 0, m="oo")], gravity=(0, -1)), "square roots", "leave it out")
+    """
     for kind, things in (("segment", scene.segments), ("polygon", scene.polygons)):
         if things and scene.gravity is not None:
             told = f"{kind} {things[0].id!r} has ends, which are round, under gravity"

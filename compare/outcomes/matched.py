@@ -270,12 +270,11 @@ class Left:
         for index, event in self.events.items():
             if float(event.time) <= float(time):
                 last.update((name, index) for pair in event.impulses for name in pair)
-        states = {index: self.candidate.after(index) for index in {*last.values()}}
-        start = self.candidate.at(0)
+        struck = [last.get(str(circle.id)) for circle in self.candidate.scene.circles]
+        states = {k: self.candidate.at(0) if k is None else self.candidate.after(k) for k in {*struck}}
         rows = []
-        for circle in start.circles:
-            index = last.get(circle.id)
-            told = circle if index is None else states[index][circle.id]
+        for place, index in enumerate(struck):
+            told = states[index].circles[place]
             lag = float(time) - (0.0 if index is None else float(self.events[index].time))
             vx, vy = float(told.vx), float(told.vy)
             gx, gy = map(float, self.candidate.scene.gravity or (0, 0))

@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
@@ -46,7 +47,12 @@ def outcome(name: str) -> Outcome:
     Raises:
         KeyError: for an unknown name.
     """
-    module, _, function = OUTCOMES[name].partition(":")
+    return _loaded(OUTCOMES[name])
+
+
+@cache
+def _loaded(place: str) -> Outcome:
+    module, _, function = place.partition(":")
     return getattr(import_module(f".{module}", __package__), function)
 
 

@@ -10,9 +10,10 @@ from itertools import combinations
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from sympy import Expr, Integer
+from sympy import Expr, Integer, Poly, Rational, Symbol
+from sympy.core.evalf import PrecisionExhausted
 
-from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_pegs
+from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_ends
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ZERO: Any = Integer(0)
+_TIME = Symbol("t")
 
 # -- Flights between instants, in SymPy numbers: straight ones, or parabolas under gravity.
 
@@ -100,13 +102,16 @@ class SymbolicMotion:
         found[:, :, :2] += found[:, :, 2:] * since[:, None, None]
         g = np.array([float(quantity(part)) for part in self.gravity])
         if g.any():
-            found[:, :, :2] += g / 2 * since[:, None, None] ** 2
-            found[:, :, 2:] += g * since[:, None, None]
+            falls = np.array([disc.m is not None for disc in self.legs[0]], dtype=float)[None, :, None]
+            found[:, :, :2] += g / 2 * falls * since[:, None, None] ** 2
+            found[:, :, 2:] += g * falls * since[:, None, None]
         return found
 
 
 def _flown(disc: Disc, since: Any, g: tuple[Any, Any]) -> Disc:
-    """A circle so much later."""
+    """A circle so much later; one that is fixed stands."""
+    if disc.m is None:
+        return disc
     gx, gy = g
     return replace(
         disc,
@@ -148,7 +153,7 @@ class SymbolicEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`: no circle is ever taken out of play."""
-        return ALL_KEYS - {"capture", "fixed"}
+        return ALL_KEYS - {"capture"}
 
     @property
     def name(self) -> str:
@@ -166,10 +171,10 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, a scene in which pockets capture circles, or one in which a
-                circle stands under gravity.
+            SceneError: for a limit that is not above zero, a scene in which pockets capture circles, or one of segments
+                or polygons under gravity.
         """
-        refuse_pegs(scene, "square roots", "a fall onto it is a zero of a quartic: use exact, or leave gravity out")
+        refuse_ends(scene, "square roots", "a fall onto one is a zero of a quartic: use exact, or leave gravity out")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
         until_, events_ = horizon(scene, until, events)
@@ -226,6 +231,7 @@ class _Run:
         things = (*scene.circles, *ends, *scene.walls, *segments, *scene.arcs)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
+        self.quartics = _quartics(self)
         self.e = normal(scene.restitution.sympy())
         self.g: tuple[Any, Any] = (ZERO, ZERO)
         if scene.gravity is not None:
@@ -305,6 +311,9 @@ class _Run:
             moments.append(self._reverse_at)
         soonest = _smallest(moments)
         end = self.until.sympy() if self.until is not None else None
+        if self.quartics:
+            at_end = end is not None and (soonest is None or sign(soonest - end) > 0)
+            _refuse_quartics(self, end if at_end else soonest)
         if end is not None and (soonest is None or sign(soonest - end) > 0):
             self._move(end)
             return _stop(StopReason.HORIZON, str(self.until))
@@ -316,6 +325,8 @@ class _Run:
 
     def _hit(self, pair: Indices, touches: bool) -> Any:
         """When a pair will touch next, if it does not touch now. It is predicted once a flight."""
+        if pair in self.quartics:
+            return None
         known = pair in self.hits and not (touches and not _straight(self, pair))
         if not known:
             i, j = pair
@@ -493,6 +504,53 @@ def _bow(arc: Arc) -> Bow:
     ends = arc.ends or ((arc.x, arc.y), (arc.x, arc.y))
     numbers = (*ends[0], *ends[1], arc.x, arc.y, arc.r)
     return Bow(*(normal(q.sympy()) for q in numbers), full=arc.full)
+
+
+def _quartics(run: _Run) -> list[Indices]:
+    """The pairs of circles of which one falls and one is fixed."""
+    if run.scene.gravity is None:
+        return []
+    return [pair for pair in run.pairs if pair[1] < len(run.discs) and any(run.discs[k].m is None for k in pair)]
+
+
+def _refuse_quartics(run: _Run, end: Any) -> None:
+    """Sees to it that no circle falls onto one that stands up to a time; None: ever.
+
+    The square of their distance, less that of both radii, is a quartic of the time. Where its coefficients are no
+    fractions, fractions a little below them are taken, which make a polynomial below it; that this has no zero up
+    to the time is told by Sturm's theorem.
+
+    Raises:
+        SymbolicUndecided: where one may: when is a zero that square roots do not give.
+    """
+    gx, gy = run.g
+    for pair in run.quartics:
+        i, j = pair if run.discs[pair[0]].m is not None else reversed(pair)
+        a, b = run.discs[i], run.discs[j]
+        x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
+        gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
+        low: Any = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
+        last = None if end is None else -_below(run.now - end)
+        if low.eval(0) <= 0 or low.count_roots(0, last):
+            raise SymbolicUndecided(
+                f"whether and when {run.names[i]} falls onto {run.names[j]} is told by a zero of a quartic, and "
+                "this engine has square roots alone; use exact"
+            )
+
+
+def _below(number: Any) -> Any:
+    """A fraction at or just below a number: itself, where it is one.
+
+    Raises:
+        SymbolicUndecided: where SymPy does not give sixty digits of it.
+    """
+    if number.is_Rational:
+        return number
+    try:
+        near = Rational(number.evalf(60, strict=True))
+    except PrecisionExhausted:
+        raise SymbolicUndecided("a number cancels by more digits than SymPy follows") from None
+    return near - abs(near) / 10**40
 
 
 def _smallest(times: Sequence[Any]) -> Any:

@@ -12,10 +12,11 @@ from mpmath import mpf, workdps
 from peg_referee import NotForThis, PegReferee, TieMet
 
 from truebreak.exact import ExactEngine
+from truebreak.exact.literal import symbolic_engine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import round_falls, state
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, Wall
+from truebreak.scenarios import Circle, Scene, SceneError, Segment, Trajectory, Wall
 from truebreak.scenarios.errors import NoClosedForm
 from truebreak.scenarios.trajectory import StopReason
 
@@ -243,9 +244,46 @@ def test_finite_precision_has_the_same_first_events() -> None:
         assert abs(place - exact.sample([float(exact.events[0].time) / 2])[0]).max() < 0.01
 
 
-def test_engines_without_quartics_refuse_by_one_line() -> None:
-    scene = Scene([Circle(0, 6), Circle(0, 3, m="oo", id="peg")], gravity=(0, -10))
-    with pytest.raises(SceneError, match=r"circle 'peg' is fixed, under gravity, and .* do not take that") as told:
+def beside_sympy(scene: Scene) -> tuple[int, str]:
+    """How many events SymPy's engine has as the exact one has them, and what it says of the end."""
+    run, exact = SymbolicEngine().run(scene, events=4), ExactEngine().run(scene, events=8)
+    count = len(run.events)
+    assert [e.contacts for e in run.events] == [e.contacts for e in exact.events[:count]]
+    for mine, theirs in zip(run.events, exact.events, strict=False):
+        assert abs(float(mine.time) - float(theirs.time)) < 1e-12
+    if "quartic" in run.stop.message:
+        assert run.stop.reason is StopReason.UNDECIDED
+        fixed = {str(c.id) for c in scene.circles if c.fixed}
+        assert count == len(exact.events) or not fixed.isdisjoint(exact.events[count].contacts[0])
+        return count, "quartic"
+    return count, run.stop.reason.name
+
+
+def test_sympy_goes_to_its_first_quartic_and_says_so() -> None:
+    found = [beside_sympy(drawn(seed)) for seed in range(10)]
+    assert sum(end == "quartic" for _, end in found) >= 3
+    assert sum(count for count, _ in found) >= 20
+    peg = Circle(0, 3, m="oo", id="peg")
+    run = SymbolicEngine().run(Scene([Circle(0, 6, id="ball"), peg], gravity=(0, -10)))
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "whether and when ball falls onto peg is told by a zero of a quartic" in run.stop.message
+    beside = Scene([Circle("2001/1000", 6, id="ball"), peg], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10))
+    run = SymbolicEngine().run(beside, events=3)
+    assert [event.time.text() for event in run.events] == ["1", "3", "5"]
+    assert run.sample([1.0, 4.0])[:, 1].tolist() == [[0.0, 3.0, 0.0, 0.0]] * 2
+    assert run.at(2)["peg"].y.text() == "3"
+
+
+def test_without_that_look_sympy_flies_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(symbolic_engine, "_refuse_quartics", lambda *_: None)
+    with pytest.raises(AssertionError):
+        for seed in range(10):
+            beside_sympy(drawn(seed))
+
+
+def test_sympy_refuses_ends_under_gravity_by_one_line() -> None:
+    scene = Scene([Circle(0, 6)], segments=[Segment(-1, 0, 1, 0, id="bar")], gravity=(0, -10))
+    with pytest.raises(SceneError, match=r"segment 'bar' has ends, which are round, under gravity") as told:
         SymbolicEngine().run(scene)
     assert "\n" not in str(told.value)
 
