@@ -445,16 +445,15 @@ def _sorts(laws: Laws, missed: _Missed, bad: Sequence[Sample]) -> Iterable[tuple
         (f" below a normal speed of {fast:.3g}", lambda s: s.speed <= fast),
     ]  # fmt: skip
     for words, holds in sorts:
-        mine = [s for s in missed.samples if holds(s)]
-        if len(mine) >= FEWEST and all(map(holds, bad)):
+        if all(map(holds, bad)) and len(mine := [s for s in missed.samples if holds(s)]) >= FEWEST:
             yield words, mine
 
 
 def _restitutions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
     """One restitution for all contacts, or for all of a sort; the others keep the law."""
-    least = min(abs(s.restitution - 1) for s in missed.speeds)
+    least, off = min(abs(s.restitution - 1) for s in missed.speeds), {*missed.speeds}
     for words, sort in _sorts(laws, missed, missed.speeds):
-        mine = [s for s in sort if 2 * NEAR * s.room < least or s in missed.speeds]  # others are too slow to show it
+        mine = [s for s in sort if 2 * NEAR * s.room < least or s in off]  # others are too slow to show it
         found = _one_value([s.restitution for s in mine], 1.0, [s.room for s in mine])
         if found is None:
             continue
@@ -472,7 +471,7 @@ def _frictions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
     if one is None or len(mine) < FEWEST:
         return
     for words, sort in _sorts(laws, missed, mine):
-        if all(abs(one[0] - 1) * s.slide < 8 * NEAR * s.room * s.speed for s in sort if s not in mine):  # too slow
+        if all(abs(one[0] - 1) * s.slide < 8 * NEAR * s.room * s.speed for s in {*sort} - {*mine}):  # too slow
             what = f"the speed across the contact becomes {_told(one[0], 1.0)} of what it was{words}"
             yield Fit(what, len(mine), len(mine), *one, "friction")
 

@@ -427,24 +427,47 @@ def double_among_few_segments(size: Workload) -> Figure:
     return few_segments("double", size, size.long_gas)
 
 
-def gas_of_games(what: str, most: float, size: Workload, **physics: Any) -> Figure:
-    """A certified event of the gas of ten with another key, against one of the gas as it is."""
+def gas_of_games(name: str, what: str, most: float, size: Workload, **physics: Any) -> Figure:
+    """A certified event of the gas of ten with other keys, against one of the gas as it is."""
     plain = build(GAS).with_changes(until=None, events=None)
     other = plain.with_changes(**physics)
     ours, theirs = processor_times([running("exact", scene, size.gas) for scene in (other, plain)], size.repeats)
-    name = f"gas-{'gravity' if 'gravity' in physics else 'restitution'}"
     told = f"an event, exact among 10 discs {what} / without; of {size.gas:,}"
     return Figure(name, told, ours / size.gas, theirs / size.gas, Target("ratio", "at most", most))
 
 
 def gas_with_gravity(size: Workload) -> Figure:
     """With gravity, whose walls fall."""
-    return gas_of_games("with gravity 1/10", 1.25, size, gravity=(0, "-1/10"))
+    return gas_of_games("gas-gravity", "with gravity 1/10", 1.25, size, gravity=(0, "-1/10"))
+
+
+def among_as_many(name: str, what: str, size: Workload, things: int, **physics: Any) -> Figure:
+    """A certified event of the gas of ten with other keys, against one of a gas of as many discs as it has things."""
+    other = build(GAS).with_changes(until=None, events=None, **physics)
+    plain = build(f"gas:n={things},seed=1").with_changes(until=None, events=None)
+    ours, theirs = processor_times([running("exact", scene, size.gas) for scene in (other, plain)], size.repeats)
+    told = f"an event, exact among 10 discs {what} / among {things} discs; of {size.gas:,}"
+    return Figure(name, told, ours / size.gas, theirs / size.gas, Target("ratio", "at most", 2.5))
+
+
+def gas_onto_pegs(size: Workload) -> Figure:
+    """With gravity, and a board of circles that stand: each is met at a zero of a quartic."""
+    discs = build(GAS).circles
+    pegs = [Circle(x, y, "1/4", m="oo", id=f"peg{x}-{y}") for x in range(3, 17) for y in range(3, 17)]
+    clear = [p for p in pegs if all((p.x - c.x) ** 2 + (p.y - c.y) ** 2 > (p.r + c.r) ** 2 for c in discs)][::12]
+    circles, what = [*discs, *clear], f"with gravity 1/10 and {len(clear)} pegs"
+    return among_as_many("gas-pegs", what, size, len(circles), gravity=(0, "-1/10"), circles=circles)
+
+
+def gas_onto_segments(size: Workload) -> Figure:
+    """With gravity, and segments: faces that fall, and ends."""
+    what = "with gravity 1/10 and 3 segments"
+    return among_as_many("gas-segments-gravity", what, size, 13, gravity=(0, "-1/10"), segments=FEW_SEGMENTS)
 
 
 def gas_with_restitution(size: Workload) -> Figure:
     """With a restitution of 9/10."""
-    return gas_of_games("with restitution 9/10", 1.1, size, restitution="9/10")
+    return gas_of_games("gas-restitution", "with restitution 9/10", 1.1, size, restitution="9/10")
 
 
 def _growth(engine: str, size: Workload) -> Figure:
@@ -487,6 +510,8 @@ BENCHMARKS: dict[str, Benchmark] = {
     "gas-segments-double": double_among_few_segments,
     "gas-gravity": gas_with_gravity,
     "gas-restitution": gas_with_restitution,
+    "gas-pegs": gas_onto_pegs,
+    "gas-segments-gravity": gas_onto_segments,
     "crowd-growth-exact": growth_exact,
     "crowd-growth-double": growth_double,
     "crowd-set-up-exact": set_up_exact,

@@ -37,6 +37,7 @@ from ..simulation.prediction import Arrival, ArrivalQueue
 from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
 from .filtered import FilteredPredictor
 from .filtered_arcs import ArcPredictor, PegPredictor
+from .filtered_falls import FallingPredictor
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -196,7 +197,8 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        made = ArcPredictor if scene.arc_sides else PegPredictor if scene.pegs else FilteredPredictor
+        plain = FilteredPredictor if scene.gravity is None and not scene.moving_walls else FallingPredictor
+        made = ArcPredictor if scene.arc_sides else PegPredictor if scene.pegs else plain
         self.predictor = made(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state
@@ -268,8 +270,7 @@ class CertifiedMeetings:
                     return t + wait
             except ZeroDivisionError:
                 pass
-            why = f"the time of {self._judge.name(moment.link)} is unsharp"
-            units = self._precision.units()
+            why, units = f"the time of {self._judge.name(moment.link)} is unsharp", self._precision.units()
             if spent and spent + units > self._work:  # once is as when accuracy runs low
                 where = f"{self._precision.where()}, with {self._state.bits} bits"
                 raise Undecided(f"{why}, {where}; more than {self._work} units of work (--work)")

@@ -372,6 +372,21 @@ NEAR = arb(0, arb((1, FAINT)))
 """Holds all deviations that are at most 2**FAINT."""
 
 
+def short_reaches(scene: Scene, bodies: Iterable[Body[arb]], pockets: Sequence[Body[arb]]) -> list[list[arb]]:
+    """Sums of radii by kind of radius, and a pocket's own, in short balls; each body's `kind` indexes them."""
+    radii: dict[Quantity, int] = {}
+    for body, circle in zip(bodies, scene.circles, strict=True):
+        body.kind = radii.setdefault(circle.r, len(radii))
+    kinds = len(radii)
+    with ball.precision(QUICK_BITS):
+        reaches = [[ball.constant(r + s) for s in radii] for r in radii]
+        for k, pocket in enumerate(scene.pockets):
+            pockets[k].kind = kinds + k
+            for row in reaches:
+                row.append(ball.constant(pocket.r))
+    return reaches
+
+
 class FilteredPredictor(Predictor[arb]):
     """Predictions in doubles, then in short balls.
 
@@ -396,32 +411,18 @@ class FilteredPredictor(Predictor[arb]):
         self.zero = ball.ZERO
         self.root = arb.sqrt
         self.filter = DoubleFilter()
-        self._reaches = self._quick_reaches()
+        self._reaches = short_reaches(scene, self.refinable.bodies.values(), self.state.pockets)
         self._lines: dict[tuple[int, int, bool], tuple[arb, arb, arb, arb, arb]] = {}
         self._float_reaches = [[ball.as_double(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._face_lines: dict[int, list[FloatLine]] = {}
         self._near_faces: dict[tuple[int, Sequence[int]], list[FloatLine]] = {}
-        self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
+        self.outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
         """Short precision."""
         ball.use_bits(QUICK_BITS)
-
-    def _quick_reaches(self) -> list[list[arb]]:
-        """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
-        radii: dict[Quantity, int] = {}
-        for body, circle in zip(self.refinable.bodies.values(), self.scene.circles, strict=True):
-            body.kind = radii.setdefault(circle.r, len(radii))
-        kinds = len(radii)
-        with ball.precision(QUICK_BITS):
-            reaches = [[ball.constant(r + s) for s in radii] for r in radii]
-            for k, pocket in enumerate(self.scene.pockets):
-                self.state.pockets[k].kind = kinds + k
-                for row in reaches:
-                    row.append(ball.constant(pocket.r))
-        return reaches
 
     def reach(self, a: Body[arb], b: Body[arb]) -> arb:
         """The sum of two radii, or a pocket's own, as a short ball."""
@@ -429,7 +430,7 @@ class FilteredPredictor(Predictor[arb]):
 
     def line(self, body: Body[arb], wall: int) -> tuple[arb, arb, arb, arb, arb]:
         """A wall in short balls: the same for all circles of one radius on one side of it."""
-        key = self._key(body, wall)
+        key = self.key(body, wall)
         found = self._lines.get(key)
         if found is None:
             with ball.precision(2 * QUICK_BITS):
@@ -472,25 +473,16 @@ class FilteredPredictor(Predictor[arb]):
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`; where doubles tell all, flights are not asked for."""
         if gone or not self.few or not 0 < len(moved) < 3:
-            super().predict(moved, standing, gone)
+            self.at_length(moved, standing, gone)
             return
         key = moved[0].index, moved[-1].index
-        outlook, queue, find = self._outlooks.get(key) or self._outlook_of(key), self.queue, self.filter
+        outlook, queue, find = self.outlooks.get(key) or self.outlook_of(key), self.queue, self.filter
         if not queue.push_all(moved, outlook, find.pair_bounds, find.wall_bounds, standing):
             for a in moved:
                 if a.f is None or not (a.f[2] or a.f[3]):
-                    super().predict(moved, standing, gone)
+                    self.at_length(moved, standing, gone)
                     return
-            first = self.wall_count
-            for a, lines in zip(moved, outlook.lines, strict=True):
-                a.until = inf
-                found, unclear = find.walls(a, lines[:first])
-                among, open_faces = find.faces(a, lines[first:])
-                queue.push_walls(a, found + among, standing)
-                if unclear:
-                    self._unclear_walls(a, unclear, standing)
-                if open_faces:
-                    self._unclear_faces(a, open_faces, standing)
+            self._meet_surfaces(moved, standing)
             for a, others in zip(moved, outlook.others, strict=True):
                 self.pairs(a, others, standing)
         if self.arcs is not None:
@@ -500,16 +492,32 @@ class FilteredPredictor(Predictor[arb]):
         plan["walls predicted"] += len(moved) * self.wall_count
         plan["pairs predicted"] += outlook.pairs
 
-    def _outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
+    def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """As `predict`, of any circles, one after the other."""
+        super().predict(moved, standing, gone)
+
+    def _meet_surfaces(self, moved: Sequence[Body[arb]], standing: Collection[Link]) -> None:
+        """Queues the next hits of circles that have doubles with all that ends a flight."""
+        find = self.filter
+        for a in moved:
+            a.until = inf
+            found, unclear = find.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
+            among, open_faces = find.faces(a, self._face_table(a))
+            self.queue.push_walls(a, found + among, standing)
+            self.unclear(a, unclear, standing)
+            self.unclear(a, open_faces, standing)
+
+    def outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
         """What two circles, or one, may meet: the second not the first."""
         i, j = key
         bodies = self.state.bodies
         moved = [bodies[i]] if i == j else [bodies[i], bodies[j]]
         others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
-        found = self._outlooks[key] = Outlook(
+        found = self.outlooks[key] = Outlook(
             others,
             [[*(self._float_lines.get(a.index) or self._as_seen_from(a)), *self._face_table(a)] for a in moved],
             [self._float_reaches[a.kind] for a in moved],
+            [[] for _ in moved],
             sum(map(len, others)),
             self.wall_count,
         )
@@ -549,11 +557,10 @@ class FilteredPredictor(Predictor[arb]):
         if len(walls) == self.wall_count:
             lines = self._float_lines.get(a.index) or self._as_seen_from(a)
         else:
-            lines = [self._float_line(a, k) for k in walls]
+            lines = [self.float_line(a, k) for k in walls]
         found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
-        if unclear:
-            self._unclear_walls(a, unclear, standing)
+        self.unclear(a, unclear, standing)
 
     def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.meet_faces`."""
@@ -563,45 +570,38 @@ class FilteredPredictor(Predictor[arb]):
         """All faces as seen from a circle."""
         lines = self._face_lines.get(a.kind)
         if lines is None:
-            lines = self._face_lines[a.kind] = [self._float_line(a, k) for k in self.faces]
+            lines = self._face_lines[a.kind] = [self.float_line(a, k) for k in self.faces]
         return lines
 
     def _meet(self, a: Body[arb], lines: Sequence[FloatLine], standing: Collection[Link]) -> None:
         """Queues the next hits of a circle with some faces."""
         found, unclear = self.filter.faces(a, lines)
         self.queue.push_walls(a, found, standing)
-        if unclear:
-            self._unclear_faces(a, unclear, standing)
+        self.unclear(a, unclear, standing)
 
-    def _unclear_faces(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
-        """Faces that doubles left open."""
-        self.plan["unclear in doubles"] += len(unclear)
-        self.prepare()
-        for k in unclear:
-            self.face(a, k, standing)
-
-    def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
-        """Walls that doubles left open."""
-        self.plan["unclear in doubles"] += len(unclear)
-        self.prepare()
-        for k in unclear:
-            self.wall(a, k, standing)
+    def unclear(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """Predicts a circle's next hits with walls and faces that doubles left open."""
+        if walls:
+            self.plan["unclear in doubles"] += len(walls)
+            self.prepare()
+            for k in walls:
+                (self.wall if k < self.wall_count else self.face)(a, k, standing)
 
     def in_doubles(self, a: Body[arb]) -> FloatFlight | None:
         """See `Predictor.in_doubles`."""
         return None if a.f is None else a.f[:5]
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
-        lines = self._float_lines[a.index] = [self._float_line(a, k) for k in range(self.wall_count)]
+        lines = self._float_lines[a.index] = [self.float_line(a, k) for k in range(self.wall_count)]
         return lines
 
-    def _float_line(self, a: Body[arb], wall: int) -> FloatLine:
-        key = self._key(a, wall)
+    def float_line(self, a: Body[arb], wall: int) -> FloatLine:
+        key = self.key(a, wall)
         if key not in self._known_float_lines:
             self._known_float_lines[key] = float_line(wall, *self.line(a, wall))
         return self._known_float_lines[key]
 
-    def _key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
+    def key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
         """A circle's radius, by kind, a wall, and the side of it."""
         return a.kind, wall, self.refinable.balls.sides.negative(a.index, wall)
 

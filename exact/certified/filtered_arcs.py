@@ -30,6 +30,7 @@ from .filtered import (
     DoubleFilter,
     FilteredPredictor,
 )
+from .filtered_falls import FallingPredictor
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
@@ -173,7 +174,7 @@ class ShortArcSides(ArcSides[arb]):
         return FloatArc(link.arc, x, y, reach, nx, ny, edge, norm, self.scene.arc_sides[link.arc].full)
 
 
-class ArcPredictor(FilteredPredictor):
+class ArcPredictor(FallingPredictor):
     """Predictions in doubles, then in short balls, of scenes with arcs. See `FilteredPredictor`."""
 
     def __init__(
@@ -188,18 +189,31 @@ class ArcPredictor(FilteredPredictor):
         self.arcs = ShortArcSides(scene, refinable.balls, self)
 
 
-class PegPredictor(FilteredPredictor):
+class PegPredictor(FallingPredictor):
     """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
-        """See `Predictor.predict`."""
+        """See `Predictor.predict`; in one go where what stands at gap zero as flights begin is what was pushed."""
+        pegs, on_peg = self.scene.pegs, self.state.on_peg
+        known = {link for link in standing if on_peg(link)}
+        if all(a.index not in pegs and self._stood(a) == {link for link in known if a.index in link} for a in moved):
+            super().predict(moved, standing, gone)
+        else:
+            self.at_length(moved, standing, gone)
+
+    def _stood(self, a: Body[arb]) -> set[Link]:
+        """The contacts with circles that stand at which a circle's flight begins, by an impulse."""
+        at, links = self.state.contacts.get(a.index, (-1, frozenset[Link]()))
+        return {link for link in links if self.state.on_peg(link)} if at == a.flight.last else set()
+
+    def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `FilteredPredictor.at_length`."""
+        self.few = self.arcs is None and not self.state.pockets
         predict_falls(self, moved, standing, gone, self._walls_of)
 
-    def meet_faces(self, a: Body[arb], standing: Collection[Link]) -> None:
-        """See `Predictor.meet_faces`."""
-        self.prepare()
-        for k in self.faces:
-            fall_to_face(self, a, k, standing, rounded=False)
+    def face(self, a: Body[arb], wall: int, standing: Collection[Link]) -> None:
+        """See `Predictor.face`."""
+        fall_to_face(self, a, wall, standing, rounded=False)
 
     def has_face(self, link: Link) -> TypeIs[AtWall]:
         """Whether a contact is with a face."""

@@ -40,12 +40,29 @@ class CompiledPredictions(Protocol):
         """`DoubleFilter.faces`, of a circle that has doubles."""
         ...
 
+    def falls(
+        self, flight: Doubles, lines: Sequence[Any], flat: float, far: float, stands: tuple[int, ...], /
+    ) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """`falls_in_doubles`."""
+        ...
+
+    def falling_zero(
+        self, c: Sequence[float], off: Sequence[float], end: float, /
+    ) -> tuple[float, float] | float | None:
+        """`falling_zero`: an interval; where it is unclear, what no zero comes before; None where there is none."""
+        ...
+
+    def onto_peg(self, flight: Doubles, peg: Any, until: float, stood: bool, /) -> tuple[float, float] | bool:
+        """`peg_in_doubles`."""
+        ...
+
     def predict(
         self,
         moved: Sequence[Any],
         others: list[list[Any]],
         lines: list[Any],
         reaches: list[list[float]],
+        pegs: list[Any],
         bounds: Doubles,
         slopes: tuple[float, float],
         standing: Any,

@@ -141,6 +141,91 @@ static int face(const double *a, const double *line, double flat, double far, Sp
     return MEETS;
 }
 
+/* A wall that falls or moves, or a face under gravity: `FloatFall`, which has what these are. */
+typedef struct { double x0, y0, nx, ny, offset, norm, size, half, drift, bend; int is_face; } Falls;
+
+/* As `wall`: `fall_in_doubles` of filtered_falls.py, which has the derivation. */
+static int fall(const double *a, const Falls *line, double flat, double far, int stands, Span *span)
+{
+    double x0 = line->x0, y0 = line->y0, nx = line->nx, ny = line->ny, half = line->half, drift = line->drift;
+    double x = a[X], y = a[Y], vx = a[VX], vy = a[VY], t = a[AT], late = a[LATE], wait, blur_wait;
+    double lift = half * t;
+    double gap = nx * (x - x0) + ny * (y - y0) - line->offset + (lift - drift) * t;
+    double speed = nx * vx + ny * vy + (2.0 * lift - drift);
+    double grown = fabs(lift) + fabs(drift);
+    double blur = line->norm * flat + 32 * UNIT * grown;
+    double blur_gap = 32 * UNIT * line->size + line->norm * far + 32 * UNIT * grown * t;
+    double turn = blur + 4.0 * fabs(half) * late;
+    if (stands) {
+        if (half >= 0.0)
+            return NONE;
+        if (!(speed > 8.0 * turn))
+            return UNCLEAR;
+        wait = speed / -half;
+        blur_wait = blur / -half + late + 8 * UNIT * wait;
+    } else {
+        double early = blur_gap + 2.0 * (fabs(speed) + turn) * late;
+        if (half >= 0.0 && speed > turn)
+            return NONE;
+        if (line->is_face && gap < -early && (half >= 0.0 || speed < -turn))
+            return NONE;
+        if (half == 0.0) {
+            if (!(speed < -8.0 * turn && gap > early))
+                return UNCLEAR;
+            wait = gap / -speed;
+            blur_wait = (blur_gap + wait * blur) / -speed + 8 * UNIT * wait;
+        } else {
+            double depth = 4.0 * half * gap;
+            double square = speed * speed;
+            double disc = square - depth;
+            double blur_disc = (2.0 * fabs(speed) + blur) * blur + 4.0 * fabs(half) * blur_gap;
+            blur_disc = 2.0 * (blur_disc + 8 * UNIT * (square + fabs(depth)));
+            if (disc < -blur_disc && (line->is_face || half > 0.0))
+                return NONE;
+            if (!(disc > 4.0 * blur_disc))
+                return UNCLEAR;
+            if (!(gap > early && (half < 0.0 || speed < -turn)) && !(line->is_face && half < 0.0 && speed > turn))
+                return UNCLEAR;
+            double root = sqrt(disc);
+            double blur_root = blur_disc / root + 4 * UNIT * root;
+            if (speed < 0.0) {
+                double fast = root - speed;
+                double blur_fast = blur_root + blur + 2 * UNIT * fast;
+                if (!(fast > 8.0 * blur_fast))
+                    return UNCLEAR;
+                wait = 2.0 * gap / fast;
+                blur_wait = (2.0 * blur_gap + wait * blur_fast) / fast + 8 * UNIT * wait;
+            } else {
+                wait = (speed + root) / (-2.0 * half);
+                blur_wait = (blur + blur_root) / (-2.0 * half) + 8 * UNIT * wait;
+            }
+        }
+    }
+    double time = t + wait;
+    double blur_time = 2.0 * blur_wait + 8 * UNIT * (t + wait);
+    if (!(wait > blur_time + late) || !isfinite(time))
+        return UNCLEAR;
+    if (line->is_face) {
+        double bend = line->bend;
+        double along = (x - x0) * ny - (y - y0) * nx + bend * t * t, slide = vx * ny - vy * nx + 2.0 * bend * t;
+        double arch = bend * wait;
+        double foot = along + (slide + arch) * wait, beyond = nx * nx + ny * ny;
+        double tilt = fabs(bend) * t;
+        double blur_slide = line->norm * flat + 32 * UNIT * tilt;
+        double blur_foot = 32 * UNIT * (line->size + tilt * t) + line->norm * far + wait * blur_slide;
+        double fast = fabs(slide) + blur_slide + 2.0 * fabs(arch) + 2.0 * fabs(bend) * blur_time;
+        blur_foot += fast * 2.0 * blur_wait;
+        blur_foot = 2.0 * blur_foot + 16 * UNIT * (fabs(along) + (fabs(slide) + fabs(arch)) * wait + beyond);
+        if (foot < -blur_foot || foot > beyond + blur_foot)
+            return NONE;
+        if (!(foot > blur_foot && foot < beyond - blur_foot))
+            return UNCLEAR;
+    }
+    span->low = time - blur_time;
+    span->high = time + blur_time;
+    return MEETS;
+}
+
 static Against against(const double *a, const Bounds *bounds)
 {
     return (Against){a[LATE], bounds->any_off + bounds->any_early * a[LATE], 4 * UNIT * a[AT]};

@@ -4,13 +4,14 @@
  *
  * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
  */
-#include "filter.h"
+#include "quartic.h"
 
 #define PLAIN 7 /* of an arrival: low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
 
 #define MOST_MOVED 2
 #define MOST_CIRCLES 256
 #define MOST_WALLS 256
+#define MOST_PEGS 256
 #define MOST_STANDING 8
 
 static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *heappop, *infinity;
@@ -116,6 +117,23 @@ static int read_line(PyObject *line, long *number, double *out)
     return (*number == -1 && PyErr_Occurred()) || read_doubles(line, 7, out) < 0 ? -1 : 0;
 }
 
+enum { FALLS = 13 }; /* of a `FloatFall`: which, the other side, whether it is a face, and ten doubles */
+
+/* A `FloatFall`: 1 if it is one, 0 if it is a line that stands, -1 with an error set. */
+static int read_falls(PyObject *line, long *number, long *other, Falls *out)
+{
+    double ten[10];
+    if (!PyTuple_Check(line) || PyTuple_GET_SIZE(line) != FALLS)
+        return 0;
+    *number = PyLong_AsLong(PyTuple_GET_ITEM(line, 0));
+    *other = PyLong_AsLong(PyTuple_GET_ITEM(line, 1));
+    int is_face = PyObject_IsTrue(PyTuple_GET_ITEM(line, 2));
+    if (PyErr_Occurred() || is_face < 0 || read_doubles(line, 10, ten) < 0)
+        return -1;
+    *out = (Falls){ten[0], ten[1], ten[2], ten[3], ten[4], ten[5], ten[6], ten[7], ten[8], ten[9], is_face};
+    return 1;
+}
+
 typedef int (*Meets)(const double *a, const double *line, double flat, double far, Span *span);
 
 /* Which of some lines a circle meets, each as `meets` tells. */
@@ -172,13 +190,144 @@ static PyObject *faces(PyObject *self, PyObject *const *args, Py_ssize_t count)
     return meet_lines(face, args, count);
 }
 
+/* -- zeros of quartics: `falling_zero` and `peg_in_doubles` */
+
+static int read_poly(PyObject *numbers, double *out)
+{
+    PyObject *all = PySequence_Fast(numbers, "numbers are expected");
+    if (all == NULL)
+        return -1;
+    int count = (int)PySequence_Fast_GET_SIZE(all), failed = count < 1 || count > TERMS;
+    if (failed)
+        PyErr_SetString(PyExc_TypeError, "one to five coefficients are expected");
+    for (int k = 0; !failed && k < count; k++)
+        failed = read_double(PySequence_Fast_GET_ITEM(all, k), &out[k]) < 0;
+    Py_DECREF(all);
+    return failed ? -1 : count;
+}
+
+PyDoc_STRVAR(falling_zero_doc, "falling_zero(c, off, end): as `falling_zero` of round_falls.py.");
+
+static PyObject *first_fall(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    Poly p;
+    double end;
+    Span span;
+    if (count != 3) {
+        PyErr_SetString(PyExc_TypeError, "falling_zero: coefficients, their errors, and an end");
+        return NULL;
+    }
+    int terms = read_poly(args[0], p.c), bounds = terms < 0 ? -1 : read_poly(args[1], p.off);
+    if (bounds < 0 || read_double(args[2], &end) < 0)
+        return NULL;
+    if (bounds != terms) {
+        PyErr_SetString(PyExc_TypeError, "falling_zero: a bound for each coefficient is expected");
+        return NULL;
+    }
+    p.degree = terms - 1;
+    int told = falling_zero(&p, end, &span);
+    if (told == MEETS)
+        return Py_BuildValue("(dd)", span.low, span.high);
+    return told == UNCLEAR ? PyFloat_FromDouble(span.low) : Py_NewRef(Py_None);
+}
+
+enum { PEG = 6 }; /* of a `FloatPeg`: a body, and five doubles */
+
+static int read_peg(PyObject *peg, Peg *out)
+{
+    double five[5];
+    if (!PyTuple_Check(peg) || PyTuple_GET_SIZE(peg) != PEG) {
+        PyErr_SetString(PyExc_TypeError, "a circle that stands is a tuple of six");
+        return -1;
+    }
+    if (read_doubles(peg, 5, five) < 0)
+        return -1;
+    *out = (Peg){five[0], five[1], five[2], five[3], five[4]};
+    return 0;
+}
+
+PyDoc_STRVAR(onto_peg_doc, "onto_peg(f, peg, until, stood): as `peg_in_doubles`.");
+
+static PyObject *peg_met(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT], until;
+    Peg peg;
+    Span span;
+    if (count != 4) {
+        PyErr_SetString(PyExc_TypeError, "onto_peg: four arguments");
+        return NULL;
+    }
+    int stood = PyObject_IsTrue(args[3]);
+    if (stood < 0 || read_doubles(args[0], FLIGHT, a) < 0 || read_peg(args[1], &peg) < 0 || read_double(args[2], &until) < 0)
+        return NULL;
+    int told = onto_peg(a, &peg, until, stood, &span);
+    return told == MEETS ? Py_BuildValue("(dd)", span.low, span.high) : PyBool_FromLong(told == UNCLEAR);
+}
+
+/* Whether a number is in a tuple: 1, 0, or -1 with an error set. */
+static int is_among(PyObject *numbers, long number)
+{
+    for (Py_ssize_t k = 0; k < PyTuple_GET_SIZE(numbers); k++) {
+        long each = PyLong_AsLong(PyTuple_GET_ITEM(numbers, k));
+        if (each == -1 && PyErr_Occurred())
+            return -1;
+        if (each == number)
+            return 1;
+    }
+    return 0;
+}
+
+PyDoc_STRVAR(falls_doc, "falls(f, lines, flat, far, stands): as `falls_in_doubles`.");
+
+static PyObject *falls(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT], flat, far;
+    if (count != 5 || !PyTuple_Check(args[4])) {
+        PyErr_SetString(PyExc_TypeError, "falls: a flight, lines, two bounds, and a tuple");
+        return NULL;
+    }
+    if (read_double(args[2], &flat) < 0 || read_double(args[3], &far) < 0 || read_doubles(args[0], FLIGHT, a) < 0)
+        return NULL;
+    PyObject *lines = PySequence_Fast(args[1], "lines are expected");
+    if (lines == NULL)
+        return NULL;
+    PyObject *found = PyList_New(0), *unclear = PyList_New(0);
+    if (found == NULL || unclear == NULL)
+        goto failed;
+    for (Py_ssize_t k = 0; k < PySequence_Fast_GET_SIZE(lines); k++) {
+        Falls line;
+        Span span;
+        long number, other;
+        int known = read_falls(PySequence_Fast_GET_ITEM(lines, k), &number, &other, &line);
+        if (known == 0)
+            PyErr_SetString(PyExc_TypeError, "what falls is a tuple of thirteen");
+        if (known <= 0)
+            goto failed;
+        int beside = is_among(args[4], other), stands_there = is_among(args[4], number);
+        if (beside < 0 || stands_there < 0)
+            goto failed;
+        int told = beside ? NONE : fall(a, &line, flat, far, stands_there, &span);
+        if (told == MEETS && append(found, Py_BuildValue("(ddl)", span.low, span.high, number)) < 0)
+            goto failed;
+        if (told == UNCLEAR && append(unclear, PyLong_FromLong(number)) < 0)
+            goto failed;
+    }
+    Py_DECREF(lines);
+    return both_lists(found, unclear);
+failed:
+    Py_DECREF(lines);
+    Py_XDECREF(found);
+    Py_XDECREF(unclear);
+    return NULL;
+}
+
 /* -- all meetings of one or two circles, queued: `FilteredPredictor.predict` where doubles tell all */
 
 typedef struct { Py_ssize_t a, b; int is_wall; } Standing;
 
 /* A circle whose flight is new. */
 typedef struct {
-    PyObject *body, *others, *lines, *reaches; /* owned */
+    PyObject *body, *others, *lines, *reaches, *pegs; /* owned */
     double f[FLIGHT], until;
     Py_ssize_t index, serial;
 } Moved;
@@ -187,6 +336,7 @@ typedef struct {
 typedef struct {
     Span span;
     Py_ssize_t i, j, si, sj;
+    int falls; /* a wall that falls, where a contact that stands is none to leave out: see `fall` */
 } Entry;
 
 /* 1 if told, 0 if this is left to Python, -1 with an error set. */
@@ -254,14 +404,24 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, Py_ssi
         return 0;
     for (Py_ssize_t k = 0, size = PyList_GET_SIZE(lines); k < size; k++) {
         double line[7];
-        long number;
-        Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0};
+        long number, other;
+        Falls falling;
+        Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0, 0};
         PyObject *told_line = item(lines, k);
-        int failed = told_line == NULL || read_line(told_line, &number, line) < 0;
+        int known = told_line == NULL ? -1 : read_falls(told_line, &number, &other, &falling);
+        if (known == 0)
+            known = read_line(told_line, &number, line);
+        entry.falls = known > 0;
         Py_XDECREF(told_line);
-        if (failed)
+        if (known < 0)
             return -1;
-        int told = (number < first_face ? wall : face)(a->f, line, flat, far, &entry.span);
+        int told;
+        if (!entry.falls)
+            told = (number < first_face ? wall : face)(a->f, line, flat, far, &entry.span);
+        else if (other >= 0 && stands(standing, standing_count, a->index, other, 1))
+            continue;
+        else
+            told = fall(a->f, &falling, flat, far, stands(standing, standing_count, a->index, number, 1), &entry.span);
         if (told == UNCLEAR)
             return 0;
         if (told == NONE)
@@ -273,11 +433,50 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, Py_ssi
         found[at] = entry;
     }
     for (int k = 0; k < many && found[k].span.low <= a->until; k++) {
-        if (stands(standing, standing_count, a->index, ~found[k].j, 1))
+        if (!found[k].falls && stands(standing, standing_count, a->index, ~found[k].j, 1))
             continue;
         if (found[k].span.high < a->until)
             a->until = found[k].span.high;
         entries[(*count)++] = found[k];
+    }
+    return 1;
+}
+
+/* Puts two circles, in order, into an entry. */
+static void name_both(Entry *entry, Py_ssize_t i, Py_ssize_t si, Py_ssize_t j, Py_ssize_t sj)
+{
+    entry->i = i < j ? i : j;
+    entry->j = i < j ? j : i;
+    entry->si = i < j ? si : sj;
+    entry->sj = i < j ? sj : si;
+}
+
+/* Appends the circles that stand which end a flight, and when they do, to the entries; as `read_standing`. */
+static int meet_pegs(Moved *a, const Standing *standing, int standing_count, Entry *entries, int *count)
+{
+    if (!PyList_Check(a->pegs) || PyList_GET_SIZE(a->pegs) > MOST_PEGS)
+        return 0;
+    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(a->pegs); k++) {
+        Peg peg;
+        Py_ssize_t index, serial;
+        PyObject *told_peg = item(a->pegs, k);
+        int failed = told_peg == NULL || read_peg(told_peg, &peg) < 0;
+        PyObject *body = failed ? NULL : PyTuple_GET_ITEM(told_peg, 0);
+        failed = failed || get_size(body, name_index, &index) < 0 || get_size(body, name_serial, &serial) < 0;
+        Py_XDECREF(told_peg);
+        if (failed)
+            return -1;
+        Entry *entry = &entries[*count];
+        int stood = stands(standing, standing_count, a->index, index, 0);
+        int told = onto_peg(a->f, &peg, a->until, stood, &entry->span);
+        if (told == UNCLEAR)
+            return 0;
+        if (told == NONE || entry->span.low > a->until)
+            continue;
+        name_both(entry, a->index, a->serial, index, serial);
+        if (entry->span.high < a->until)
+            a->until = entry->span.high;
+        ++*count;
     }
     return 1;
 }
@@ -302,11 +501,7 @@ static int meet_circle(const Moved *a, const Moved *moved, Py_ssize_t moved_coun
         return NONE;
     if (get_size(b, name_index, &index) < 0 || get_size(b, name_serial, &serial) < 0)
         return FAILED;
-    int first = a->index < index;
-    entry->i = first ? a->index : index;
-    entry->j = first ? index : a->index;
-    entry->si = first ? a->serial : serial;
-    entry->sj = first ? serial : a->serial;
+    name_both(entry, a->index, a->serial, index, serial);
     return MEETS;
 }
 
@@ -334,14 +529,15 @@ static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_cou
 }
 
 /* Takes up a circle with what it may meet; as `read_standing`. */
-static int take(Moved *a, PyObject *bodies, PyObject *others, PyObject *lines, PyObject *reaches, Py_ssize_t k)
+static int take(Moved *a, PyObject *bodies, PyObject *others, PyObject *lines, PyObject *reaches, PyObject *pegs, Py_ssize_t k)
 {
     a->body = PySequence_GetItem(bodies, k);
     a->others = item(others, k);
     a->lines = item(lines, k);
     a->reaches = item(reaches, k);
+    a->pegs = item(pegs, k);
     a->until = INFINITY;
-    if (a->body == NULL || a->others == NULL || a->lines == NULL || a->reaches == NULL)
+    if (a->body == NULL || a->others == NULL || a->lines == NULL || a->reaches == NULL || a->pegs == NULL)
         return -1;
     int told = read_flight(a->body, a->f);
     if (told <= 0 || (a->f[VX] == 0.0 && a->f[VY] == 0.0))
@@ -358,38 +554,42 @@ static int set_until(const Moved *a)
 }
 
 PyDoc_STRVAR(predict_doc,
-"predict(moved, others, lines, reaches, bounds, slopes, standing, heap, order, first_face): queues the next meetings of\n"
+"predict(moved, others, lines, reaches, pegs, bounds, slopes, standing, heap, order, first_face): queues the next meetings of\n"
 "one or two circles, each with its others and its walls, of which those from `first_face` on are faces, and sets when\n"
 "these end their flights. Gives the last order used; None, with nothing changed, where doubles leave something open or\n"
 "this is not the ordinary case.");
 
 static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count)
 {
-    if (count != 10) {
-        PyErr_SetString(PyExc_TypeError, "predict: ten arguments");
+    if (count != 11) {
+        PyErr_SetString(PyExc_TypeError, "predict: eleven arguments");
         return NULL;
     }
-    PyObject *bodies = args[0], *others = args[1], *lines = args[2], *reaches = args[3], *heap = args[7];
+    PyObject *bodies = args[0], *others = args[1], *lines = args[2], *reaches = args[3], *pegs = args[4], *heap = args[8];
     Bounds bounds;
     double slopes[2];
     Standing standing[MOST_STANDING];
     Moved moved[MOST_MOVED] = {{0}};
-    Entry entries[MOST_MOVED * (MOST_CIRCLES + MOST_WALLS)];
+    Entry entries[MOST_MOVED * (MOST_CIRCLES + MOST_WALLS + MOST_PEGS)];
     int standing_count = 0, entry_count = 0;
     Py_ssize_t order, first_face;
-    if (read_size(args[8], &order) < 0 || read_size(args[9], &first_face) < 0 || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
+    if (read_size(args[9], &order) < 0 || read_size(args[10], &first_face) < 0 || read_bounds(args[5], &bounds) < 0
+        || read_doubles(args[6], 2, slopes) < 0)
         return NULL;
-    int told = read_standing(args[6], standing, &standing_count);
+    int told = read_standing(args[7], standing, &standing_count);
     Py_ssize_t size = PyList_Check(bodies) || PyTuple_Check(bodies) ? PySequence_Fast_GET_SIZE(bodies) : 0;
     if (told > 0 && (size < 1 || size > MOST_MOVED || !PyList_Check(others) || PyList_GET_SIZE(others) != size
                      || !PyList_Check(lines) || PyList_GET_SIZE(lines) != size || !PyList_Check(reaches)
-                     || PyList_GET_SIZE(reaches) != size || !PyList_Check(heap)))
+                     || PyList_GET_SIZE(reaches) != size || !PyList_Check(pegs) || PyList_GET_SIZE(pegs) != size
+                     || !PyList_Check(heap)))
         told = 0;
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
-        told = take(&moved[k], bodies, others, lines, reaches, k);
+        told = take(&moved[k], bodies, others, lines, reaches, pegs, k);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
         told = meet_walls(&moved[k], moved[k].lines, slopes[0], slopes[1], first_face, standing, standing_count, entries,
                           &entry_count);
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++)
+        told = meet_pegs(&moved[k], standing, standing_count, entries, &entry_count);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
         told = meet_circles(&moved[k], moved, size, moved[k].others, moved[k].reaches, &bounds, standing, standing_count,
                             entries, &entry_count);
@@ -404,6 +604,7 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
         Py_XDECREF(moved[k].others);
         Py_XDECREF(moved[k].lines);
         Py_XDECREF(moved[k].reaches);
+        Py_XDECREF(moved[k].pegs);
     }
     return told < 0 ? NULL : told == 0 ? Py_NewRef(Py_None) : PyLong_FromSsize_t(order);
 }
@@ -506,7 +707,10 @@ static PyObject *first(PyObject *self, PyObject *const *args, Py_ssize_t count)
 }
 
 static PyMethodDef methods[] = {
+    {"falls", (PyCFunction)(void (*)(void))falls, METH_FASTCALL, falls_doc},
     {"faces", (PyCFunction)(void (*)(void))faces, METH_FASTCALL, faces_doc},
+    {"falling_zero", (PyCFunction)(void (*)(void))first_fall, METH_FASTCALL, falling_zero_doc},
+    {"onto_peg", (PyCFunction)(void (*)(void))peg_met, METH_FASTCALL, onto_peg_doc},
     {"first", (PyCFunction)(void (*)(void))first, METH_FASTCALL, first_doc},
     {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},
     {"walls", (PyCFunction)(void (*)(void))walls, METH_FASTCALL, walls_doc},

@@ -25,6 +25,7 @@ from ..numbers import ball
 from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
 from .round_falls import peg_wait
 from .state import ReplayState
+from .wall_flights import FallingWall, falling_wall
 
 # -- A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
 #
@@ -339,6 +340,7 @@ class Unchanging:
         self._alike: dict[tuple[int, int, int, int], Partners] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
+        self._falls: dict[AtWall, FallingWall[arb]] = {}
 
     def at(self, bits: int) -> None:
         """At so many bits from now on."""
@@ -348,6 +350,7 @@ class Unchanging:
             self._alike.clear()
             self._shares.clear()
             self._walls.clear()
+            self._falls.clear()
 
     def partners(self, link: Pair) -> Partners:
         """Those of two circles."""
@@ -360,6 +363,19 @@ class Unchanging:
     def wall(self, link: AtWall) -> Upright | Oblique:
         """Those of a circle and a wall."""
         return self._walls.get(link) or self._face(link)
+
+    def fall(self, link: AtWall) -> FallingWall[arb]:
+        """Those of a circle and a wall that falls or moves."""
+        return self._falls.get(link) or self._fall(link)
+
+    def _fall(self, link: AtWall) -> FallingWall[arb]:
+        ball.use_bits(self._bits)
+        state, falling = self._state, self._state.falling
+        assert falling is not None
+        line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
+        pull, drift = state.sides.pull(link.circle, link.wall), state.drifts.get(link.wall)
+        found = self._falls[link] = falling_wall(line, r, falling, pull, drift, state.damping, ball.ZERO)
+        return found
 
     def _become_partners(self, link: Pair) -> Partners:
         a, b = link.ends(self._state)
@@ -598,7 +614,9 @@ class LoneContacts:
         """A circle and a wall."""
         body = self._state.bodies[link[0]]
         x, y, vx, vy, base, _, _, _, rest = body.flight
-        if rest or self._state.falling is not None:
+        if self._state.falling is not None:
+            return self._off_falling(link, bits, step)
+        if rest:
             return None
         wall = self._known.wall(link)
         worst = body.acc + SPARE_BITS
@@ -622,6 +640,35 @@ class LoneContacts:
             y, vy = wall.twice - y, -vy
         else:
             x, vx = wall.twice - x, -vx
+        rest = vx.is_zero() and vy.is_zero()
+        body.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
+        body.acc = accuracy = self._stand(instant, late, step, bits)
+        return accuracy
+
+    def _off_falling(self, link: AtWall, bits: int, step: int) -> int | None:
+        """A circle and a wall that falls or moves (see wall_flights.py).
+
+        The speed along n at which they meet is -sqrt(D), or without a pull what it is all the way: so it needs no
+        time, and enters the flight after as the discriminant has it.
+        """
+        body = self._state.bodies[link[0]]
+        x, y, vx, vy, base, *_ = body.flight
+        wall = self._known.fall(link)
+        worst = body.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        met = wall.met(x, y, vx, vy, base, ball.ZERO, arb.sqrt)
+        if met is None:
+            return None
+        wait, strength = met
+        instant = base + wait
+        if not instant.is_finite():
+            return None
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        ux, uy = wall.turn_x * strength, wall.turn_y * strength
+        x, y = x + vx * lag - ux * late, y + vy * lag - uy * late
+        vx, vy = vx + ux, vy + uy
         rest = vx.is_zero() and vy.is_zero()
         body.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
         body.acc = accuracy = self._stand(instant, late, step, bits)

@@ -14,6 +14,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
+from ..compiled import predictions
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
 from ..numbers.system import M, N
 from .contact import Body, Gravity, Link, Pair, Relation, Round, is_pair, touching_at_start
@@ -107,6 +108,9 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     >>> falling_zero((1.0, 0.0, -2.0, 0.0, 1.0), (0.0,) * 5).since < 1
     True
     """
+    if predictions is not None:
+        found = predictions.falling_zero(c, off, end)
+        return Isolated(*found) if isinstance(found, tuple) else None if found is None else Unclear(found)
     degree = len(c) - 1
     if not (c[0] > off[0] and all(map(isfinite, c)) and all(map(isfinite, off))):
         return Unclear(0.0)
@@ -135,21 +139,12 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     while stack:
         low, high, b, depth = stack.pop()
         doubt = base + per * depth
-        changes, sure, above = 0, True, True
-        for x in b:
-            if x > doubt:
-                changes += not above
-                above = True
-            elif x < -doubt:
-                changes += above
-                above = False
-            else:
-                sure = False
-                break
-        if sure and not changes:
+        signs = [(x > doubt) - (x < -doubt) for x in b]
+        changes = sum(one != other for one, other in pairwise((1, *signs)))
+        if 0 not in signs and changes < 2:
+            if changes:
+                return _sharpened(c, off, low, high)
             continue
-        if sure and changes == 1:
-            return _sharpened(c, off, low, high)
         parts += 1
         if depth >= DEEPEST or parts > MOST_PARTS:
             return Unclear(low)
@@ -197,7 +192,11 @@ def _bernstein(c: Sequence[float], top: float) -> list[float]:
     for j, value in enumerate(c):
         terms[j] = value * power
         power *= top
-    return [sum(w * s for w, s in zip(row, terms, strict=False)) for row in WEIGHTS[len(c) - 1]]
+    found = [0.0] * len(c)
+    for i, row in enumerate(WEIGHTS[len(c) - 1]):
+        for w, s in zip(row, terms, strict=False):
+            found[i] += w * s
+    return found
 
 
 def _weights(degree: int) -> list[list[fmpq]]:
@@ -651,7 +650,8 @@ def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear
         return found
 
     def value(s: arb) -> arb:
-        return at_clock.after(s).gap()
+        x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
+        return x * x + y * y - at_clock.reach * at_clock.reach
 
     def slope(s: arb) -> arb:
         return 2 * at_clock.after(s).approach()

@@ -432,11 +432,12 @@ class ReplayState(Flights[N]):
 
     def bounce_pair(self, link: Pair) -> None:
         """The bounce of two circles."""
-        dx, dy = self.span(link)
         a, b = link.ends(self)
-        on_peg = self.pegs and self.on_peg(link)
-        v = self.peg_fall(link)[2:4] if on_peg else (b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy)
-        jx, jy = pair_impulse(dx, dy, *v, self.reach(a, b), a.w, b.w)
+        if self.pegs and self.on_peg(link):
+            dx, dy, vx, vy, *_ = self.peg_fall(link)
+        else:
+            (dx, dy), vx, vy = self.span(link), b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy
+        jx, jy = pair_impulse(dx, dy, vx, vy, self.reach(a, b), a.w, b.w)
         if self.share is not None:
             jx, jy = jx * self.share, jy * self.share
         self.push(a, -jx, -jy)

@@ -13,11 +13,12 @@ from ..laws.formulas import (
     fall_time,
     fall_time_back,
     sag,
+    speed_change,
     wall_approach,
     wall_gap,
     wall_hit_time,
 )
-from ..numbers.system import N
+from ..numbers.system import M, N
 from .contact import AtWall, Body, Gravity, Sides, WallFall
 
 if TYPE_CHECKING:
@@ -86,6 +87,77 @@ def along_of(falling: Gravity[N], place: tuple[N, N], line: SeenWall[N], clock: 
     if falling.bent:
         return along, slide, half
     return sag(along, zero, half, clock), fall_speed(slide, half, clock), half
+
+
+class FallingWall(NamedTuple, Generic[M]):
+    """A wall under gravity, or one that moves, to a circle: what of it no flight changes.
+
+    Attributes:
+        nx, ny: the normal, on the circle's side.
+        foot: n.p + r |n|, of a point of the wall at time 0.
+        drift: n.u, of its velocity.
+        half: half of n.g, whose sign is `pull`.
+        pull: whether gravity pulls towards the wall (negative), along it (0), or away from it.
+        turn_x, turn_y: (1 + e) n / |n|^2.
+    """
+
+    nx: M
+    ny: M
+    foot: M
+    drift: M
+    half: M
+    pull: int
+    turn_x: M
+    turn_y: M
+
+    def met(self, x: M, y: M, vx: M, vy: M, clock: M, zero: M, root_of: Callable[[M], M]) -> tuple[M, M] | None:
+        """The time from its clock until a circle that is certain to meet the wall does, and at what speed along n.
+
+        That is the root of the discriminant, or without a pull what it is all the way: there is no time in it. In
+        enclosures of numbers; None where these do not tell that there is such a time.
+        """
+        nx, ny, foot, drift, half, pull, *_ = self
+        gap, speed = nx * x + ny * y - foot - drift * clock, nx * vx + ny * vy - drift
+        if not pull:
+            return (wall_hit_time(gap, speed), -speed) if speed < zero else None
+        gap, speed = sag(gap, zero, half, clock), fall_speed(speed, half, clock)
+        disc = fall_discriminant(gap, speed, half)
+        if not disc > zero:
+            return None
+        root = root_of(disc)
+        if speed < zero:
+            return fall_time(gap, speed, root), root
+        return (fall_time_back(speed, half, root), root) if pull < 0 else None
+
+
+def falling_wall(
+    line: SeenWall[M],
+    r: M,
+    falling: Gravity[M],
+    pull: int,
+    drift: tuple[M, M] | None,
+    damping: Callable[[M], M],
+    zero: M,
+) -> FallingWall[M]:
+    """A wall as a circle of radius r comes to it, in the falling frame.
+
+    Args:
+        line: the wall at time 0.
+        falling: half of gravity.
+        pull: as `FallingWall` has it.
+        drift: the wall's velocity; None where it stands.
+        damping: what is left of an elastic change of speed.
+    """
+    x0, y0, nx, ny, nn, length = line
+    return FallingWall(
+        nx,
+        ny,
+        nx * x0 + ny * y0 + r * length,
+        zero if drift is None else wall_approach(*drift, nx, ny),
+        wall_approach(falling.hx, falling.hy, nx, ny) if pull else zero,
+        pull,
+        *(damping(speed_change(n)) / nn for n in (nx, ny)),
+    )
 
 
 class WallFlights(Generic[N]):

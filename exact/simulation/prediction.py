@@ -80,16 +80,16 @@ class Outlook(NamedTuple, Generic[N]):
     """What one or two circles may meet.
 
     Attributes:
-        others: for each, the circles to be looked at.
-        lines: for each, its walls, then its faces.
+        others, pegs, lines: for each, circles to look at, those that stand under gravity, walls and then faces.
         reaches: for each, sums of radii by kind of radius.
         pairs: how many pairs of circles that is.
         first_face: the first of the walls that is a face.
     """
 
     others: list[list[Body[N]]]
-    lines: list[list[FloatLine]]
+    lines: list[Sequence[tuple[float, ...]]]
     reaches: list[list[float]]
+    pegs: list[Sequence[tuple[object, ...]]]
     pairs: int
     first_face: int
 
@@ -204,7 +204,7 @@ class ArrivalQueue(Generic[N]):
         if predictions is None:
             return False
         now = self._heap, self._order, outlook.first_face
-        order = predictions.predict(moved, *outlook[:3], bounds, slopes, standing, *now)
+        order = predictions.predict(moved, *outlook[:4], bounds, slopes, tuple(standing), *now)
         if order is None:
             return False
         self._order = order
@@ -439,7 +439,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-            self.few = self._crowd is None and not self.state.pockets and self.falling is None
+            self.few = self._crowd is None and not self.state.pockets and (self.falling is None or self.arcs is None)
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return

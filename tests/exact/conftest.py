@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import pytest
 from flint import ctx
 
+from truebreak.exact.certified import filtered_falls
+
 
 @pytest.fixture
 def long_balls() -> Iterator[None]:
@@ -15,3 +17,13 @@ def long_balls() -> Iterator[None]:
     ctx.prec = 2000
     yield
     ctx.prec = saved
+
+
+@pytest.fixture
+def unfiltered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under gravity nothing is clear in doubles: all is predicted in balls."""
+    line, peg = filtered_falls.float_fall, filtered_falls.float_peg
+    monkeypatch.setattr(
+        filtered_falls, "float_fall", lambda *of: line(*of)._replace(norm=float("inf"), size=float("inf"))
+    )
+    monkeypatch.setattr(filtered_falls, "float_peg", lambda *of: peg(*of)._replace(reach=float("inf")))

@@ -174,6 +174,7 @@ def no_gravity(*args: Any, **kwargs: Any) -> Any:
 BACK, ALONG, FALL = arc_meetings.fall_time_back, arc_meetings.along_of, arc_meetings.fall_of
 
 
+@pytest.mark.usefixtures("unfiltered")
 @pytest.mark.parametrize(
     ("name", "fault"),
     [

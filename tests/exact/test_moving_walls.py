@@ -188,6 +188,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.usefixtures("unfiltered")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_planted_fault_is_found(fault: str, monkeypatch: pytest.MonkeyPatch):
     FAULTS[fault](monkeypatch)

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.recorded import RecordedEngine
-from truebreak.floating.knots import DoubleKnot, DoubleMotion, FallingMotion
-from truebreak.scenarios import Contact, Event, Scene, StopReason, Trajectory
-from truebreak.scenarios.trajectory import Stop
+from truebreak.scenarios import Scene
 
 Vector = list[float]
 
@@ -31,32 +28,6 @@ class Faulty(RecordedEngine):
     name = "faulty"
     step_microseconds = 20.0
     scene_keys = frozenset({"wall", "gravity", "restitution"})
-
-    def run(self, scene: Scene, **limits: Any) -> Trajectory:
-        """Of what falls, and where walls move, the run is made here: no recording takes these."""
-        if self.step is not None or (scene.gravity is None and not any(wall.vx or wall.vy for wall in scene.walls)):
-            return super().run(scene, **limits)
-        until, events = float(limits.get("until", math.inf)), limits.get("events", math.inf)
-        world, told = World(scene, self.fault, self.size), list[Event]()
-        knots: list[list[DoubleKnot]] = [[(0.0, *world.state(k))] for k in range(world.count)]
-        while len(told) < events and (found := world.next()) is not None and world.time + found[0] <= until:
-            wait, i, j = found
-            world.fly(wait)
-            moved = world.meet(i, j)
-            if moved is not None:
-                met = (Contact(world.ids[i], world.ids[j]),)
-                told.append(Event(len(told), world.time, met, met))
-                for k in moved:
-                    knots[k].append((world.time, *world.state(k)))
-        whole = len(told) == events
-        stop = StopReason.EVENTS if whole else StopReason.QUIET if math.isinf(until) else StopReason.HORIZON
-        end = float(told[-1].time) if whole or math.isinf(until) else until
-        fall = None if scene.gravity is None else (float(scene.gravity[0]) / 2, float(scene.gravity[1]) / 2)
-        motion = DoubleMotion(knots, end) if fall is None else FallingMotion(knots, end, fall)
-        return Trajectory(
-            scene=scene, engine=self.name, parameters=self.parameters, events=tuple(told), stop=Stop(stop, stop.value),
-            final_time=end, motion=motion,
-        )  # fmt: skip
 
     def play(self, scene: Scene, recording: Recording) -> None:
         """The whole run, and where all are after each impact."""

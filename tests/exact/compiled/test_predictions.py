@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from random import Random
+from typing import Any
 
 import pytest
 from flint import arb
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import filtered as double_filter
+from truebreak.exact.certified import filtered_falls
 from truebreak.exact.certified.filtered import DoubleFilter, FilteredPredictor
+from truebreak.exact.certified.filtered_falls import FloatFall, FloatPeg, falls_in_doubles, peg_in_doubles
 from truebreak.exact.compiled import predictions
+from truebreak.exact.replay import round_falls
 from truebreak.exact.replay.contact import Body, Flight
 from truebreak.exact.simulation import prediction as queue
 from truebreak.exact.simulation.prediction import FloatLine
@@ -24,7 +29,8 @@ SCALES = [(1.0, 1.0), (1e3, 1e-3), (1e45, 1e45), (1e-45, 1e-45), (1e45, 1e-45), 
 
 
 def in_python(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(double_filter, "predictions", None)
+    for place in (double_filter, filtered_falls, round_falls):
+        patch.setattr(place, "predictions", None)
     patch.setattr(queue, "predictions", None)
 
 
@@ -99,6 +105,53 @@ def test_walls_are_told_in_the_same_bits(
     assert hits > (500 if kind == "walls" else 20 if place in (1.0, 1e3) else -1)  # a face is as long as its normal
 
 
+@pytest.mark.parametrize("place, speed", SCALES)
+def test_what_falls_is_told_in_the_same_bits(place: float, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng, hits, open_ = Random(f"falls {place} {speed}"), 0, 0
+    for _ in range(ROWS):
+        find, (a, *_) = filtered(rng, place, speed, 3)
+        if a.f is None:
+            continue
+        lines = []
+        for k in range(6):
+            x0, y0, nx, ny, *_ = flight(rng, place, rng.choice([1.0, place]), 0.0)
+            norm, fixed = abs(nx) + abs(ny), place * rng.uniform(0.0, 0.1)
+            size = float("inf") if rng.random() < 0.05 else norm * (abs(x0) + abs(y0)) + fixed
+            pulls = [speed * speed / place * rng.choice([0.0, -1.0, rng.uniform(-1.0, 1.0)]) for _ in range(3)]
+            face, other = rng.random() < 0.5, rng.choice([-1, -1, 5])
+            lines.append(FloatFall(k, other, face, x0, y0, nx, ny, fixed, norm, size, *pulls))
+        stands = [rng.randrange(6)]
+        compiled = falls_in_doubles(a.f, lines, *find.wall_bounds, stands)
+        with monkeypatch.context() as patch:
+            in_python(patch)
+            assert bits(compiled) == bits(falls_in_doubles(a.f, lines, *find.wall_bounds, stands))
+        hits, open_ = hits + len(compiled[0]), open_ + len(compiled[1])
+    assert open_ > 500
+    assert hits > 100
+
+
+@pytest.mark.parametrize("place, speed", SCALES)
+def test_pegs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng, found = Random(f"pegs {place} {speed}"), Counter[object]()
+    for _ in range(ROWS):
+        _, (a, b, *_) = filtered(rng, place, speed, 3)
+        if a.f is None:
+            continue
+        x, y, *_ = flight(rng, place, speed, 0.0)
+        pull = speed * speed / place
+        reach = place * rng.choice([0.0, rng.uniform(0.0, 3.0), float("inf")])
+        peg = FloatPeg(b, x, y, reach, pull * rng.choice([0.0, rng.uniform(-1.0, 1.0)]), -pull * rng.random())
+        until = a.f[4] + place / speed * rng.choice([float("inf"), rng.random(), 0.0])
+        stood = rng.random() < 0.3
+        compiled = peg_in_doubles(a.f, peg, until, stood)
+        with monkeypatch.context() as patch:
+            in_python(patch)
+            assert repr(compiled) == repr(peg_in_doubles(a.f, peg, until, stood))
+        found[compiled if isinstance(compiled, bool) else "met"] += 1
+    assert min(found[True], found[False]) > 30
+    assert found["met"] > (20 if place < 1e45 or speed > 1.0 else -1)  # times beyond 10**60 are left to balls
+
+
 OBLIQUE = Scene(
     [
         Circle(x, y, vx=v, vy=w, r="1/3")
@@ -112,7 +165,23 @@ BARS = [Segment(3, 5, 4, 9), Segment(11, 4, 14, "11/2", r="1/4"), Segment(13, 14
 BLOCK = [Polygon([(3, 3), (5, 3), ("9/2", 4), (5, 6)])]
 FLOOR = Segment(0, "1/2", 6, "1/2")
 
+PEGS = [Circle(x, y, "1/2", m="oo") for x, y in ((4, 9), (6, 14), (13, 6))]
+
+
+def falling(scene: Scene, **more: Any) -> Scene:
+    """The same under gravity, of which a part goes along each wall."""
+    return scene.with_changes(until=None, events=None, gravity=("1/30", "-1/10"), **more)
+
+
+GAS = build("gas:n=10,seed=3")
+MOVING = [*BOX[:3], Wall(0, 12, 1, 12, vx="1/9", vy="-1/999")]
 SCENES = {
+    "gravity": (falling(GAS), 300),
+    "gravity, oblique": (falling(OBLIQUE), 200),
+    "gravity, segments": (falling(GAS, segments=BARS), 200),
+    "gravity, pegs": (falling(GAS, circles=[*GAS.circles, *PEGS]), 200),
+    "moving": (Scene([Circle(1, 5, vx=1, vy="1/3"), Circle(5, 8, vy=-1, vx="2/7")], MOVING), 200),
+    "moving, segments": (Scene([Circle(1, 5, vx=1, vy="1/3")], MOVING, segments=[FLOOR]), 100),
     "gas": (build("gas:n=10,seed=3"), 400),
     "sizes": (build("gas:n=12,seed=5"), 300),
     "rack": (build("rack:rows=3"), 40),
@@ -167,7 +236,7 @@ def test_a_run_queues_the_same_arrivals(name: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(FilteredPredictor, "predict", checked)
     run = ExactEngine().run(scene, events=events)
     assert run.events
-    if name in ("gas", "sizes", "oblique", "segments", "polygon"):
+    if name in ("gas", "sizes", "oblique", "segments", "polygon") or name.startswith(("gravity", "moving")):
         assert told > 0.9 * len(run.events)
 
 
@@ -183,8 +252,9 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
     def told(moved: list[Body[arb]], standing: object = (), lines: list[FloatLine] | None = None) -> int | None:
         others = [[b for b in bodies if b not in moved[: k + 1]] for k in range(len(moved))]
         walls, reaches = [lines or [line]] * len(moved), [[1.0]] * len(moved)
+        pegs: list[list[FloatPeg]] = [[] for _ in moved]
         return predictions.predict(
-            moved, others, walls, reaches, find.pair_bounds, find.wall_bounds, standing, heap, len(heap), 1
+            moved, others, walls, reaches, pegs, find.pair_bounds, find.wall_bounds, standing, heap, len(heap), 1
         )
 
     assert told(bodies[:2]) == len(heap) > 0
@@ -214,12 +284,21 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
         lambda c: c.walls((1.0,) * 6, [(1, 2)], 1.0, 1.0),
         lambda c: c.walls((1.0,) * 6, [], "far", 1.0),
         lambda c: c.faces((1.0,) * 6, [(1, 2)], 1.0, 1.0),
-        lambda c: c.predict([], [], [], [], (1.0,) * 5, (1.0, 1.0), (), [], 0, "none"),
+        lambda c: c.falls((1.0,) * 6, [(1, 2)], 1.0, 1.0, ()),
+        lambda c: c.falls((1.0,) * 6, [], 1.0, 1.0, []),
+        lambda c: c.falls((1.0,) * 6, [], 1.0, 1.0, (), 1),
+        lambda c: c.falling_zero([1.0, 2.0], [0.0], 1.0),
+        lambda c: c.falling_zero([1.0] * 6, [0.0] * 6, 1.0),
+        lambda c: c.falling_zero([], [], 1.0),
+        lambda c: c.onto_peg((1.0,) * 6, (1.0,) * 6, 1.0),
+        lambda c: c.onto_peg((1.0,) * 6, (1.0,) * 5, 1.0, False),
+        lambda c: c.onto_peg((1.0,) * 5, (1.0,) * 6, 1.0, False),
+        lambda c: c.predict([], [], [], [], [], (1.0,) * 5, (1.0, 1.0), (), [], 0, "none"),
         lambda c: c.predict([], [], [], [], (), (), (), []),
         lambda c: c.first([], {}),
         lambda c: c.first((), {}, 1.0),
         lambda c: c.first([], {}, "late"),
-        lambda c: c.predict([], [], [], [], (), (), (), [], 0),
+        lambda c: c.predict([], [], [], [], [], (), (), (), [], 0),
     ],
 )
 def test_what_makes_no_sense_is_refused(call) -> None:
