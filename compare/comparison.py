@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..floating.knots import SteppedEvents
 from ..scenarios.errors import SceneError
 from ..scenarios.pictures import html_table, shown
 from ..scenarios.scene import Scene
@@ -438,6 +439,9 @@ def explained(
     new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
     if scene.gravity is not None and (scene.surfaces.pegs or scene.segments or scene.polygons or scene.arcs):
         new = "with gravity and something fixed that is no wall"
+    motion = candidate.trajectory.motion
+    if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
+        new = "with gravity, for engines that add g dt before they move a circle"
     if scene.other_walls:
         new = f"with a wall of kind {scene.other_walls[0].kind!r}"
     if new and unsettled and not candidate.unable:

@@ -154,8 +154,8 @@ class SteppedAdapter(Adapted):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """Walls, segments and polygons, turning back; no `tie_policy`: a step solves its contacts at once."""
-        return frozenset({"wall", "segment", "polygon", "pocket", "reverse_at", "reverse_after"})
+        """Walls, segments and polygons, gravity, turning back; no `tie_policy`: a step solves its contacts at once."""
+        return frozenset({"wall", "segment", "polygon", "pocket", "reverse_at", "reverse_after", "gravity", "fixed"})
 
     def finer(self) -> SteppedAdapter:
         """Half the time step, and room for twice the steps."""
@@ -175,7 +175,14 @@ class SteppedAdapter(Adapted):
         """
 
     def play(self, scene: Scene, recording: Recording) -> None:
-        """Steps on while the recording is open; ends it where the world has no more room."""
+        """Steps on while the recording is open; ends it where the world has no more room.
+
+        Raises:
+            SceneError: for a scene that is turned back under gravity: no fall by steps goes back the way that it came.
+        """
+        if scene.gravity is not None and (scene.reverse_at is not None or scene.reverse_after is not None):
+            told = f"{scene.name!r}: has gravity and a reversal, which engine {self.name!r} does not follow together"
+            raise SceneError(f"{told}; leave reverse_at and reverse_after out")
         try:
             self._steps(scene, recording)
         except OutOfRoom as error:
@@ -247,8 +254,32 @@ def glided(rows: Sequence[Row], time: float) -> list[Row]:
     return [(x + vx * time, y + vy * time, vx, vy) for x, y, vx, vy in rows]
 
 
+def gravity_of(scene: Scene) -> tuple[float, float]:
+    """A scene's gravity in doubles; none is 0.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> gravity_of(Scene([Circle(0, 0)])), gravity_of(Scene([Circle(0, 0)], gravity=(0, "-1/2")))
+    ((0.0, 0.0), (0.0, -0.5))
+    """
+    return (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
+
+
+def fallen_row(row: Row, time: float, gravity: tuple[float, float]) -> Row:
+    """A row after a fall of so long, or before it.
+
+    >>> fallen_row((0.0, 0.0, 1.0, 0.0), -2.0, (0.0, -1.0))
+    (-2.0, -2.0, 1.0, 2.0)
+    """
+    (x, y, vx, vy), (gx, gy) = row, gravity
+    return x + (vx + gx * time / 2) * time, y + (vy + gy * time / 2) * time, vx + gx * time, vy + gy * time
+
+
+FALLING_FOR = 64.0
+"""For how long a circle may fall until it is as fast as an engine's world is made for."""
+
+
 def top_speed(scene: Scene) -> float:
-    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`.
+    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`; and what a long fall adds.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> top_speed(Scene([Circle(0, 0, vx=3, m=4), Circle(9, 0)]))
@@ -257,7 +288,8 @@ def top_speed(scene: Scene) -> float:
     moving = [circle for circle in scene.circles if not circle.fixed]
     shares = [float(circle.inverse_mass) for circle in moving]
     squares = [(float(c.vx) ** 2 + float(c.vy) ** 2) / w for c, w in zip(moving, shares, strict=True)]
-    return ENERGY_MARGIN * math.sqrt(max(shares, default=0.0) * sum(squares))
+    fallen = math.hypot(*gravity_of(scene)) * FALLING_FOR
+    return ENERGY_MARGIN * math.sqrt(max(shares, default=0.0) * sum(squares)) + fallen
 
 
 def power_of_two(value: float) -> float:
@@ -308,7 +340,7 @@ class Episodes(Teller):
     def __init__(self, scene: Scene, recording: Recording, longest: float) -> None:
         super().__init__(scene, recording)
         self._moving = {str(circle.id) for circle in scene.circles if not circle.fixed}
-        self._longest = longest
+        self._longest, self._gravity = longest, gravity_of(scene)
         self._pressing: set[tuple[str, str]] = set()
         self._open: list[Episode] = []
         self._last, self._events = 0.0, 0
@@ -364,7 +396,7 @@ class Episodes(Teller):
         recording, time = self.recording, max(episode.start, self._last)
         if recording.reversal is None and self.scene.reverse_after == self._events + (time > self._last):
             time = max(episode.end, self._last)
-        rows = {name: glided([row], time - episode.end)[0] for name, row in episode.rows.items()}
+        rows = {name: fallen_row(row, time - episode.end, self._gravity) for name, row in episode.rows.items()}
         self._events += time > self._last
         self._last = time
         recording.hits(time, episode.pairs, rows)

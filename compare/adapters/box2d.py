@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import OutOfRoom, SteppedAdapter, bar_ends, bars, package, power_of_two, stretches, top_speed
+from ..foreign.recording import StepFall
+from .adapter import (
+    OutOfRoom,
+    SteppedAdapter,
+    bar_ends,
+    bars,
+    gravity_of,
+    package,
+    power_of_two,
+    stretches,
+    top_speed,
+)
 
 if TYPE_CHECKING:
     from ...floating.pymunk_space import Point
@@ -21,6 +33,9 @@ number is rounded otherwise."""
 
 FARTHEST = 2.0
 """Metres that Box2D lets a body go in one step at most (b2_maxTranslation)."""
+
+NEARLY = 1 - 2.0**-16
+"""What goes as far as that has been held back, but for rounding."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +59,7 @@ class Box2DEngine(SteppedAdapter):
     name = "box2d"
     bits = 24
     step_microseconds = 5.0
+    falls = StepFall(1.0, 0.0)
     iterations: int = 64
 
     def __post_init__(self) -> None:
@@ -81,7 +97,8 @@ class Box2DWorld:
         self._restitution = float(scene.restitution)
         self._metres = metres(scene, engine)
         self._speed = self._metres * QUICK
-        self._world = self._b2.b2World(gravity=(0, 0), doSleep=False)
+        gravity = [part * self._speed * QUICK for part in gravity_of(scene)]
+        self._world = self._b2.b2World(gravity=gravity, doSleep=False)
         self._world.continuousPhysics = self._world.warmStarting = False
         self._bodies = [self._body(circle) for circle in scene.circles]
         self._moving = [not circle.fixed for circle in scene.circles]
@@ -145,6 +162,8 @@ class Box2DWorld:
             (x, y), (vx, vy) = body.position, body.linearVelocity
             row = (x / self._metres, y / self._metres, vx / self._speed, vy / self._speed)
             found.append(row)
+            if moves and math.hypot(vx, vy) * self._engine.dt / QUICK >= FARTHEST * NEARLY:
+                raise OutOfRoom(f"{body.userData!r} would go farther in a step than the {FARTHEST:g} m of Box2D's")
             if moves and not all(stretch.beside(row[0], row[1]) for stretch in self._stretches):
                 raise OutOfRoom(f"{body.userData!r} has come to the end of an edge that stands for a wall")
         return found

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...scenarios.errors import SceneError
-from .adapter import LASTING, Episodes, SteppedAdapter, bar_ends, bars, lines, package, sides
+from ..foreign.recording import StepFall
+from .adapter import LASTING, Episodes, SteppedAdapter, bar_ends, bars, gravity_of, lines, package, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -46,6 +47,7 @@ class MujocoEngine(SteppedAdapter):
     name = "mujoco"
     bits = 53
     step_microseconds = 20.0
+    falls = StepFall(0.5, 0.0)
     dt: float = 1 / 2048
     contact_steps: int = 16
     iterations: int = 100
@@ -88,7 +90,7 @@ class MujocoWorld:
     def _spec(self, scene: Scene, engine: MujocoEngine) -> Any:
         mujoco = self._mujoco
         spec = mujoco.MjSpec()
-        spec.option.timestep, spec.option.gravity = engine.dt, [0, 0, 0]
+        spec.option.timestep, spec.option.gravity = engine.dt, [*gravity_of(scene), 0]
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
         spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
         spec.option.iterations, spec.option.tolerance = engine.iterations, 0.0

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapter import SteppedAdapter, bar_ends, bars, lines, package, power_of_two, sides
+from ..foreign.recording import StepFall
+from .adapter import SteppedAdapter, bar_ends, bars, gravity_of, lines, package, power_of_two, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -53,6 +54,14 @@ class RapierEngine(SteppedAdapter):
         """As of other steppers, and `restitution`."""
         return super().scene_keys | {"restitution"}
 
+    @property
+    def falls(self) -> StepFall:
+        """Each of its k iterations adds a k-th of g dt, and then moves a circle on: (k + 1) / (2 k) of g dt a step.
+
+        It bounces with the velocity of before the step.
+        """
+        return StepFall((self.iterations + 1) / (2 * self.iterations), 1.0)
+
     def world(self, scene: Scene) -> RapierWorld:
         """The scene in Rapier.
 
@@ -70,7 +79,8 @@ class RapierWorld:
         self._rapier: Any = package("rapier3d", "rapier")
         self._restitution = float(scene.restitution)
         self._metres = power_of_two(2 / max((float(c.r) for c in scene.circles if c.r.sign()), default=1.0))
-        self._world = self._rapier.PhysicsWorld(gravity=(0, 0, 0))
+        gx, gy = gravity_of(scene)
+        self._world = self._rapier.PhysicsWorld(gravity=(gx * self._metres, gy * self._metres, 0))
         self._world.set_num_threads(1)
         self._set(engine)
         self._names: dict[Any, str] = {}

@@ -24,6 +24,11 @@ class Player(Engine, Protocol):
         """What reports say of its settings."""
         ...
 
+    @property
+    def falls(self) -> Any:
+        """See `Playing.falls`."""
+        ...
+
     def play(self, scene: Scene, recording: Recording) -> None:
         """See `Playing.play`."""
         ...
@@ -39,6 +44,8 @@ class Playing(Unchangeable, ABC):
     bits: Any = 53
     rounds_input: Any = True
     scene_keys: Any = SCENE_KEYS
+    falls: Any = None
+    """How an engine of steps falls under gravity, a `StepFall`; None: its states say."""
 
     @abstractmethod
     def play(self, scene: Scene, recording: Recording) -> None:
@@ -81,6 +88,7 @@ class Playing(Unchangeable, ABC):
             parameters=self.parameters,
             returns=returns,
             progress=progress,
+            fall=self.falls,
         )
         try:
             with endable():

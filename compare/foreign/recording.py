@@ -167,11 +167,12 @@ class RunSoFar:
         """Where every circle is by its last flight."""
         return [self._way.flown(k, row[-1], now) for k, row in enumerate(self.knots)]
 
-    def rounds(self, span: float) -> float:
+    def rounds(self, now: float) -> float:
         """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
         bits, step, _ = self._steps
         if self._gravity is None or bits is None:
             return FLIGHT
+        span = now - min(row[-1][0] for row in self.knots)
         return max(FLIGHT, 4.0 * max(1.0, 1.0 if step is None else span / step) * 2.0**-bits)
 
     def _flights(self) -> DoubleMotion:
@@ -188,9 +189,15 @@ class RunSoFar:
         left, reckoned = self.left, tuple(sorted(self.reckoned))
         if self._gravity is None:
             return EventMotion(knots, end, left, reckoned)
-        (gx, gy), pegs, (_, step, fall) = self._gravity, self.scene.pegs, self._steps
+        (gx, gy), pegs, (bits, step, fall) = self._gravity, self.scene.pegs, self._steps
         if fall is None and step is not None and not reckoned:
-            fall = step_fall(knots, self._gravity, step, pegs, self.rounds(step) * scale)
+            fall = step_fall(
+                knots,
+                self._gravity,
+                step,
+                pegs,
+                FLIGHT * scale if bits is None else max(FLIGHT, 4.0 * 2.0**-bits) * scale,
+            )
         if fall is None or step is None:
             return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left, reckoned)
         return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
@@ -376,7 +383,7 @@ class Recording:
         rows = [(x, y, vx, vy) for x, y, vx, vy in numbers]
         self._course = RunSoFar(scene, self._impacts, rows, Steps(bits, step, fall))
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
-        self._now, self._end, self._steps, self._before = 0.0, 0.0, 0, 0.0
+        self._now, self._end, self._steps = 0.0, 0.0, 0
         self._budget: str | None = None
         self._quiet = self._reported = self._closed = False
 
@@ -457,8 +464,11 @@ class Recording:
         self._turn_before(now)
         before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
-        share, scene_stands = self._course.rounds(now - self._before), self.scene.gravity is None
-        small = share * max(math.hypot(*row[2:]) for row in [*rows, *before])
+        share, stands = self._course.rounds(now), self.scene.gravity is None
+        fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
+        if not stands:  # at the top of a flight a speed is what rounding has left of that with which it began
+            fastest = max(fastest, *(math.hypot(*row[-1][3:]) for row in self._course.knots))
+        small = share * fastest
         turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
         changed = [k for k, by in enumerate(turned) if by > small]
         if changed and not self._reported:
@@ -467,7 +477,7 @@ class Recording:
         off = [
             k
             for k, by in enumerate(turned)
-            if by > (0.0 if scene_stands else small)
+            if by > (0.0 if stands else small)
             or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > share * self._scale
         ]
         self._course.fly(now, {k: rows[k] for k in off})
@@ -593,8 +603,7 @@ class Recording:
         at = self.scene.reverse_at
         if at is not None and self.reversal is None and float(at) < now:
             self._reverse(float(at))
-        self._before, self._now = self._now, max(self._now, now)
-        self._end = self._now
+        self._now = self._end = max(self._now, now)
 
     def _part_at_the_turn(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
         """Whether a hit at the very time of the reversal, to a double, comes after it: those that collide parted."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from functools import cache
+from math import hypot
 from random import Random
 from typing import Any
 
-from certificate.test_tampering import Told, other_digit
+from certificate.test_tampering import Told, exact_text, other_digit
 from certificate.world_samples import WORLD_WAYS
 from truebreak.compare.certificate import certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.trajectory import Trajectory
 
 SEEDS = range(40)
@@ -129,9 +130,30 @@ def moved_peg(told: Told, draw: Random) -> None:
     """Something that stands is elsewhere, or larger."""
     if rows := fixed(told):
         row, by = draw.choice(rows), draw.choice(["+1", "-1/8", "+1/1000", "-1/1" + "0" * 30, "+1/1" + "0" * 60])
+        before = dict(row)
         for key in draw.choice([("x", "x0", "x1"), ("y", "y0", "y1"), ("r",)]):
             if key in row:
                 row[key] += by
+        if not lie_apart(told):  # a scene of that is refused, though a certificate may be of it
+            row.update(before)
+
+
+def lie_apart(told: Told) -> bool:
+    """Whether no fixed circle overlaps what else is fixed."""
+    roots = told["scene"].get("roots", [])
+
+    def numbers(row: dict[str, str], *keys: str) -> list[float]:
+        return [float(Quantity.of(exact_text(row[key], roots))) for key in keys]
+
+    pegs = [numbers(row, "x", "y", "x", "y", "r") for row in told["scene"]["circles"] if row["w"] == "0"]
+    bars = [numbers(row, "x0", "y0", "x1", "y1", "r") for row in told["scene"].get("segments", ())]
+    for k, (x, y, _, _, r) in enumerate(pegs):
+        for x0, y0, x1, y1, s in pegs[:k] + bars:
+            ux, uy = x1 - x0, y1 - y0
+            along = min(1.0, max(0.0, ((x - x0) * ux + (y - y0) * uy) / ((ux * ux + uy * uy) or 1.0)))
+            if hypot(x - x0 - along * ux, y - y0 - along * uy) < r + s + 1e-9:
+                return False
+    return True
 
 
 def let_fall(told: Told, draw: Random) -> None:
