@@ -188,9 +188,9 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
         rows.append(run.final.rows())
     size = _size(run.scene, rows)
     room, decimals = JUMP * size, DIGITS - math.floor(math.log10(size))
-    gravity = _gravity(run.scene)
+    gravities = _gravities(run.scene)
     for (k, begin, middle), row in zip(flights, rows, strict=True):
-        for i, (x, y, vx, vy) in enumerate(row):
+        for i, ((x, y, vx, vy), gravity) in enumerate(zip(row, gravities, strict=True)):
             if i in known and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
             known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
@@ -210,6 +210,11 @@ def _size(scene: Scene, rows: Sequence[Sequence[Sequence[float]]]) -> float:
 def _gravity(scene: Scene) -> tuple[float, float]:
     gx, gy = scene.gravity or (0, 0)
     return float(gx), float(gy)
+
+
+def _gravities(scene: Scene) -> list[tuple[float, float]]:
+    """What pulls each circle: nothing one that is fixed."""
+    return [(0.0, 0.0) if circle.fixed else _gravity(scene) for circle in scene.circles]
 
 
 def _flown(state: Sequence[float], since: float, gravity: tuple[float, float]) -> tuple[float, float, float, float]:
@@ -243,12 +248,12 @@ PIECES = 8
 
 def _passed(scene: Scene, run: Mapping[str, Any]) -> list[list[float]]:
     """The knots of a run; under gravity with places on the way from each to the end of its flight."""
-    gravity, knots, times = _gravity(scene), run["knots"], run["times"]
-    if gravity == (0.0, 0.0):
+    gravities, knots, times = _gravities(scene), run["knots"], run["times"]
+    if _gravity(scene) == (0.0, 0.0):
         return knots
     ends = [*times[1:], run["end"]]
     return [
-        [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, gravity)]
+        [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, gravities[int(i)])]
         for k, i, *state in knots
         for piece in range(PIECES + 1)
     ]

@@ -155,7 +155,7 @@ def platforms(vx: Quantity, e: Quantity) -> Scene:
     return Scene([ball], [], segments=segments, gravity=(0, -1000), restitution=e, events=60)
 
 
-ROWS = Parameter("rows", "10", "rows of pegs", whole(1, 40))
+ROWS = Parameter("rows", "5", "rows of pegs", whole(1, 40))
 LOSS = Parameter("e", "7/10", "restitution", number(above=0))
 COINS = "Were each peg a fair coin, the bins would be binomial: bin k + 1 of rows + 1 with C(rows, k) / 2**rows"
 
@@ -193,7 +193,7 @@ SCENES = {
         name="peg-mirror",
         summary="Two balls are let go as far left and right of the axis of a board of pegs.",
         parameters=(
-            Parameter("rows", "5", "rows of pegs", whole(1, 40)),
+            Parameter("rows", "4", "rows of pegs", whole(1, 40)),
             Parameter("x", "7/5", "how far from the axis they start", number(above=0)),
             Parameter("e", "1", "restitution", number(above=0)),
         ),

@@ -261,6 +261,19 @@ def test_a_recording_is_the_motion(kind: str) -> None:
         assert [event[0] for event in told["events"]] == list(range(len(told["events"])))
 
 
+def test_what_is_fixed_does_not_fall_in_a_recording() -> None:
+    """One knot is enough for a peg under gravity, however many events there are."""
+    found = compare(catalogue.build("peg-mirror"), ["double"], events=20, causes=False)
+    data = recording(found)
+    assert data is not None and data["gravity"] != [0.0, 0.0]
+    fixed = {k for k, (_, _, pinned) in enumerate(data["bodies"]) if pinned}
+    assert fixed
+    for run in data["runs"]:
+        knots = [knot for knot in run["knots"] if knot[1] in fixed]
+        assert [knot[1] for knot in knots] == sorted(fixed)
+        assert all(knot[4:] == [0.0, 0.0] for knot in knots)
+
+
 def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
     found = compare(catalogue.build("galperin:n=3"), ["double", "pymunk"], causes=False)
     data = recording(found)

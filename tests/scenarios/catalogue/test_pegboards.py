@@ -64,7 +64,7 @@ def test_a_disc_of_plinko_goes_the_mirror_image_of_its_way(slot: int) -> None:
 
 
 def test_mirrored_balls_meet_their_pegs_at_one_instant_row_after_row() -> None:
-    run = ExactEngine().run(catalogue.build("peg-mirror"), events=60)
+    run = ExactEngine().run(catalogue.build("peg-mirror:rows=5"), events=60)
     assert run.certified
     assert len(run.events) == 60
     pegs = [event for event in run.events if event.contacts[0].second.startswith("peg")]
