@@ -40,17 +40,22 @@ def matched_history(
 ) -> Trajectory:
     """The candidate's history over the span.
 
-    A meeting that is matched across the end counts in both runs or in neither, by where the reference has it. An
-    instant that is matched wholly, as far as the span has it, has the reference's impulses, in one event: an engine
+    A meeting that all of its bodies have matched across the end counts in both runs or in neither, by where the
+    reference has it; one that only some of them come to in the same order counts by its own time. An instant that is matched wholly, as far as the span has it, has the reference's impulses, in one event: an engine
     that takes its rounds in one step, or in several, reports another number of them for the same thing.
 
     Args:
         only: the reference's events that alone count, as far as they are matched.
     """
     inside: dict[int, Event] = {}
+    has = {name: {c for _, c in walked.pairs} for name, walked in alignment.walks.items()}
+
+    def shared(event: Event, index: int) -> bool:
+        return all(index in has[name] for pair in event.impulses for name in pair if name in has)
+
     matched = {c: m for walked in reversed(alignment.walks.values()) for m, c in reversed(walked.pairs)}
     for index, event in enumerate(candidate.events):
-        if index in matched:
+        if index in matched and (only is not None or shared(event, index)):
             if matched[index] < span.events and (only is None or matched[index] in only):
                 inside[index] = event
         elif only is None and span.holds(event.time):

@@ -28,3 +28,16 @@ def test_what_it_told_otherwise_is() -> None:
     found = compare(catalogue.build("gas:n=4"), ["interval"], causes=False, outcomes={"told": told})
     assert found["interval"].verdict == "undecided"
     assert found["interval"].changed == ("told",)
+
+
+@pytest.mark.parametrize(("spec", "engine"), [("drop-pair", "pymunk"), ("gas:n=4", "single"), ("lorentz", "single")])
+def test_after_a_divergence_a_collision_counts_by_its_own_time(spec: str, engine: str) -> None:
+    """Whatever one of its bodies comes to after the end in the reference: the other has parted from it before."""
+    found = compare(catalogue.build(spec), [engine])
+    (candidate,) = found.candidates
+    assert candidate.verdict == "diverged"
+    assert candidate.outcomes is not None
+    end = found.reference.final_time
+    assert candidate.outcomes["collisions"] == sum(
+        len(event.impulses) for event in candidate.trajectory.events if float(event.time) <= float(end)
+    )
