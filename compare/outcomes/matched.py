@@ -41,8 +41,9 @@ def matched_history(
     """The candidate's history over the span.
 
     A meeting that all of its bodies have matched across the end counts in both runs or in neither, by where the
-    reference has it; one that only some of them come to in the same order counts by its own time. An instant that is matched wholly, as far as the span has it, has the reference's impulses, in one event: an engine
-    that takes its rounds in one step, or in several, reports another number of them for the same thing.
+    reference has it; one that only some of them come to in the same order counts by its own time. An instant that is
+    matched wholly, as far as the span has it, has the reference's impulses, in one event: an engine that takes its
+    rounds in one step, or in several, reports another number of them for the same thing.
 
     Args:
         only: the reference's events that alone count, as far as they are matched.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -35,6 +35,9 @@ MOST_STATES = 100_000
 BEFORE = 0.75
 """Share of the events shown that lies before the first divergence, where not all can be shown."""
 
+NONE = -1
+"""Where an event of the first run is none of another."""
+
 VIEW_REACH = 1.5
 """How far the view follows circles that leave, in sizes of the scene at the start, on each side."""
 
@@ -56,6 +59,7 @@ class Played:
         told: what else the player tells of it, as far as there is such: `verdict`, `errors`, `scale`, `growth`,
             `divergence`, and `stopped`, when it ended without an answer.
         parted: when it leaves the first run; None if it does not.
+        pairs: for events of the first run, which of its events they are; None where that is not asked.
     """
 
     number: int
@@ -63,6 +67,7 @@ class Played:
     run: Trajectory
     told: Mapping[str, Any]
     parted: float | None = None
+    pairs: Mapping[int, int] | None = None
 
 
 def recording(comparison: Comparison, foreseen: Foreseen | None = None) -> dict[str, Any] | None:
@@ -76,17 +81,20 @@ def recording(comparison: Comparison, foreseen: Foreseen | None = None) -> dict[
         return None
     bands = {band.number: [band.low, band.high] for band in predictions(comparison, foreseen)}
     others = [
-        Played(number, c.engine, c.trajectory, _told(comparison, c, bands.get(number)), _parted(c.alignment.divergence))
+        Played(
+            number,
+            c.engine,
+            c.trajectory,
+            _told(comparison, c, bands.get(number)),
+            _parted(c.alignment.divergence),
+            _pairs(c),
+        )
         for number, c in shown
     ]
     lead = next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1)
     name = comparison.reference.engine
     title = f"{name} (reference)"
-    data = played(comparison.scene, comparison.reference, others, name=name, title=title, lead=lead)
-    if data is not None:
-        for (_, c), run in zip(shown, data["runs"][1:], strict=True):
-            run["matches"] = _matches(comparison.reference, c, data["begin"], data["runs"][0]["end"])
-    return data
+    return played(comparison.scene, comparison.reference, others, name=name, title=title, lead=lead)
 
 
 def played(
@@ -102,7 +110,8 @@ def played(
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
         of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
         changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs], and
-        how much later than the one before, where a double does not tell.
+        how much later than the one before, where a double does not tell; `matches`, for each event of the first run,
+        which of its own that is, -1 for none.
     """
     if not float(first.final_time) > 0 or not scene.circles:
         return None
@@ -111,8 +120,12 @@ def played(
     truth = _run(first, begin, end, count)
     runs = [{**truth, "name": name, "title": title, "number": None}]
     for other in others:
-        run = _run(other.run, begin, end, count)
+        pairs = other.pairs or {}
+        matches = [pairs.get(event.index, NONE) for event in first.events if begin <= float(event.time) <= truth["end"]]
+        run = _run(other.run, begin, end, count, {*matches})
         runs.append({**run, "name": other.name, "title": other.name, "number": other.number, **other.told})
+        if other.pairs is not None:
+            runs[-1]["matches"] = matches
     return {
         "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
         "walls": [[*wall_line(w), str(w.id), *((float(w.vx), float(w.vy)) if w.moves else ())] for w in scene.walls],
@@ -148,15 +161,15 @@ def _window(reference: Trajectory, parted: list[float], count: int) -> tuple[flo
     return (times[start - 1] if start else 0.0), times[start + count] if start + count < len(times) else end
 
 
-def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any]:
-    """One run between two times."""
+def _run(run: Trajectory, begin: float, end: float, count: int, matched: Collection[int] = ()) -> dict[str, Any]:
+    """One run between two times, and those of its events a little later that the other has before."""
     last = end if run.stop.reason is StopReason.QUIET else min(end, float(run.final_time))
-    inside = [event for event in run.events if begin <= float(event.time) <= last]
+    inside = [e for e in run.events if begin <= (time := float(e.time)) and (time <= last or e.index in matched)]
     events = inside[:count]
     if len(inside) > count:
-        last = float(inside[count].time)
+        last = min(last, float(inside[count].time))
     others = [entry.time for entry in run.pocketings] + ([run.reversal.time] if run.reversal else [])
-    marks = {float(event.time) for event in events} | {t for t in map(float, others) if begin <= t <= last}
+    marks = {min(float(event.time), last) for event in events} | {t for t in map(float, others) if begin <= t <= last}
     times = sorted({begin, *marks})
     return {
         "times": times,
@@ -288,11 +301,8 @@ def _told(comparison: Comparison, candidate: Candidate, predicted: list[float] |
     return told
 
 
-def _matches(reference: Trajectory, candidate: Candidate, begin: float, end: float) -> list[int]:
-    """For each event of the reference in the times shown, the engine's event that it is; -1 for none.
-
-    The two events of the divergence stand in one row.
-    """
+def _pairs(candidate: Candidate) -> dict[int, int]:
+    """For events of the reference, the engine's event that it is. The two of the divergence stand in one row."""
     known: dict[int, int] = {}
     for walk in candidate.alignment.walks.values():
         for mine, theirs in walk.pairs:
@@ -300,7 +310,7 @@ def _matches(reference: Trajectory, candidate: Candidate, begin: float, end: flo
     parted = candidate.alignment.divergence
     if parted is not None and parted.expected is not None and parted.candidate_event is not None:
         known[parted.expected_event] = parted.candidate_event
-    return [known.get(event.index, -1) for event in reference.events if begin <= float(event.time) <= end]
+    return known
 
 
 def _view(scene: Scene, knots: list[list[float]]) -> list[float]:
