@@ -25,7 +25,8 @@ class Foreseen:
 
     Attributes:
         events: how many events were looked at, and the time of the last; none where the start has no tangent map.
-        horizons: one for each candidate, in their order; None for an engine of exact numbers, and without events.
+        horizons: one for each candidate, in their order; None for an engine of exact numbers, for one
+            that cannot run the scene, and without events.
         reason: why not all events of the run were looked at; empty if they were.
     """
 
@@ -66,7 +67,7 @@ def _forecast(comparison: Comparison, struck: Sequence[Sequence[Impact]], reason
     reference = comparison.reference
     forecaster = Forecaster(reference, struck)
     horizons = tuple(
-        None if candidate.error is None else forecaster.horizon(candidate.engine, *candidate.error)
+        None if candidate.error is None or candidate.unable else forecaster.horizon(candidate.engine, *candidate.error)
         for candidate in comparison.candidates
     )
     return Foreseen(len(struck), float(reference.events[len(struck) - 1].time), horizons, reason)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...floating.pocket_entries import time_to_enter
 from ...scenarios.lazy import Later
-from ...scenarios.trajectory import StopReason
+from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
 from ..foreign.impulses import Impacts
@@ -155,6 +155,8 @@ def held(
         agrees: whether numbers that are not whole may differ by error alone; None: if there is no divergence.
     """
     until, settled = told_until(run, reference, span), alignment.verdict in ("agree", "diverged")
+    if alignment.verdict == "agree" and reference.stop.reason is run.stop.reason in AT_AN_END:
+        until = None  # the motion itself ends there, in both, a rounding earlier or later
     loose = not settled or (alignment.divergence is None if agrees is None else agrees())
     if until is not None:
         until = _before_a_part(run, reference, alignment, until)

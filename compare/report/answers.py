@@ -16,6 +16,7 @@ from ..alignment.instants import Kind
 from ..alternatives import Alternative
 from ..causes.diagnosis import SHARE_RANK, CauseName
 from ..engines import ENGINES
+from ..tangent.hazard import ErrorModel
 from ..tangent.impacts import NoTangentMap, impacts
 from .sentences import (
     CALM_BITS,
@@ -241,9 +242,9 @@ def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None 
         if candidate.verdict == "agree":
             if candidate.laws is None or candidate.laws.kept is None:
                 law = "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
-                small = f"Every error of {name} stays too small to change an event.{law}"
+                small = f"No error of {name} changes an event.{law}"
             else:
-                small = f"{name} {candidate.laws.sentence}; its errors stay too small to change an event."
+                small = f"{name} {candidate.laws.sentence}; none of its errors changes an event."
             return " ".join(filter(None, [small, growth_phrase(comparison, candidate, foreseen)]))
         if candidate.verdict == "diverged":
             return " ".join(filter(None, ["Not looked into.", growth_phrase(comparison, candidate, foreseen)]))
@@ -559,17 +560,27 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     if foreseen is None or horizon is None:
         return ""
     name = candidate.engine
+    enclosed = encloses(candidate)
+    right, ends = ("able to decide", "stop") if enclosed else ("right", "diverge")
     if horizon.low.event is None:
         seen = f"in the first {counted(foreseen.events, 'event')}, and nothing is predicted beyond them"
         seen = seen if foreseen.reason else seen_words(foreseen.events)
-        return f"By the growth of errors alone {name} is predicted to be right {seen}."
+        return f"By the growth of errors alone {name} is predicted to be {right} {seen}."
     if not horizon.low.event:
-        return f"{name} is predicted to be wrong from the first event on."
-    half = "" if horizon.expected.event is None else f" (half of such runs diverge by event {horizon.expected.event:,})"
+        first = "to leave the first event open" if enclosed else "to be wrong from the first event on"
+        return f"{name} is predicted {first}."
+    half = "" if horizon.expected.event is None else f" (half of such runs {ends} by event {horizon.expected.event:,})"
+    if horizon.expected.event == horizon.low.event:
+        half = f" (half of such runs {ends} right there)"
     parted = candidate.alignment.divergence
     if parted is not None and parted.event < horizon.low.event:
         return f"{name} was predicted to be right until event {horizon.low.event:,}, and diverged before that."
-    return f"{name} is predicted to be right until event {horizon.low.event:,}{half}."
+    return f"{name} is predicted to be {right} until event {horizon.low.event:,}{half}."
+
+
+def encloses(candidate: Candidate) -> bool:
+    """Whether an engine's numbers are enclosures: it stops where they do not tell, and is never wrong."""
+    return candidate.error is not None and candidate.error[0] is ErrorModel.ENCLOSED
 
 
 def seen_words(events: int) -> str:
@@ -603,7 +614,13 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
         some = [] if most == len(comparison.reference.events) else ["--events", str(most)]
         return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine, *some])
     if candidate.verdict == "undecided":
-        return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
+        wider = candidate.diagnosis is not None and candidate.diagnosis.name is CauseName["WIDTH"]
+        if wider:
+            return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
+        so_far = ["--events", str(candidate.alignment.agreed)]  # what it can follow
+        follows = candidate.alignment.agreed and not candidate.unable
+        followed = [candidate.engine, *so_far] if follows else ["double", *limits]
+        return shlex.join(["truebreak", "compare", scene, "--engines", *followed])
     if candidate.stepped:
         return shlex.join(["truebreak", "advise", scene, "--engine", candidate.engine, *limits])
     if _chaotic(candidate):

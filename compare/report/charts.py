@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import StopReason
 from ..picture import states_at
+from .answers import encloses
 from .sentences import short
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ NAMES_RIGHT, NAME_LINE, LONGEST_NAME = 130, 16, 16
 
 ROUNDING = 2.0**-53
 """The floor of the plot, as a share of the scene's size: places are doubles, which tell no smaller distance."""
+
+TOGETHER = 0.05
+"""Two lines share a name where they end within this share of the plot of each other."""
 
 SAME, MARKS = 1.5, 7
 """Pixels within which two lines count as one, and the marks that are put on the upper one then."""
@@ -137,7 +141,7 @@ def predictions(comparison: Comparison, foreseen: Foreseen | None) -> list[Predi
     return [
         Predicted(
             number,
-            f"{candidate.engine}: predicted to diverge here",
+            f"{candidate.engine}: predicted to {'stop' if encloses(candidate) else 'diverge'} here",
             horizon.low.time,
             foreseen.time if horizon.high.time is None else horizon.high.time,
         )
@@ -171,7 +175,7 @@ def error_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[Predic
     for line in lines:
         points = _points(line, scale)
         twin = next((other for other, theirs in drawn if _alike(points, theirs)), None)
-        if twin is not None:
+        if twin is not None and abs(line.times[-1] - twin.times[-1]) <= TOGETHER * end:
             twins[line.label] = twin.label
         parts += _line(line, points, scale, marked=twin is not None)
         drawn.append((line, points))

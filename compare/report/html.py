@@ -238,7 +238,8 @@ def value_text(value: Any) -> str:
     if isinstance(value, int):
         return f"{value:,}"
     if isinstance(value, Mapping):
-        return _cut("; ".join(f"{words(str(key))} {value_text(item)}" for key, item in value.items()))
+        named = ((words(str(key)), value_text(item)) for key, item in value.items())
+        return _cut("; ".join(item if item.startswith(f"{key} ") else f"{key} {item}" for key, item in named))
     if isinstance(value, list | tuple):
         if value and all(isinstance(item, float) for item in value):
             return f"({', '.join(value_text(item) for item in value)})"

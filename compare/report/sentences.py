@@ -357,12 +357,12 @@ def growth_phrase(comparison: Comparison, candidate: Candidate, foreseen: Forese
     if bits - _by_flight(last) >= CHAOS_BITS:
         longer = parted is None and reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON)
         beyond = "; a longer run may diverge" if longer else ""
-        return f"Errors can grow by {growth:.3g} bits an event, which is chaos{beyond}."
+        return f"In the direction that grows most errors grow by {growth:.3g} bits an event, which is chaos{beyond}."
     if unknown:
         return unknown
     if bits - _by_flight(last) < CALM_BITS:
         return "It is not chaos: errors hardly grow on the way."
-    return f"Errors can grow by {bits:.2g} bits on the way."
+    return f"In the direction that grows most errors grow by {bits:.2g} bits on the way."
 
 
 def ended_phrase(run: Trajectory) -> str:

@@ -59,8 +59,8 @@ TALLEST = """(async () => {
 })()"""
 """The tallest page that a reader comes to by unfolding, whichever engine is played: by what, and its height."""
 
-LARGEST = {"echo": 900_000, "cooling": 720_000, "galton": 900_000, "plinko": 1_100_000}
-"""Bytes of the pages over half a megabyte, of a hundred discs, of fifty, and of boards of pegs."""
+LARGEST = {"echo": 900_000, "cooling": 720_000}
+"""Bytes of the pages over half a megabyte, of a hundred discs and of fifty."""
 
 
 @cache
