@@ -316,3 +316,30 @@ def test_the_picture_of_the_readme_is_that_of_the_page_made_now(root: Path, monk
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
     now = shown_digest(html_report(compare(catalogue.build("gas"))))
     assert picture.partition(LABEL)[2][:64].decode() == now, "make picture"
+
+
+def test_a_matched_event_past_the_end_by_rounding_is_in_the_list() -> None:
+    data = recording(compare(catalogue.build("wedge"), ["double"]))
+    assert data is not None
+    truth, run = data["runs"]
+    assert run["events"][-1][1] > truth["end"], "the last hit comes a rounding later in doubles"
+    assert run["matches"] == [event[0] for event in truth["events"]]
+    assert [event[0] for event in run["events"]] == run["matches"]
+
+
+def test_an_engine_that_cannot_run_is_not_predicted_and_enclosures_are_never_wrong() -> None:
+    """A stranger read of pymunk, which cannot run the scene, until when it would be right, and was sent to --bits."""
+    told = compare(catalogue.build("stadium"), ["interval", "pymunk"], events=20)
+    page = html_report(told)
+    assert "pymunk is predicted" not in page
+    assert "interval is predicted to be right" not in page
+    assert "interval is predicted to be able to decide until event" in page
+    assert "--engines pymunk --bits" not in page
+    assert "--engines interval --bits" in page
+
+
+def test_a_motion_that_ends_by_itself_is_told_whole() -> None:
+    """It ends a rounding earlier in doubles: the engine went to the end all the same."""
+    found = compare(catalogue.build("closing-wall"), ["double"])
+    assert [c.whole for c in found.candidates] == [True]
+    assert "No engine went to the end" not in html_report(found)
