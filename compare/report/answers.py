@@ -560,15 +560,13 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     if foreseen is None or horizon is None:
         return ""
     name = candidate.engine
-    enclosed = encloses(candidate)
-    right, ends = ("able to decide", "stop") if enclosed else ("right", "diverge")
+    right, ends = ("able to decide", "stop") if encloses(candidate) else ("right", "diverge")
     if horizon.low.event is None:
         seen = f"in the first {counted(foreseen.events, 'event')}, and nothing is predicted beyond them"
         seen = seen if foreseen.reason else seen_words(foreseen.events)
         return f"By the growth of errors alone {name} is predicted to be {right} {seen}."
     if not horizon.low.event:
-        first = "to leave the first event open" if enclosed else "to be wrong from the first event on"
-        return f"{name} is predicted {first}."
+        return f"{name} is predicted to {'stop at' if encloses(candidate) else 'be wrong from'} the first event."
     half = "" if horizon.expected.event is None else f" (half of such runs {ends} by event {horizon.expected.event:,})"
     if horizon.expected.event == horizon.low.event:
         half = f" (half of such runs {ends} right there)"
@@ -614,8 +612,7 @@ def command(comparison: Comparison, candidate: Candidate) -> str:
         some = [] if most == len(comparison.reference.events) else ["--events", str(most)]
         return shlex.join(["truebreak", "chaos", scene, "--engines", candidate.engine, *some])
     if candidate.verdict == "undecided":
-        wider = candidate.diagnosis is not None and candidate.diagnosis.name is CauseName["WIDTH"]
-        if wider:
+        if candidate.diagnosis is not None and candidate.diagnosis.name is CauseName["WIDTH"]:
             return shlex.join(["truebreak", "compare", scene, "--engines", candidate.engine, "--bits", *limits])
         so_far = ["--events", str(candidate.alignment.agreed)]  # what it can follow
         follows = candidate.alignment.agreed and not candidate.unable
