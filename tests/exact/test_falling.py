@@ -8,7 +8,6 @@ from flint import arb
 from test_gravity import scene_of
 
 from truebreak.compare import compare
-from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.files.saved import run_of, saved_run
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_csv, floats_json
@@ -274,9 +273,9 @@ def test_what_is_round_and_fixed_is_refused_under_gravity(things, named):
 
 def test_what_does_not_know_gravity_refuses_it_by_name():
     scene = GRIDS[1]
-    peg = Scene([*scene.circles, Circle(40, 5, m="oo", id="peg")], gravity=scene.gravity)
-    with pytest.raises(CertificateError, match="gravity and circle 'peg', which is fixed"):
-        certificate_of(ExactEngine().run(peg, events=1))
+    ring = Arc(40, 5, 1, full=True, id="ring")
+    with pytest.raises(SceneError, match="'ring'"):
+        Scene(scene.circles, arcs=[ring], gravity=scene.gravity)
     with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
         shadow(scene, events=3)
     found = compare(scene, [PymunkEngine(dt=1 / 4)], events=12)

@@ -323,8 +323,8 @@ CERTIFIED = (
     Mutant(
         "pocket_as_circle",
         PREDICTION,
-        "                for row in reaches:\n                    row.append(ball.constant(pocket.r))",
-        "                for row, r in zip(reaches, radii, strict=True):\n                    row.append(ball.constant(pocket.r + r))",
+        "            for row in reaches:\n                row.append(ball.constant(pocket.r))",
+        "            for row, r in zip(reaches, radii, strict=False):\n                row.append(ball.constant(pocket.r + r))",
         "a centre enters a pocket when its rim is touched",
     ),
     Mutant(

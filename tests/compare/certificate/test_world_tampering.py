@@ -137,7 +137,7 @@ FAULTS = {
         [("disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),", "disc: () => A.square(closing()),")],
     ),
     "the rising zero": (
-        [("m.gap / (m.disc.sqrt() - m.closing)", "m.gap / (-m.disc.sqrt() - m.closing)")],
+        [("else: wait = m.gap / (m.disc.sqrt() - m.closing)", "else: wait = m.gap / (-m.disc.sqrt() - m.closing)")],
         [("full.sub(root, laws.closing()))) ??", "full.sub(full.neg(root), laws.closing()))) ??")],
     ),
     "the zero at 0, not the second one": (
@@ -207,11 +207,11 @@ ARC_FAULTS = {
         [("        A.mul(arc.far[w], length)));", "        A.sub(length, length)));")],
     ),
     "the earlier zero from within": (
-        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed", "return -(m.closing + (m.closing if again else -m.disc.sqrt() if m.hollow else m.disc.sqrt())) / m.speed")],
+        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that", "return -(m.closing + (m.closing if again else -m.disc.sqrt() if m.hollow else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that")],
         [("full.div(full.neg(full.add(laws.closing(), root)), laws.speed())", "full.div(full.neg(c.hollow ? full.sub(laws.closing(), root) : full.add(laws.closing(), root)), laws.speed())")],
     ),
     "half the chord after a bounce": (
-        [("(m.closing if again else m.disc.sqrt())", "(m.closing - m.closing if again else m.disc.sqrt())")],
+        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that", "return -(m.closing + (m.closing - m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that")],
         [("full.neg(full.twice(laws.closing())), laws.speed())", "full.neg(laws.closing()), laws.speed())")],
     ),
     "no room taken by the disc within": (
