@@ -17,7 +17,7 @@ const say = (words, share) => postMessage({ kind: "loading", words, share });
 
 async function started() {
   say("Loading Python, for exact arithmetic in this browser (the first time, 14 MB).", 0.05);
-  const archives = [["flint.zip", "zip"], ["truebreak.tar.gz", "gztar"]].map(async ([name, format]) => {
+  const archives = [["flint.zip", "zip"], ["truebreak.tar.bz2", "bztar"]].map(async ([name, format]) => {
     const answer = await fetch(name);
     if (!answer.ok) throw new Error(`${name} is not there`);
     return [await answer.arrayBuffer(), format];

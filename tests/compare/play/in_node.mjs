@@ -11,7 +11,7 @@ const [, place] = /PLACE = "([^"]+)"/.exec(worker);
 const [, code] = /ASK = `([^`]+)`/.exec(worker);
 const { loadPyodide } = await import(pathToFileURL(path.join(folder, "pyodide.mjs")).href);
 const python = await loadPyodide({ indexURL: folder + path.sep });
-for (const [name, format] of [["flint.zip", "zip"], ["truebreak.tar.gz", "gztar"]]) {
+for (const [name, format] of [["flint.zip", "zip"], ["truebreak.tar.bz2", "bztar"]]) {
   const bytes = new Uint8Array(fs.readFileSync(path.join(folder, name)));
   python.unpackArchive(bytes.slice().buffer, format, { extractDir: place });
 }
