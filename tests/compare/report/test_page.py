@@ -328,7 +328,7 @@ def test_a_matched_event_past_the_end_by_rounding_is_in_the_list() -> None:
 
 
 def test_an_engine_that_cannot_run_is_not_predicted_and_enclosures_are_never_wrong() -> None:
-    """A stranger read of pymunk, which cannot run the scene, until when it would be right, and was sent to --bits."""
+    """A reader was told until when pymunk, which cannot run the scene, would be right, and was sent to --bits."""
     told = compare(catalogue.build("stadium"), ["interval", "pymunk"], events=20)
     page = html_report(told)
     assert "pymunk is predicted" not in page
