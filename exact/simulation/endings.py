@@ -17,7 +17,7 @@ from ...scenarios.things import Squeeze
 from ..laws.formulas import face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, is_pair, name_of
+from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
 from ..replay.state import Constant, ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
@@ -116,7 +116,8 @@ class Endings:
         """
         pegs = self.scene.pegs
         for link, sign in standing.items():
-            if pegs and sign == 0 and not pegs.isdisjoint(link.circles) and is_pair(link):
+            round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
+            if sign == 0 and round_one and self.scene.gravity is not None:
                 raise Undecided(
                     f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
                     "rests on the other, slides along it or flies off is not followed"

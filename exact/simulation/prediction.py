@@ -32,7 +32,7 @@ from ..replay.contact import AtWall, Body, Entry, Gravity, Link, Pair, Round, To
 from ..replay.state import ReplayState
 from ..replay.wall_flights import SeenWall, fall_of
 from . import cells as crowding
-from .arc_meetings import ArcSides
+from .arc_meetings import ArcSides, FallenOnArcs
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
 # -- The queue of predicted arrivals: earliest lower bound first, stale ones dropped when they come up.
@@ -399,7 +399,9 @@ class Predictor(Generic[M]):
         self._count = len(scene.circles)
         self.faces = scene.faces
         self.two_sided = scene.two_sided
-        self.arcs: ArcSides[M] | None = ArcSides(scene, state) if scene.arc_sides else None
+        self.arcs: ArcSides[M] | None = None
+        if scene.arc_sides:
+            self.arcs = ArcSides(scene, state) if scene.gravity is None else FallenOnArcs(scene, state)
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(i for i, c in enumerate(scene.circles) if c.r.sign() == 0 and i not in scene.ends)
@@ -413,6 +415,10 @@ class Predictor(Generic[M]):
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""
+
+    def land(self, a: Body[M], link: Round, standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with something round that stands."""
+        raise NotImplementedError
 
     def reach(self, a: Body[M], b: Body[M]) -> M:
         """The sum of two radii as predictions use it."""
