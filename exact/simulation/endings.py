@@ -247,6 +247,10 @@ class Endings:
             room = radii[i] + radii[j] + way + ways[j]
             if j != i and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:
                 return False
+        for side in self.scene.arc_sides:
+            dx, dy, r = x - ball.constant(side.x), y - ball.constant(side.y), ball.constant(side.r)
+            if r > 0 and not abs((dx * dx + dy * dy).sqrt() - r) > radii[i] + way:
+                return False
         for k, wall in enumerate(self.scene.walls):
             if k != link.wall:
                 nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
