@@ -280,8 +280,8 @@ def _is_put_into(state: Flights[M], link: Round, fall: RoundFall[M]) -> bool:
 def _told_zeros(c: Sequence[float]) -> Iterator[float]:
     """Doubles beside the zeros at which a polynomial falls, in turn: beyond one it is divided out.
 
-    >>> [*_told_zeros([-6.0, 11.0, -6.0, 1.0])], [*_told_zeros([24.0, -50.0, 35.0, -10.0, 1.0])]
-    ([2.0], [1.0, 3.0])
+    >>> [[round(t, 9) for t in _told_zeros(c)] for c in ([-6.0, 11.0, -6.0, 1.0], [24.0, -50.0, 35.0, -10.0, 1.0])]
+    [[2.0], [1.0, 3.0]]
     """
     since = 0.0
     for _ in range(MOST_ZEROS):
