@@ -197,9 +197,7 @@ class CertifiedMeetings:
         work: int,
     ) -> None:
         plain = FilteredPredictor if scene.gravity is None and not scene.moving_walls else FallingPredictor
-        made = ArcPredictor if scene.arc_sides else plain
-        if state.balls.stands:
-            made = PegPredictor
+        made = PegPredictor if state.balls.stands else ArcPredictor if scene.arc_sides else plain
         self.predictor = made(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state

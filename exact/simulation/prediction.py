@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf, nextafter
-from typing import Generic, NamedTuple, Protocol, TypeAlias
+from typing import Generic, NamedTuple, TypeAlias
 
 from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
@@ -33,7 +33,7 @@ from ..replay.state import ReplayState
 from ..replay.wall_flights import SeenWall, fall_of
 from . import cells as crowding
 from .arc_meetings import ArcSides, FallenOnArcs
-from .cells import FARTHEST, Crowd, FloatFlight, cells_for
+from .cells import FARTHEST, Crossings, Crowd, FloatFlight, NoCrossings, cells_for
 
 # -- The queue of predicted arrivals: earliest lower bound first, stale ones dropped when they come up.
 
@@ -92,43 +92,6 @@ class Outlook(NamedTuple, Generic[N]):
     pegs: list[Sequence[tuple[object, ...]]]
     pairs: int
     first_face: int
-
-
-class Crossings(Protocol):
-    """What may make new arrivals of flights that stay as they are, from certain times on."""
-
-    @property
-    def next_crossing(self) -> float:
-        """The next such time; infinite if there is none."""
-        ...
-
-    @property
-    def early(self) -> float:
-        """How much before that time they may be made."""
-        ...
-
-    @property
-    def slides(self) -> Sequence[Link]:
-        """What was seen to slide along the face of a segment, as predictions were made; until it is taken up."""
-        ...
-
-    def cross(self, since: float = inf, /) -> None:
-        """Queues what is due at that time.
-
-        Args:
-            since: where that is more than `early` before, the earliest time at which anything else may happen next.
-        """
-        ...
-
-
-class NoCrossings:
-    """Every arrival is queued as its flights begin."""
-
-    next_crossing = early = inf
-    slides: Sequence[Link] = ()
-
-    def cross(self, since: float = inf, /) -> None:
-        """Nothing."""
 
 
 PlainArrival: TypeAlias = tuple[float, int, float, int, int, int, int]
