@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from random import Random
 
+import edge_campaign
 import pytest
+import segment_referee
+from falling_campaign import FALLING
 from gravity_referee import GravityReferee, TieMet
 from mpmath import mpf, workdps
 
@@ -180,3 +183,26 @@ def _found(scene: Scene) -> bool:
         return bool(differs(scene, events=8))
     except (AssertionError, ArithmeticError):
         return True
+
+
+@pytest.fixture
+def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(segment_referee, "DIGITS", FALLING.digits[0])
+    monkeypatch.setattr(segment_referee, "SAME", FALLING.digits[1])
+
+
+@pytest.mark.usefixtures("at_length")
+def test_with_every_older_ingredient_a_referee_agrees() -> None:
+    """The campaign in short: gravity, walls that move and a restitution with everything else, by chance."""
+    rows = [row for seed in range(60) if (row := edge_campaign.verdict(seed, FALLING))]
+    assert [row for row in rows if row["outcome"] == "failure"] == []
+    assert sum(row["outcome"] == "ok" for row in rows) > 40
+    assert len({name for row in rows for name in row["ingredients"]}) == len(FALLING.ingredients) + 5 + 2
+
+
+@pytest.mark.usefixtures("at_length", "unfiltered")
+@pytest.mark.parametrize("fault", ["e squared", "a bounce at half of the speed fallen"])
+def test_the_campaign_finds_planted_faults(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    FAULTS[fault](monkeypatch)
+    rows = (edge_campaign.verdict(seed, FALLING) for seed in range(60))
+    assert any(row["outcome"] == "failure" for row in rows if row)
