@@ -1,4 +1,4 @@
-"""One engine held against a reference: its run, how far it agrees, why it does not."""
+"""One engine compared with a reference: its run, how far it agrees, why it does not."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 
 REFERENCE_SHARE = 0.5
-"""Share of the user's seconds that the reference's run may take: the rest is for what is held against it."""
+"""Share of the user's seconds that the reference's run may take: the rest is for what is compared with it."""
 
 MEASURED_EVENTS = 1_000
 """Events at each of which two runs are measured; of more, a plot shows no single one."""
@@ -304,7 +304,7 @@ def studied(
     events: int | None,
     progress: OnProgress | None = None,
 ) -> Study:
-    """The reference's run, ready for engines to be held against it.
+    """The reference's run, ready for engines to be compared with it.
 
     Raises:
         SceneError: for a scene that the reference cannot run.

@@ -1,4 +1,4 @@
-"""One reference run, and the runs held against it, each taken as far as it takes to settle what is compared."""
+"""One reference run, and the runs compared with it, each taken as far as it takes to settle what is compared."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ from .simulation.policies import Policy
 NOT_ITS_LOG = "the log is not what its scene does; save the run again"
 
 CHECK_BITS = 128
-"""Bits to which an exact time of the file is held against the one that comes of carrying the log out."""
+"""Bits to which an exact time of the file is compared with the one that comes of carrying the log out."""
 
 FORGED = (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError)
 """What comes up where a log is carried out that no run has written."""
@@ -209,7 +209,7 @@ class Moved:
 # -- Whether a reversed run came back to its start, and what it says of that.
 
 HOME_BITS = 128
-"""Accuracy at which a final state is held against the first one, where the log does not tell."""
+"""Accuracy at which a final state is compared with the first one, where the log does not tell."""
 
 HOME = "came back to the start exactly: every position is the one at time 0 and every velocity its negative"
 

@@ -110,8 +110,8 @@ class StandingClock:
     def look(self, events: int, time: float, flights: Callable[[], Sequence[object]]) -> None:
         """Notes where the run is.
 
-        The flights are held against those at the last power of two of the events at this time: whatever the period, one
-        of these is long enough (Brent).
+        The flights are compared with those at the last power of two of the events at this time: whatever the period,
+        one of these is long enough (Brent).
 
         Args:
             events: how many there have been; no more since the last look, as where two only grazed, tell nothing.

@@ -20,7 +20,7 @@ TINIEST = 2.0**-1000
 """Beyond what is lost near zero, where doubles get sparse: widens boxes, and is added to what a height must exceed."""
 
 LARGEST = 1e100
-"""Beyond this a product of two coordinates might overflow: such circles are held against all others."""
+"""Beyond this a product of two coordinates might overflow: such circles are compared with all others."""
 
 Box: TypeAlias = tuple[float, float, float]
 """A centre, and half the width of a square around it that holds the circle for certain."""

@@ -323,7 +323,7 @@ from the last by no more than this share of the largest speed does by rounding, 
 
 UNEXPLAINED = 1 / 8
 """A change of velocities of which contacts leave more than this share is not of their making. Overlaps turn the lines
-of centres, and so an honest step leaves some."""
+of centres, and so a step that keeps the law leaves some."""
 
 
 class Recording:

@@ -1,4 +1,4 @@
-"""Which part of a run outcomes are taken over, and what of the reference they are held against."""
+"""Which part of a run outcomes are taken over, and what of the reference they are compared with."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def held(
 ) -> MatchedOutcomes:
     """The one place that decides over which time outcomes are compared, and with what.
 
-    A run that tells all of the span is held against `whole`. One that ends before is held against the reference up to
+    A run that tells all of the span is compared with `whole`. One that ends before is compared with the reference up to
     there: what lies beyond is not settled, whatever the two have parted over before. A meeting of the reference that
     it may only be late for, by the rule of the comparison itself, changes nothing by being absent.
 

@@ -294,7 +294,7 @@ class Reduction:
         kind: what was left out: circles, walls, segments, polygons, arcs, pockets, corners, settings, events or digits.
         removed: ids of things; of corners those of the two segments that became one, or a polygon's and a number;
             names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
-        comparison: of what is left: the engine held against the certified run.
+        comparison: of what is left: the engine compared with the certified run.
         runs: comparisons made by then.
     """
 
@@ -346,7 +346,7 @@ class Smallest:
 
     Attributes:
         original: the scene that it comes from, with the limits that were asked for.
-        comparison: of the smallest scene: the engine held against the certified run.
+        comparison: of the smallest scene: the engine compared with the certified run.
         steps: what was left out, in this order.
         runs: comparisons made in the search; one more, of the last scene, tells its cause.
         end: why the search ended.

@@ -146,7 +146,7 @@ COMPARED = {
     "by a line where they are apart. The circles of the first divergence are ringed; past it the engine is in another "
     "history.",
 }
-"""What the player says of itself where an engine is held against a reference."""
+"""What the player says of itself where an engine is compared with a reference."""
 
 
 # ----------------------------------------

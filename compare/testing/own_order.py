@@ -1,4 +1,4 @@
-"""A history held against the exact run that resolves each tie as the history itself does."""
+"""A history compared with the exact run that resolves each tie as the history itself does."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class OwnOrder:
     def settled(self) -> bool:
         """Whether it is known that the history is permitted, or not.
 
-        It is not, where the two part at no tie, with all before resolved alike, and at a decision beyond honest errors.
+        It is not, where the two part at no tie, with all before resolved alike, at a decision beyond rounding errors.
         """
         parted = self.alignment.divergence
         return self.told is not None or (parted is not None and parted.kind is not Kind.TIE)
@@ -87,7 +87,7 @@ def in_its_own_order(
 
     Args:
         span: the time up to which it is asked for.
-        local: the local error of the engine: from the first decision on that honest errors may have changed, grown
+        local: the local error of the engine: from the first decision on that rounding errors may have changed, grown
             along that run, nothing is asked. None: all of the span is asked for.
 
     Returns:

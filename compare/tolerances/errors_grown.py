@@ -1,4 +1,4 @@
-"""What one contact may cost an honest engine, and what that has grown to at each event of the true run."""
+"""What one contact may cost an engine that keeps the law, and what that has grown to at each event of the true run."""
 
 from __future__ import annotations
 
@@ -229,7 +229,7 @@ def push_together(
 
 
 class GrownErrors:
-    """Displacements that honest errors may have made by now, one for each local error so far.
+    """Displacements that rounding errors may have made by now, one for each local error so far.
 
     A column is what one local error has become; the sum of their lengths, the tolerance, is what all of them can be
     together, whatever their signs.

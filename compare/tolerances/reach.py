@@ -1,4 +1,4 @@
-"""How far an honest engine must reproduce the true history, and how near its numbers have to be."""
+"""How far an engine that keeps the law must reproduce the true history, and how near its numbers have to be."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from .errors_grown import LocalError
 
 # ----------------------------------------
-# How far an honest engine must tell the true history: while the exact margin of every decision exceeds its errors.
+# How far an engine that keeps the law must reproduce the true history: while every decision's exact margin exceeds its
+# errors.
 
 FLOWN = 2.0**-48
 """Share of the way flown so far by which a place in doubles may be off besides."""
@@ -52,7 +53,7 @@ class OutOfReach:
         time: when.
         told: the decision in words.
         margin: exact, in units of time or length; None where the instant has no tangent map.
-        tolerance: what honest errors can move it by.
+        tolerance: what rounding errors can move it by.
         tie: whether it is an exact tie of one circle's contacts, whose order is a choice.
         late: by how much the first meeting of each of a tie's clusters may be off; None where this is not known.
     """
@@ -75,7 +76,7 @@ class OutOfReach:
 
 @dataclass(frozen=True)
 class Reach:
-    """How far the history is required, and how far off an honest engine may be on the way.
+    """How far the history is required, and how far off an engine that keeps the law may be on the way.
 
     Attributes:
         events: events of the reference that are required.
@@ -104,7 +105,7 @@ def reach_of(run: Trajectory, local: LocalError, in_rounds: bool = False) -> Rea
 
     At each event, for each circle that takes part: its hit (how deep, if it is with a circle), every other thing that
     it would have met next (how much later), and everything that it has passed since (how far away). Each margin is
-    held against what all local errors so far can move it by, to the first order.
+    compared with what all local errors so far can move it by, to the first order.
 
     Args:
         in_rounds: whether the engine takes the contacts of each instant in the rounds in which the run has them, so
@@ -433,7 +434,7 @@ BITS = 512
 
 @dataclass(frozen=True)
 class Demand:
-    """What is asked of numbers beside the tolerance that honest errors give.
+    """What is asked of numbers beside the tolerance that rounding errors give.
 
     Attributes:
         digits: of every event's time: off by no more than half a unit in the last of them.

@@ -151,7 +151,7 @@ class CellLists(Protocol):
 
     @property
     def loose(self) -> set[int]:
-        """The circles that are held against all others, for now."""
+        """The circles that are compared with all others, for now."""
         ...
 
     def enter(self, i: int, flight: tuple[float, float, float, float, float], /) -> bool:

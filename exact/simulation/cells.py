@@ -74,7 +74,7 @@ SHARE = 0.35
 come to new cells more often: in the gas of 1,000, 21 pairs and 1.7 crossings an event with one, 8 and 3.1 with this."""
 
 LARGE = 4.0
-"""Circles more than this many times as large as the usual one are held against all others."""
+"""Circles more than this many times as large as the usual one are compared with all others."""
 
 FloatFlight: TypeAlias = tuple[float, float, float, float, float]
 """(x, y, vx, vy, t) in doubles: it passes (x, y) at time t, each but for a rounding."""
@@ -228,7 +228,7 @@ class Cells:
     Args:
         grid: the cells.
         count: how many circles there are.
-        large: circles that are held against all others and all walls, whatever they do.
+        large: circles that are compared with all others and all walls, whatever they do.
         walls: which walls are near a cell.
 
     Attributes:

@@ -11,7 +11,7 @@ from ...scenarios.things import Wall
 # -- Which walls are near a cell: those that a circle entered there may touch before it comes to another one.
 #
 # A circle's centre is within a margin of its cell (see `cells.Cells`), so it touches a wall only where the wall's line
-# comes as near to the cell, with the margin all round, as the radius. Heights over a line are held against that in
+# comes as near to the cell, with the margin all round, as the radius. Heights over a line are compared with that in
 # doubles; what their rounding leaves open is near.
 #
 # It touches a face of a segment only from its own side, with its centre over the face: that centre lies in a rectangle,
