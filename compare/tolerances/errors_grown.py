@@ -468,8 +468,8 @@ class NearSide:
 
         >>> from truebreak.scenarios import Arc
         >>> outside, hollow = NearSide.both(Arc(1, 2, 5, 6, 2, 1, 7))
-        >>> hollow.r, hollow.ends, hollow.within(0.0, 4.0, 4.0), hollow.within(-4.0, 0.0, 4.0) < 0
-        (-5.0, ((1.0, 0.0), (0.0, 1.0)), 0.0, True)
+        >>> hollow.r, hollow.ends, hollow.within(3.0, 4.0, 5.0) > 3.1, hollow.within(-4.0, 0.0, 4.0) < 0
+        (-5.0, ((1.0, 0.0), (0.0, 1.0)), True, True)
         """
         x, y, r = float(arc.x), float(arc.y), float(arc.r)
         ends = () if arc.full else tuple((float(ex), float(ey)) for ex, ey in arc.directions)
