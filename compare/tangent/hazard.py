@@ -253,7 +253,11 @@ class Course:
         return [] if impact.b is None else self._of.get((False, impact.b), [])
 
     def passing(self, impact: Impact) -> Passing | None:
-        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall."""
+        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall.
+
+        Of one that falls along the line of its flight at the impact: as good as the bend between there and an end is
+        small, and the end that a fall is about to miss is near.
+        """
         things = self._things_of(impact)
         if any(not thing.convex for thing in things):
             return self._out_of(impact.a, things)
@@ -262,12 +266,7 @@ class Course:
             return None
         (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
         speed, reach = hypot(vx, vy), self._radii[ends] + self._radii[impact.a]
-        if self.pulls[impact.a].any():
-            past = [falls_past(self._fall(impact.a, k)) for k in ends]
-            waits = np.array([wait for wait, _ in past])
-            offset = np.array([(then.dy * then.vx - then.dx * then.vy) / hypot(then.vx, then.vy) for _, then in past])
-        else:
-            waits, offset = (dx * vx + dy * vy) / speed**2, (dx * vy - dy * vx) / speed
+        waits, offset = (dx * vx + dy * vy) / speed**2, (dx * vy - dy * vx) / speed
         low, high = int(np.argmin(offset - reach)), int(np.argmax(offset + reach))
         below, above = float(reach[low] - offset[low]), float(offset[high] + reach[high])
         depth, end = (below, low) if below < above else (above, high)
@@ -421,7 +420,7 @@ def shares(
         told += _shares(shifts, others.waits)
     thing = course.passing(impact)
     if thing is not None:
-        own = course.speeds[a] + thing.wait * course.pulls[a]
+        own = course.speeds[a]
         across = np.array([-own[1], own[0]]) / np.hypot(*own)
         told += _shares((across @ (errors[a][:2] + thing.wait * errors[a][2:]))[None], np.array([thing.depth]))
     if thing is not None or b is None:
