@@ -76,6 +76,7 @@ class Course:
     Attributes:
         places, speeds: shape (circles, 2), at `time`; the middles of the sides of arcs come last.
         pulls: shape (circles, 2), what gravity changes these by in a unit of time.
+        share: of an elastic impulse, what the scene's restitution leaves: (1 + e) / 2.
         time: where they stand.
 
     Args:
@@ -99,7 +100,7 @@ class Course:
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
         self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
-        self._share = float((scene.restitution + 1) / 2)
+        self.share = float((scene.restitution + 1) / 2)
         self._pegs = sorted(scene.pegs)
         self.pulls = np.zeros((len(here), 2))
         if scene.gravity is not None:
@@ -130,9 +131,9 @@ class Course:
         if b is None:
             ux, uy = self.speeds[a]
             after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
-            changes = [(a, self._share * (after - self.speeds[a]))]
+            changes = [(a, self.share * (after - self.speeds[a]))]
         else:
-            impulse = self._share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
+            impulse = self.share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
             changes = [(a, -wa * impulse), (b, wb * impulse)]
         for i, change in changes:
             self.speeds[i] += change
@@ -510,7 +511,7 @@ class ErrorCurve:
         self._decisions = iter(decisions)
         self._known: list[tuple[int, float]] = []
         self._at: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
-        self._shares: NDArray[np.float64] = np.zeros(0)
+        self.shares: NDArray[np.float64] = np.zeros(0)
 
     def _through(self, event: int) -> None:
         """Makes the decisions of all events up to one, if they are not made yet."""
@@ -521,7 +522,7 @@ class ErrorCurve:
                 break
         if len(self._known) > made:
             self._at = np.array([at for at, _ in self._known], dtype=np.intp)
-            self._shares = np.array([share for _, share in self._known], dtype=float)
+            self.shares = np.array([share for _, share in self._known], dtype=float)
 
     def hazard(self, unit: float) -> NDArray[np.float64]:
         """Shape (events,): log2 of the sum, over the decisions so far, of an engine's errors as shares of the margins.
@@ -542,7 +543,7 @@ class ErrorCurve:
     def _hazard(self, unit: float) -> NDArray[np.float64]:
         """The hazard by the decisions made so far."""
         most = inf if self.model is ErrorModel.ENCLOSED else TOSS
-        shares = np.minimum(most, np.exp2(np.clip(self._shares + unit, -FARTHEST, FARTHEST)))
+        shares = np.minimum(most, np.exp2(np.clip(self.shares + unit, -FARTHEST, FARTHEST)))
         sums = np.bincount(self._at, shares, minlength=self._events).cumsum()
         return np.log2(np.maximum(sums, 2.0**-FARTHEST))
 
@@ -562,7 +563,7 @@ class ErrorCurve:
 
         Infinite if no error is large enough for that, minus infinity if none is small enough.
         """
-        finite = self._shares[np.isfinite(self._shares)]
+        finite = self.shares[np.isfinite(self.shares)]
         low, high = -float(finite.max(initial=0.0)) - FARTHEST, FARTHEST
         if self.hazard(high)[-1] < level:
             return inf
@@ -651,8 +652,10 @@ def _strike(
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
                 gx, gy = course.pull(impact)
-                there = pair_impulse(px, py, vx + gx * lag, vy + gy * lag, hypot(px, py), wa, wb)
-                turned = (weight * np.array(there) - change)[:, None] / lag * late
+                there = course.share * np.array(
+                    pair_impulse(px, py, vx + gx * lag, vy + gy * lag, hypot(px, py), wa, wb)
+                )
+                turned = (weight * there - change)[:, None] / lag * late
                 own[2:] += shrink * turned
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
