@@ -517,13 +517,11 @@ def prove_tangent(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[.
     for name, one, other in zip(("x", "y", "vx", "vy"), written, pair_displacement(lossy=True), strict=True):
         if not is_zero(_joined(one * share - other).subs(contact)):
             raise LawError(f"pair_tangent: a restitution does not damp its {name} like an impulse")
-    turned = formulas["fall_turn"](
-        dx, dy, R**2 * (wa + wb), dx * vx + dy * vy, dx * gx + dy * gy, px, py
-    )
+    turned = formulas["fall_turn"](dx, dy, R**2 * (wa + wb), dx * vx + dy * vy, dx * gx + dy * gy, px, py)
     pulled = (*written[:2], *(one + more for one, more in zip(written[2:], turned, strict=True)))
     for name, one, other in zip(("x", "y", "vx", "vy"), pulled, pair_displacement(lossy=True, falls=True), strict=True):
         if not is_zero(_joined(one * share - other).subs(contact)):
-            raise LawError(f"fall_turn: the {name} of one that falls onto a circle that stands is not what the laws say")
+            raise LawError(f"fall_turn: its {name} onto a circle that stands is not what the laws lead to")
     blocks = (dx * vx + dy * vy, dx * vy - dy * vx, vx**2 + vy**2, -2 / (R**2 * (wa + wb)))
     xx, xy, yy, *a = formulas["pair_tangent_blocks"](dx, dy, *blocks)
     b = (xx, xy, xy, yy)
