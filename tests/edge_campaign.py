@@ -371,10 +371,15 @@ def examined(aged: Aged, campaign: Campaign = EDGES) -> tuple[str, str, int]:
         ended = reason.lower() if same else "undecided" if gave_up else "long"
         return "failure" if told else ended, told or str(error), count
     except AssertionError as error:
-        if str(error) != "no end":
+        endless = str(error) == "no end"
+        if not endless and not (gave_up and len(referee.told) >= count):
             raise
         told = _compared(run, referee, True)
-        return "failure" if told else "endless" if gave_up else "long", told, count
+        return (
+            "failure" if told else "endless" if endless and gave_up else "undecided" if gave_up else "long",
+            told,
+            count,
+        )
     told = _compared(run, referee, gave_up)
     if told:
         return "failure", told, count
