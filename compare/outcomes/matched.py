@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...floating.pocket_entries import time_to_enter
+from ...floating.pocket_entries import pull_of, time_to_enter
 from ...scenarios.lazy import Later
 from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import Span
@@ -204,7 +204,7 @@ def _parted(run: Trajectory) -> bool:
         return False
     rows = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.final.circles]
     enters = (
-        time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
+        time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r), pull_of(run.scene))
         for pocket in run.scene.pockets
         for x, y, vx, vy in rows
     )

@@ -10,7 +10,7 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
-from ...floating.pocket_entries import time_to_enter
+from ...floating.pocket_entries import pull_of, time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
 from ..files.amounts import plain
@@ -314,7 +314,8 @@ class Entries:
         state = run.final[entry.circle]
         x, y, vx, vy = (float(value) for value in (state.x, state.y, state.vx, state.vy))
         pocket = next(pocket for pocket in run.scene.pockets if pocket.id == entry.pocket)
-        wait = time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
+        pull = pull_of(run.scene)
+        wait = time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r), pull)
         if wait is None or float(run.final_time) + wait > self.patience.latest(float(entry.time)):
             return False
         here, there = self._flight(run, entry, math.inf), self._flight(other, entry)

@@ -214,7 +214,7 @@ def check_start(scene: Scene) -> None:
 
     Raises:
         NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
-            touching, if a restitution is 0, or if there are arcs under gravity.
+            touching, if a restitution is 0, or if there are arcs or pockets under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -222,8 +222,9 @@ def check_start(scene: Scene) -> None:
         raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
-    if scene.gravity is not None and scene.arcs:
-        raise NoTangentMap("the scene has gravity and arcs, of which there is no tangent map yet")
+    if scene.gravity is not None and (scene.arcs or scene.pockets):
+        told = "arcs" if scene.arcs else "pockets"
+        raise NoTangentMap(f"the scene has gravity and {told}, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces

@@ -17,7 +17,19 @@ from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
 from ..numbers.system import N
-from .contact import AtArc, Body, Gravity, Link, Relation, Round, is_arc, is_flat, is_pair, touching_at_start
+from .contact import (
+    AtArc,
+    Body,
+    Gravity,
+    Link,
+    Relation,
+    Round,
+    is_arc,
+    is_flat,
+    is_pair,
+    rims_at_start,
+    touching_at_start,
+)
 
 # -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
 # after a time s their centres are d + v s - h s^2 apart, and the gap is a quartic. It is positive as the flight begins,
@@ -613,7 +625,7 @@ class RoundFalls(Generic[N]):
         last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
         begun = links if at == last else frozenset[Link]()
         if last == 0:
-            begun = begun.union(touching_at_start(self.scene))
+            begun = begun.union(touching_at_start(self.scene), rims_at_start(self.scene))
         if link in begun or not is_arc(link):
             return link in begun
         return any(is_arc(other) and self._is_as_far(link, other) for other in begun)

@@ -24,7 +24,7 @@ from truebreak.floating import (
     RoundedEngine,
     SingleEngine,
 )
-from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Wall
+from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.trajectory import StopReason
 
@@ -256,11 +256,7 @@ def test_a_file_keeps_gravity_and_scenes_without_have_no_such_key():
     assert scene.digest != scene.with_changes(gravity=None).digest
 
 
-def test_pockets_are_refused_under_gravity():
-    with pytest.raises(
-        SceneError, match="gravity: pocket 'hole' is there; under gravity there are walls, circles, segments"
-    ):
-        Scene([Circle(0, 5)], pockets=[Pocket(0, 9, 1, id="hole")], gravity=(0, -1))
+def test_gravity_is_two_exact_numbers():
     for bad in ((0,), "down", (0, "x"), [1, 2, 3]):
         with pytest.raises(SceneError, match="gravity"):
             Scene([Circle(0, 5)], gravity=bad)

@@ -11,10 +11,13 @@ from arc_scenes import scene_of
 from bow_referee import BowReferee, NotForThis, TieMet
 from mpmath import mpf, workdps
 
+from truebreak.compare.certificate.writer import CertificateError, certificate_of
+from truebreak.compare.tangent.impacts import NoTangentMap, check_start
 from truebreak.exact import ExactEngine
+from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import landings, round_falls
-from truebreak.floating import DoubleEngine, IntervalEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall
+from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Segment, Trajectory, Wall
 from truebreak.scenarios.trajectory import StopReason, TieProof
 
 FLOOR = Wall(0, -4, 1, -4, id="floor")
@@ -341,3 +344,122 @@ def test_two_bits_may_leave_it_open_and_are_never_wrong() -> None:
 def test_no_run_is_turned_back_where_an_arc_stands_under_gravity() -> None:
     with pytest.raises(SceneError, match="arc 'bowl' is there, and no run is turned back there; leave reverse_at out"):
         bowl(Circle(0, 0, "1/4")).with_changes(reverse_at=3)
+
+
+# -- Rims of pockets, which do not push.
+
+
+def with_pockets(seed: int) -> Scene:
+    """A scene with one to three pockets, in which some circles begin."""
+    rng = random.Random(seed + 10**6)
+    holes = [
+        Pocket(f"{rng.randint(-40, 40)}/10", f"{rng.randint(-30, 60)}/10", rng.choice(["1", "1/2", "3/2"]), id=f"h{k}")
+        for k in range(rng.randint(1, 3))
+    ]
+    return drawn(seed).with_changes(pockets=holes)
+
+
+def enters_otherwise(scene: Scene, events: int) -> str | None:
+    """What of the entries is otherwise than the referee has it; None where it has nothing."""
+    run = ExactEngine(max_bits=2000, work=1_000_000).run(scene, events=events)
+    if not run.events or float(run.events[0].time) == 0.0:
+        return None
+    try:
+        course = BowReferee(scene).run(mpf(10) ** 9, len(run.events))
+        if [pairs_of(run, k) for k in range(len(run.events))] != [[sorted(hit.pair)] for hit in course.hits]:
+            return "who meets"
+        last = course.hits[-1].time
+        known = BowReferee(scene).entries(scene, course, last)
+    except (TieMet, NotForThis):
+        return None
+    mine = [entry for entry in run.pocketings if float(entry.time) < float(last) * (1 - 1e-12)]
+    with workdps(60):
+        if [(e.circle, e.pocket) for e in mine] != [row[1:] for row in known]:
+            return "who enters"
+        for entry, (time, _, _) in zip(mine, known, strict=True):
+            if abs(mpf(entry.time.ball(150).mid().str(40, radius=False)) - time) > mpf(10) ** -30 * (1 + time):
+                return "when one enters"
+    return "" if known else "none"
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_centres_enter_pockets_as_the_referee_has_it(block: int) -> None:
+    found = [enters_otherwise(with_pockets(4 * block + k), 8) for k in range(4)]
+    assert set(found) <= {"", "none", None}
+    assert "" in found
+
+
+def test_a_ball_thrown_through_a_pocket_enters_it_twice() -> None:
+    hole = Pocket(0, 2, 1, id="hole")
+    scene = Scene([Circle(0, 0, "1/4", vy=10, id="ball")], [FLOOR], pockets=[hole], gravity=(0, -10))
+    for engine in (
+        ExactEngine(),
+        DoubleEngine(),
+        SingleEngine(),
+        QuadEngine(),
+        RoundedEngine(bits=40),
+        IntervalEngine(),
+    ):
+        run = engine.run(scene, events=2)
+        times = [float(entry.time) for entry in run.pocketings]
+        up, down = (10 - 80**0.5) / 10, (10 + 40**0.5) / 10
+        assert times[:2] == pytest.approx([up, down], abs=1e-5), engine.name
+        assert len(times) == 4, engine.name
+        place = run.at(run.pocketings[1].time)["ball"]
+        assert float(place.y) == pytest.approx(3, abs=1e-5)
+
+
+def test_finite_precision_enters_as_the_exact_run() -> None:
+    for seed in (0, 4, 8):
+        scene = with_pockets(seed)
+        exact = ExactEngine().run(scene, events=4)
+        for engine in (DoubleEngine(), QuadEngine(), IntervalEngine(bits=200)):
+            run = engine.run(scene, events=4)
+            assert [(e.circle, e.pocket) for e in run.pocketings] == [(e.circle, e.pocket) for e in exact.pocketings]
+
+
+def never_again(self: Any, link: Any) -> bool:
+    """The zero at a rim that has been entered is not divided out."""
+    return STOOD(self, link) and link.pushes
+
+
+def rises(link: Any, fall: Any, stood: bool) -> Any:
+    """A pocket is entered where it is left."""
+    found = fall.polynomial(stood)
+    return found if link.pushes else tuple(-value for value in found)
+
+
+STOOD = round_falls.RoundFalls.stood
+
+
+@pytest.mark.parametrize(
+    ("where", "name", "fault"),
+    [(round_falls.RoundFalls, "stood", never_again), (landings, "gap_of", rises)],
+)
+def test_the_referee_finds_faults_of_rims(monkeypatch: pytest.MonkeyPatch, where: Any, name: str, fault: Any) -> None:
+    monkeypatch.setattr(where, name, fault)
+
+    def is_found(seed: int) -> bool:
+        try:
+            scene = with_pockets(seed)
+            run = ExactEngine(max_bits=600, work=100_000).run(scene, events=5)
+            return run.stop.reason is StopReason.UNDECIDED or enters_otherwise(scene, 5) not in ("", "none", None)
+        except AssertionError:
+            return True
+
+    assert any(is_found(seed) for seed in range(12))
+
+
+def test_pockets_that_capture_and_what_does_not_know_them_refuse_by_one_line() -> None:
+    hole = Pocket(0, 2, 1, id="hole")
+    with pytest.raises(SceneError, match="gravity: pocket 'hole' captures, and under gravity no circle is taken out"):
+        Scene([Circle(0, 5)], pockets=[hole], capture=True, gravity=(0, -1))
+    scene = Scene([Circle(0, 5)], pockets=[hole], gravity=(0, -1))
+    with pytest.raises(SceneError, match="pocket 'hole' is round, under gravity, and square roots do not take that"):
+        SymbolicEngine().run(scene)
+    with pytest.raises(SceneError, match="has pockets under gravity, and along steps of engine 'pymunk'"):
+        PymunkEngine().run(scene)
+    with pytest.raises(NoTangentMap, match="gravity and pockets"):
+        check_start(scene)
+    with pytest.raises(CertificateError, match="certificates do not know arcs and pockets where things fall"):
+        certificate_of(ExactEngine().run(scene, until=1))
