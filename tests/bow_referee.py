@@ -93,7 +93,7 @@ class BowReferee(FaceReferee):
                         for z in zeros_of(c):
                             t = z.real
                             slope = c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]))
-                            if abs(z.imag) < NOW and NOW < t < span and slope < 0:
+                            if abs(z.imag) < NOW < t < span and slope < 0:
                                 found.append((self.now + t, self.ids[i], str(pocket.id)))
                 if end >= until:
                     break
