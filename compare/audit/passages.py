@@ -186,7 +186,7 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
 
 
 def _as_fallen(leg: Leg, start: float, fall: Fall) -> tuple[float, float, float, float]:
-    """(x, y, vx, vy) at a time, of the parabola that is the flight's; of an engine of steps, of one that is beside it."""
+    """(x, y, vx, vy) at a time, of the parabola that is the flight; of an engine of steps, of one beside it."""
     x, y, vx, vy = (float(value.mid()) for value in _fallen(leg, start, fall))
     late = fall.step * (fall.ahead - 0.5)
     return x, y, vx + late * float(fall.gx), vy + late * float(fall.gy)
@@ -232,7 +232,7 @@ def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | Non
 
 
 def _fallen_deep(laws: Laws, leg: Leg, stands: Leg, fall: Fall, start: float, time: float) -> Residual | None:
-    """The same, enclosed: by how much more than at the start the two overlap at a time; None: by no more than rounding."""
+    """The same, enclosed: by how much more than at the start the two overlap then; None: by no more than rounding."""
     one, other = laws.things[leg.circle], laws.things[stands.circle]
     gaps: list[arb] = []
     fastest = leg.speed
@@ -312,7 +312,8 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
         px, py, ux, uy = _fallen(leg, moment, fall)
         depths.append(line.nx * (line.x - px) + line.ny * (line.y - py) - r)
         fast = max(fast, math.hypot(float(ux.mid()), float(uy.mid())))
-    deeper = (depths[0].min(arb(0)) - depths[1]).mid()
+    in_it = height > 0.0 and 0.0 < foot < line.length  # else it is beside the face, however far below its line
+    deeper = ((depths[0].min(arb(0)) if in_it else arb(0)) - depths[1]).mid()
     size = size_of(deeper) if deeper > 0 else 0.0
     steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
     away = math.hypot(dx, dy) + 2 * fast * (time - start)
