@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flint import arb, arb_mat
 
 from ...exact.exact_motion import motion_of
-from ...exact.laws.formulas import damped, wall_approach, wall_bounce
+from ...exact.laws.formulas import damped, pair_approach, wall_approach, wall_bounce
 from ...exact.laws.tangent_formulas import fall_turn, pair_tangent
 from ...exact.numbers import ball
 from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
@@ -118,6 +118,12 @@ class Displacements:
         a, b = self._of(self._row.get(hit.a)), self._of(self._row.get(hit.b))
         between = [second - first for first, second in zip(a, b, strict=True)]
         gain = pair_tangent(hit.dx, hit.dy, hit.vx, hit.vy, hit.reach, hit.wa, hit.wb, *between)
+        if self._pull is not None and (hit.a in self._row) != (hit.b in self._row):  # one of them falls, one stands
+            gx, gy = self._pull if hit.b in self._row else (-self._pull[0], -self._pull[1])
+            approach, pull = pair_approach(hit.dx, hit.dy, hit.vx, hit.vy), pair_approach(hit.dx, hit.dy, gx, gy)
+            weight = hit.reach * hit.reach * (hit.wa + hit.wb)
+            fallen = fall_turn(hit.dx, hit.dy, weight, approach, pull, between[0], between[1])
+            gain = gain[0], gain[1], gain[2] + fallen[0], gain[3] + fallen[1]
         if self._share is not None:
             gain = tuple(part * self._share for part in gain)
         for k in range(4):
