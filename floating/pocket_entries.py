@@ -1,7 +1,4 @@
-"""Entries into pockets of a run whose engine knows none: they follow from the straight flights between its knots.
-
-And when a point comes to a pocket next, on a straight way or a parabola.
-"""
+"""Entries into pockets of a run whose engine knows none: they follow from the straight flights between its knots."""
 
 from __future__ import annotations
 
@@ -9,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from ..exact.replay.round_falls import gap_quartic, told_falling_zero
 from ..scenarios.numbers.precision import Double
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Pocketing
@@ -30,16 +26,6 @@ def entries(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> 
         for time in _times(row, float(pocket.x), float(pocket.y), float(pocket.r), end)
     ]
     return tuple(sorted(found, key=lambda entry: float(entry.time)))
-
-
-def pull_of(scene: Scene) -> tuple[float, float]:
-    """The gravity of a scene, in doubles.
-
-    >>> from truebreak.scenarios import Circle
-    >>> pull_of(Scene([Circle(0, 0)], gravity=(0, "-1/2"))), pull_of(Scene([Circle(0, 0)]))
-    ((0.0, -0.5), (0.0, 0.0))
-    """
-    return (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
 
 
 def last_entry(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> float:
@@ -65,26 +51,15 @@ def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float
         inside = (inside or enters) and _gap(x + vx * lag - x0, y + vy * lag - y0, r) < 0
 
 
-def time_to_enter(
-    dx: float, dy: float, vx: float, vy: float, r: float, pull: tuple[float, float] = (0.0, 0.0)
-) -> float | None:
+def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
     """Time until a point comes within r of the origin; 0 if it is there already, None if it never does, or grazes.
-
-    Args:
-        dx, dy, vx, vy: where it is, and its velocity.
-        r: the distance.
-        pull: gravity.
 
     >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 1.0, 1.0, 0.0, 1.0)
     (2.0, None)
-    >>> round(time_to_enter(0.0, 6.0, 0.0, 0.0, 1.0, (0.0, -10.0)), 12)
-    1.0
     """
     gap = _gap(dx, dy, r)
     if gap < 0:
         return 0.0
-    if pull != (0.0, 0.0):
-        return told_falling_zero(gap_quartic(dx, dy, vx, vy, -pull[0] / 2, -pull[1] / 2, r))
     approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
     discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
     if approach >= 0 or discriminant <= 0:
