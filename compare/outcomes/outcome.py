@@ -339,7 +339,7 @@ class Entries:
 
 
 def wait_to_enter(scene: Scene, pocket: Pocket, row: tuple[float, float, float, float]) -> float | None:
-    """The time until a centre at (x, y), with velocity (vx, vy), enters a pocket, as `time_to_enter`; under gravity too.
+    """The time until a centre at (x, y), with velocity (vx, vy), enters a pocket, under gravity too.
 
     >>> from truebreak.scenarios import Circle, Pocket, Scene
     >>> scene = Scene([Circle(0, 6)], pockets=[Pocket(0, 0, 1)], gravity=(0, -10))
