@@ -143,9 +143,9 @@ class PymunkEngine(Declared):
     def space(self, scene: Scene) -> PymunkSpace:
         """The scene as a pymunk space; see `build_space`.
 
-        It is made for the longest run that `max_steps` allow, or for `FALLING_FOR`, after which its walls are laid anew;
-        never for a limit of the caller's: the ends of its walls depend on it, to the last bit, and a history must not
-        depend on when it is to end.
+        It is made for the longest run that `max_steps` allow, or for `FALLING_FOR`, after which its walls are laid
+        anew; never for a limit of the caller's: the ends of its walls depend on it, to the last bit, and a history must
+        not depend on when it is to end.
         """
         return build_space(
             scene,
@@ -166,8 +166,8 @@ class PymunkEngine(Declared):
     ) -> Trajectory:
         """The history of `scene`; see `Engine.run`.
 
-        With a reversal, and no limit from the caller, the run lasts to twice the time of the reversal. Under gravity, and
-        where walls move, nothing shows that nothing will happen any more: with no limit on the time such a run ends
+        With a reversal, and no limit from the caller, the run lasts to twice the time of the reversal. Under gravity,
+        and where walls move, nothing shows that nothing will happen any more: with no limit on the time such a run ends
         once `FALLING_FOR` has gone by without an event.
 
         Raises:

@@ -129,11 +129,11 @@ class PymunkSpace:
     def laid_anew(self, dt: float, duration: float) -> PymunkSpace:
         """The same space, with walls that reach far enough for so long from where the circles are now."""
         radii = [float(shape.radius) for shape in self.places if isinstance(shape, pymunk.Circle)]
-        moving = [(body.mass, *body.velocity) for body in self.moving]
+        moving = [(body.mass, body.velocity.x, body.velocity.y) for body in self.moving]
         drift = max((body.velocity.length for body in self.movers.values()), default=0.0)
         speed = _top_speed(moving) + self.space.gravity.length * duration + QUICKENED * drift
         for inmates in dict.fromkeys(slab.inmates for slab in self.slabs):
-            discs = [(*self.bodies[i].position, radii[i]) for i in inmates]
+            discs = [(self.bodies[i].position.x, self.bodies[i].position.y, radii[i]) for i in inmates]
             mine = {slab.wall: slab.shape for slab in self.slabs if slab.inmates == inmates}
             side = self.sides[inmates[0]]
             for index, start, stop, radius in _slabs(
