@@ -453,7 +453,9 @@ class ExactEngine(Declared):
             assumptions=tuple(history.assumptions),
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
-            ending=ending_of(log, None if history.last is None else history.last.step, loop.endings and loop.endings.found),
+            ending=ending_of(
+                log, None if history.last is None else history.last.step, loop.endings and loop.endings.found
+            ),
         )
 
 
