@@ -202,8 +202,11 @@ def moving(scene: Scene) -> list[int]:
     return [k for k, circle in enumerate(scene.circles) if not circle.fixed]
 
 
-def check_start(scene: Scene) -> None:
+def check_start(scene: Scene, walls_may_move: bool = False) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
+
+    Args:
+        walls_may_move: whether walls that move are followed.
 
     Raises:
         NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
@@ -211,7 +214,7 @@ def check_start(scene: Scene) -> None:
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
-    if scene.moving_walls:
+    if scene.moving_walls and not walls_may_move:
         raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
@@ -230,8 +233,9 @@ def check_start(scene: Scene) -> None:
             side = scene.arc_sides[j - beyond]
             closing = side.r * ((a.x - side.x) * a.vx + (a.y - side.y) * a.vy)
         elif j >= len(scene.circles):
-            nx, ny = scene.walls[j - len(scene.circles)].normal
-            closing = nx * a.vx + ny * a.vy
+            wall = scene.walls[j - len(scene.circles)]
+            nx, ny = wall.normal
+            closing = nx * (a.vx - wall.vx) + ny * (a.vy - wall.vy)
         else:
             b = scene.circles[j]
             closing = (b.x - a.x) * (b.vx - a.vx) + (b.y - a.y) * (b.vy - a.vy)

@@ -11,7 +11,6 @@ from truebreak.compare import compare
 from truebreak.compare.files.saved import resume, run_of, saved_run
 from truebreak.compare.grids.row import energy_drift
 from truebreak.compare.report.floats import floats_csv, floats_json
-from truebreak.compare.shadowing.shadows import shadow
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.numbers import ball
@@ -276,8 +275,6 @@ def test_what_does_not_know_gravity_refuses_it_by_name():
     ring = Arc(40, 5, 1, full=True, id="ring")
     with pytest.raises(SceneError, match="'ring'"):
         Scene(scene.circles, arcs=[ring], gravity=scene.gravity)
-    with pytest.raises(SceneError, match="has gravity, of which no shadow is looked for yet"):
-        shadow(scene, events=3)
     found = compare(scene, [PymunkEngine(dt=1 / 4)], events=12)
     assert found.candidates[0].alignment.divergence is not None
     assert found.candidates[0].diagnosis.closed

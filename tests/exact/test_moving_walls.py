@@ -21,7 +21,6 @@ from truebreak.compare.report.documents import trajectory_json
 from truebreak.compare.report.floats import floats_csv
 from truebreak.compare.report.listing import print_trajectory
 from truebreak.compare.report.player import played
-from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import check_start
 from truebreak.compare.tolerances.errors_grown import local_error
 from truebreak.compare.tolerances.reach import reach_of
@@ -405,7 +404,6 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "cannot be turned back, as walls go on; leave reverse_at out"),
         (lambda: scene.with_changes(reverse_after=1), "leave reverse_after out"),
-        (lambda: shadow(scene), "walls that move"),
         (lambda: check_start(scene), "walls that move"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
         (
