@@ -177,8 +177,8 @@ class Impact(NamedTuple):
         time: of the impact.
         a, b: the circles by index; for a wall b is None.
         dx, dy: from a's centre to b's; for a wall its normal, of any length.
-        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a. Under gravity it is the true
-            one, at the impact.
+        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a, less the wall's own. Under
+            gravity it is the true one, at the impact.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
         wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
@@ -427,13 +427,14 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         i, j, *_ = link
         ux, uy = speeds[i]
         if is_flat(link):
-            line = state.line(link.circle, link.wall)
+            line, (wx, wy) = state.line(link.circle, link.wall), state.drifts.get(link.wall, (state.zero, state.zero))
+            ux, uy = ux - wx, uy - wy
             yield Impact(
                 state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
             )
             if not together:
                 left = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
-                speeds[i] = _damped(ux, left[0], state.share), _damped(uy, left[1], state.share)
+                speeds[i] = _damped(ux, left[0], state.share) + wx, _damped(uy, left[1], state.share) + wy
             continue
         if is_arc(link):
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
