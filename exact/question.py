@@ -9,8 +9,8 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import fall_speed, sag, speed_change
 from .numbers.system import N, solve_positive
-from .replay.arc_ranges import arc_chord, within_arc
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
+from .replay.landings import arc_chord, within_arc
 from .replay.state import ReplayState
 
 # -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.

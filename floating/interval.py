@@ -13,14 +13,16 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from flint import arb
+from flint import arb, fmpq
 from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
+from ..exact.numbers import ball
 from ..exact.numbers.system import Undecided
-from ..exact.replay.contact import Gravity, Pair
-from ..exact.replay.round_falls import Unclear, Unsharp, falling_zero, horner, horner_slope
+from ..exact.replay.contact import Gravity, Round, is_arc, is_pair
+from ..exact.replay.landings import Unsharp, falling_zeros, gap_of, within_arc
+from ..exact.replay.round_falls import Isolated, RoundFall, Unclear, falling_zero, horner, horner_slope
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
@@ -30,6 +32,9 @@ from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain import PlainDecider, PlainState, run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
+
+QUARTIC_BITS = 64
+"""Precision at which the zeros of quartics are told apart: their coefficients are taken from doubles."""
 
 ZERO: Any = mpmath.iv.mpf(0)
 """An interval already: what mpmath must convert first, it converts where a Ctrl-C would be dropped."""
@@ -180,32 +185,67 @@ INTERVALS = Intervals()
 class IntervalState(PlainState[Any]):
     """See `PlainState`; which zero of a quartic a fall ends at is certain, or not told."""
 
-    def fall_wait(self, link: Pair) -> Any:
+    def fall_wait(self, link: Round) -> Any:
         """See `Flights.fall_wait`: in doubles with a bound of what they are off, then by interval Newton."""
         fall, stood = self.peg_fall(link), self.stood(link)
-        if not stood and (fall.gap() > ZERO) is not True:
+        if is_pair(link) and not stood and (fall.gap() > ZERO) is not True:
             raise Unsharp(0.0)
-        c = fall.polynomial(stood)
+        c = gap_of(link, fall, stood)
+        for found in self._zeros(link, fall, c):
+            if isinstance(found, Unclear):
+                raise Unsharp(found.since)
+            wait = _narrowed(c, found)
+            within = self._within(link, fall, wait)
+            if (within > ZERO) is True:
+                return wait
+            if (within < ZERO) is not True:
+                raise Unsharp(bounds(wait)[0])
+        return None
+
+    def _within(self, link: Round, fall: RoundFall[Any], wait: Any) -> Any:
+        """Whether a circle is within the range of an arc after a time; of what has none, 1."""
+        place = fall.after(wait)
+        return within_arc(self, link, place.dx, place.dy) if is_arc(link) else self.one
+
+    def _zeros(self, link: Round, fall: RoundFall[Any], c: Sequence[Any]) -> Iterator[Isolated | Unclear]:
+        """Where the gap of a contact falls; of two circles, the first time."""
         ends = [bounds(value) for value in c]
-        mids = [low + (high - low) / 2 for low, high in ends]
-        off = [nextafter(max(high - mid, mid - low), inf) for mid, (low, high) in zip(mids, ends, strict=True)]
-        found = falling_zero(mids, off)
-        if found is None:
-            return None
-        if isinstance(found, Unclear):
-            raise Unsharp(found.since)
-        iv: Any = mpmath.iv
-        wait = iv.mpf([found.low, found.high])
-        while (slope := horner_slope(c, wait)) < ZERO:
-            middle = iv.mpf(wait.mid)
-            near = middle - horner(c, middle) / slope
-            low, high = max(wait.a, near.a), min(wait.b, near.b)
-            assert (low <= high) is True, "a zero of a quartic is nowhere: a defect"
-            narrower = iv.mpf([low, high])
-            if (narrower.delta < wait.delta / 2) is not True:
-                return narrower
-            wait = narrower
-        return wait
+        if is_pair(link):
+            mids = [low + (high - low) / 2 for low, high in ends]
+            off = [nextafter(max(high - mid, mid - low), inf) for mid, (low, high) in zip(mids, ends, strict=True)]
+            found = falling_zero(mids, off)
+            return iter(() if found is None else (found,))
+
+        def beyond(low: fmpq, high: fmpq) -> bool:
+            return (self._within(link, fall, _span_of(low, high)) < ZERO) is True
+
+        with ball.precision(QUARTIC_BITS):
+            return iter([*falling_zeros([hull(arb(low), arb(high)) for low, high in ends], inf, beyond)])
+
+
+def _span_of(low: float | fmpq, high: float | fmpq) -> Any:
+    """What is between two doubles, or two fractions, as an interval."""
+    iv: Any = mpmath.iv
+    one, two = (
+        iv.mpf(int(end.p)) / iv.mpf(int(end.q)) if isinstance(end, fmpq) else iv.mpf(float(end)) for end in (low, high)
+    )
+    return iv.mpf([one.a, two.b])
+
+
+def _narrowed(c: Sequence[Any], found: Isolated) -> Any:
+    """The falling zero of a polynomial that is the only one between two numbers, as sharply as intervals tell it."""
+    iv: Any = mpmath.iv
+    wait = _span_of(*found)
+    while (slope := horner_slope(c, wait)) < ZERO:
+        middle = iv.mpf(wait.mid)
+        near = middle - horner(c, middle) / slope
+        low, high = max(wait.a, near.a), min(wait.b, near.b)
+        assert (low <= high) is True, "a zero of a quartic is nowhere: a defect"
+        narrower = iv.mpf([low, high])
+        if (narrower.delta < wait.delta / 2) is not True:
+            return narrower
+        wait = narrower
+    return wait
 
 
 class IntervalMotion:

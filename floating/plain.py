@@ -18,10 +18,10 @@ from ..exact.replay.contact import (
     Gravity,
     Link,
     NamedContacts,
-    Pair,
+    Round,
     name_of,
 )
-from ..exact.replay.round_falls import told_wait
+from ..exact.replay.landings import told_wait
 from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
@@ -65,13 +65,13 @@ class PlainState(ReplayState[M]):
         clock, wait = super()._hit_from_base(source)
         return clock, self.zero if wait < self.zero else wait
 
-    def peg_hit(self, link: Pair) -> tuple[M, M]:
+    def peg_hit(self, link: Round) -> tuple[M, M]:
         """See `RoundFalls.peg_hit`; only of what comes."""
         wait = self.fall_wait(link)
         assert wait is not None, "a circle that was to fall onto another does not: a defect"
         return self.faller(link).flight.t, wait
 
-    def fall_wait(self, link: Pair) -> M | None:
+    def fall_wait(self, link: Round) -> M | None:
         """See `Flights.fall_wait`."""
         return told_wait(self, link)
 

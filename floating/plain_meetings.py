@@ -9,18 +9,17 @@ from typing import Generic
 from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import M, NumberSystem, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.arc_ranges import faces_arc
-from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, is_arc, is_flat, is_pair, name_of
-from ..exact.replay.round_falls import Unsharp
+from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, Round, is_arc, is_flat, name_of
+from ..exact.replay.landings import Unsharp, faces_arc
 from ..exact.replay.state import ReplayState
 from ..exact.simulation.arc_meetings import arc_contact, face_contact, fall_to_face, predict_falls
-from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor, link_of
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import TieProof
 
 
 class PlainPegs(Predictor[M]):
-    """Predictions of scenes in which circles stand under gravity. See `Predictor`."""
+    """Predictions of scenes in which something round stands under gravity. See `Predictor`."""
 
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`."""
@@ -30,10 +29,8 @@ class PlainPegs(Predictor[M]):
         """See `Predictor.face`."""
         fall_to_face(self, a, wall, standing, rounded=True)
 
-    def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next meeting of a circle that falls with one that stands."""
-        link = link_of(a, peg)
-        assert is_pair(link)
+    def land(self, a: Body[M], link: Round, standing: Collection[Link]) -> None:
+        """See `Predictor.land`."""
         try:
             wait = self.state.fall_wait(link)
         except Unsharp as error:
@@ -64,7 +61,7 @@ class PlainMeetings(Generic[M]):
         numbers: NumberSystem[M],
         ask: Callable[[Question], int],
     ) -> None:
-        made = PlainPegs if scene.pegs else Predictor
+        made = PlainPegs if state.stands else Predictor
         self._predictor = made(scene, state, queue, plan, numbers.bounds, self._unsure)
         self.slides = self._predictor.slides
         self._state = state
@@ -138,10 +135,10 @@ class PlainMeetings(Generic[M]):
         Raises:
             Undecided: where that cannot be told.
         """
+        if not is_flat(link) and self._state.on_peg(link):
+            return self._meeting_fallen_onto(link)
         if is_arc(link):
             return self._meeting_arc(link)
-        if is_pair(link) and self._state.on_peg(link):
-            return self._meeting_fallen_onto(link)
         if is_flat(link) and link.wall in self._predictor.faces and self._state.scene.gravity is not None:
             return self._meeting_fallen_face(link, self._pull(link))
         if is_flat(link) and (pull := self._pull(link)):
@@ -182,8 +179,8 @@ class PlainMeetings(Generic[M]):
             return None
         return clock + wait, disc == 0
 
-    def _meeting_fallen_onto(self, link: Pair) -> tuple[M, bool] | None:
-        """As `_meeting`, of a circle that falls onto one that stands."""
+    def _meeting_fallen_onto(self, link: Round) -> tuple[M, bool] | None:
+        """As `_meeting`, of a circle that falls onto something round that stands."""
         try:
             wait = self._state.fall_wait(link)
         except Unsharp:

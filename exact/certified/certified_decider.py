@@ -20,12 +20,11 @@ from ..replay.contact import (
     Body,
     Entry,
     Link,
-    Pair,
+    Round,
     Touch,
     can_push,
     is_arc,
     is_flat,
-    is_pair,
     name_of,
     touching_at_start,
 )
@@ -198,7 +197,7 @@ class CertifiedMeetings:
         work: int,
     ) -> None:
         plain = FilteredPredictor if scene.gravity is None and not scene.moving_walls else FallingPredictor
-        made = ArcPredictor if scene.arc_sides else PegPredictor if scene.pegs else plain
+        made = PegPredictor if state.balls.stands else ArcPredictor if scene.arc_sides else plain
         self.predictor = made(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state
@@ -239,7 +238,7 @@ class CertifiedMeetings:
         """
         link = arrival.link
         self._plan["doubtful settled"] += 1
-        if is_pair(link) and self._state.balls.on_peg(link):
+        if not is_flat(link) and self._state.balls.on_peg(link):
             return self._settled_fall(arrival, link)
         if is_arc(link):
             disc = arc_contact(link, self._decided, final=True)
@@ -277,8 +276,8 @@ class CertifiedMeetings:
             spent += units
             self._precision.rise(why)
 
-    def _settled_fall(self, arrival: Arrival[arb], link: Pair) -> Arrival[arb] | None:
-        """As `settled`, of a circle that falls onto one that stands: more bits, and no proof of a graze."""
+    def _settled_fall(self, arrival: Arrival[arb], link: Round) -> Arrival[arb] | None:
+        """As `settled`, of a circle that falls onto something round: more bits, and no proof of a graze."""
         spent, predictor = 0, self.predictor
         assert isinstance(predictor, PegPredictor)
         while True:
@@ -370,7 +369,7 @@ class CertifiedMeetings:
         A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
         """
         self._plan["full predictions"] += 1
-        if isinstance(self.predictor, PegPredictor) and self._state.balls.on_peg(link):
+        if isinstance(self.predictor, PegPredictor) and not is_flat(link) and self._state.balls.on_peg(link):
             return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
         if isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):

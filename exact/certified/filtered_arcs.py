@@ -13,9 +13,9 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
-from ..replay.contact import AtArc, AtWall, Body, Link, Pair, is_flat, is_pair, name_of
+from ..replay.contact import AtArc, AtWall, Body, Link, Pair, Round, is_flat, name_of
+from ..replay.landings import Landing, landing
 from ..replay.refinable import RefinableState
-from ..replay.round_falls import Unclear, peg_meeting
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
 from ..simulation.prediction import ArrivalQueue
@@ -190,7 +190,7 @@ class ArcPredictor(FallingPredictor):
 
 
 class PegPredictor(FallingPredictor):
-    """Predictions of scenes in which circles stand under gravity. See `FilteredPredictor`."""
+    """Predictions of scenes in which something round stands under gravity. See `FilteredPredictor`."""
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`; in one go where what stands at gap zero as flights begin is what was pushed."""
@@ -254,10 +254,12 @@ class PegPredictor(FallingPredictor):
         return face_contact(link, pull, decide) if found is None else found
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
-        """Queues the next meeting of a circle that falls with one that stands."""
+        """See `FallingPredictor.fall_onto`."""
+        self.land(a, Pair(*sorted((a.index, peg.index))), standing)
+
+    def land(self, a: Body[arb], link: Round, standing: Collection[Link]) -> None:
+        """See `Predictor.land`."""
         state = self.refinable.balls
-        i, j = a.index, peg.index
-        link = Pair(i, j) if i < j else Pair(j, i)
         if link in standing and not state.stood(link):
             raise Undecided(
                 f"{name_of(self.scene, link)} touch at one instant with other contacts, and not by an impulse of their "
@@ -268,7 +270,7 @@ class PegPredictor(FallingPredictor):
         end = inf if a.until == inf else (a.until - ball.double_bounds(flight.instant)[0]) * (1 + 2.0**-40)
         if end <= 0.0:
             return
-        found = peg_meeting(state, link, end)
+        found = landing(state, link, end)
         if isinstance(found, arb):
             low, high = self.bounds(time := flight.t + found)
             if low <= a.until:
@@ -278,17 +280,16 @@ class PegPredictor(FallingPredictor):
             self.plan["unclear in doubles"] += 1
             self.unsure(link)
 
-    def in_full(self, link: Pair) -> arb | Unclear | None:
-        """When a circle falls onto one that stands, in full balls; what is known of it."""
+    def in_full(self, link: Round) -> Landing:
+        """When a circle falls onto something round that stands, in full balls; what is known of it."""
         state = self.refinable
         ball.use_bits(state.bits)
         state.sync(link.circles)
-        found = peg_meeting(state.balls, link, inf)
+        found = landing(state.balls, link, inf)
         return state.balls.faller(link).flight.t + found if isinstance(found, arb) else found
 
-    def push_unsure(self, link: Link) -> None:
+    def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""
-        assert is_pair(link)
         found = self.in_full(link)
         if isinstance(found, arb):
             self.push(found, link)

@@ -23,7 +23,7 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
-from .round_falls import peg_wait
+from .landings import landing_wait
 from .state import ReplayState
 from .wall_flights import FallingWall, falling_wall
 
@@ -61,7 +61,7 @@ class BallState(ReplayState[arb]):
         self._root: arb | None = None
         self._straight = False
         self._mirrors: dict[int, Mirror] = {}
-        self._peg_hits: dict[Pair, tuple[Flight[arb], int, arb]] = {}
+        self._landings: dict[Round, tuple[Flight[arb], int, arb]] = {}
 
     def set_instant(self, base: arb, wait: arb) -> tuple[arb, arb]:
         """A clock without radius at the middle of the instant."""
@@ -73,7 +73,7 @@ class BallState(ReplayState[arb]):
 
     def _hit_from_base(self, source: Link) -> tuple[arb, arb]:
         """The time of the hit, and for two circles their d at it."""
-        if is_flat(source) or (self.pegs and self.on_peg(source)):
+        if is_flat(source) or (self.stands and self.on_peg(source)):
             return source.hit(self)
         t, wait, dx, dy, root = self._meeting(source)
         self._told, self._root, self._straight = (source, dx, dy), root, root is None
@@ -135,18 +135,18 @@ class BallState(ReplayState[arb]):
         self.falling, self.drifts = other.falling, other.drifts
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
-        """As `ReplayState.round_hit`, in the sharper form; onto a peg, made once for a flight and a precision."""
-        if not (is_pair(link) and self.pegs and self.on_peg(link)):
+        """As `ReplayState.round_hit`, in the sharper form; of a fall, made once for a flight and a precision."""
+        if not (self.stands and self.on_peg(link)):
             return self._meeting(link)[:2]
         flight, bits = self.faller(link).flight, ball.bits_in_use()
-        known = self._peg_hits.get(link)
+        known = self._landings.get(link)
         if known is None or known[0] is not flight or known[1] != bits:
-            known = self._peg_hits[link] = flight, bits, peg_wait(self, link, inf)
+            known = self._landings[link] = flight, bits, landing_wait(self, link, inf)
         return flight.t, known[2]
 
     def arc_hit(self, link: AtArc) -> tuple[arb, arb]:
         """As `ReplayState.arc_hit`, in the sharper form."""
-        return self._meeting(link)[:2]
+        return self.round_hit(link)
 
     def arc_span(self, link: AtArc, graze: bool) -> tuple[arb, arb]:
         """As `ReplayState.arc_span`, in the sharper form."""

@@ -9,8 +9,8 @@ from ...scenarios.scene import Scene
 from ...scenarios.surfaces import parts_of
 from ..laws.formulas import face_along
 from ..numbers.system import Arithmetic, N
-from .arc_ranges import faces_arc
 from .contact import AtArc, AtWall, Pair, Touch, is_pair
+from .landings import faces_arc
 from .state import Flights
 
 # -- What is met of a thing is told by the run's own places, whatever the gap there: no engine in finite precision has

@@ -1,4 +1,4 @@
-"""Circles that fall onto round things that stand: the first zero at which a quartic falls, in any numbers."""
+"""Circles that fall onto round things that stand: the zeros at which a quartic falls, in any numbers."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
-from ..numbers.system import M, N
-from .contact import Body, Gravity, Link, Pair, Relation, Round, is_pair, touching_at_start
+from ..numbers.system import N
+from .contact import AtArc, Body, Gravity, Link, Relation, Round, is_arc, is_flat, is_pair, touching_at_start
 
 # -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
 # after a time s their centres are d + v s - h s^2 apart, and the gap is a quartic. It is positive as the flight begins,
@@ -114,14 +114,14 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     degree = len(c) - 1
     if not (c[0] > off[0] and all(map(isfinite, c)) and all(map(isfinite, off))):
         return Unclear(0.0)
-    last = _last_zero(c, off)
+    last = last_zero(c, off)
     if last == 0.0:
         return None
     if not last < end:
         last = end
     if not LEAST < last < GREATEST:
         return Unclear(0.0)
-    top = _end(last)
+    top = bernstein_end(last)
     size = slack = 0.0
     power = 1.0
     for value, error in zip(c, off, strict=True):
@@ -160,7 +160,7 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     return None
 
 
-def _last_zero(c: Sequence[float], off: Sequence[float]) -> float:
+def last_zero(c: Sequence[float], off: Sequence[float]) -> float:
     """A double beyond all positive zeros (Kioustelidis, Fujiwara): 0 where there are none, infinite where unknown."""
     degree = len(c) - 1
     while degree and c[degree] == 0.0 == off[degree]:
@@ -179,7 +179,7 @@ def _last_zero(c: Sequence[float], off: Sequence[float]) -> float:
         return inf
 
 
-def _end(last: float) -> float:
+def bernstein_end(last: float) -> float:
     """A prime times a power of 2, at least a double."""
     share, power = frexp(last)
     wanted = share * 256.0
@@ -278,18 +278,23 @@ def falling_zero_in_balls(c: Sequence[arb], end: float = inf) -> Found:
     >>> falling_zero_in_balls([arb(2), arb(0), arb(-1)])
     Isolated(low=1.414213562373088, high=1.4142135623731018)
     """
-    mids = [float(x.mid()) for x in c]
-    off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
-    exact = [0.0 if x.is_zero() else error for x, error in zip(c, off, strict=True)]
+    mids, exact = doubles_of(c)
     found = falling_zero(mids, exact, end)
     if not isinstance(found, Unclear) or not c[0] > 0:
         return found
-    last = _last_zero(mids, exact)
+    last = last_zero(mids, exact)
     if not last < end:
         last = end
     if not LEAST < last < GREATEST:
         return found
-    return _isolated(c, fmpq(*_end(last).as_integer_ratio()), sign_of, bits_of(c))
+    return _isolated(c, fmpq(*bernstein_end(last).as_integer_ratio()), sign_of, bits_of(c))
+
+
+def doubles_of(c: Sequence[arb]) -> tuple[list[float], list[float]]:
+    """Doubles beside some balls, and bounds of how far off they are."""
+    mids = [float(x.mid()) for x in c]
+    off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
+    return mids, [0.0 if x.is_zero() else error for x, error in zip(c, off, strict=True)]
 
 
 def bits_of(c: Sequence[arb]) -> int:
@@ -318,19 +323,19 @@ def _isolated(c: Sequence[Any], top: fmpq, sign: Callable[[Any], int | None], mo
         if most is not None and depth > most:
             return Unclear(float(low) * (1 - 2.0**-40))  # pyright: ignore[reportArgumentType]
         for share in SPLITS:
-            left, right = _parted(b, kind(share))
+            left, right = parted(b, kind(share))
             if sign(left[-1]):
                 break
         else:
             share = SPLITS[0]
-            left, right = _parted(b, kind(share))
+            left, right = parted(b, kind(share))
         at = low + (high - low) * share
         stack.append((at, high, right, depth + 1))
         stack.append((low, at, left, depth + 1))
     return None
 
 
-def _parted(b: list[Any], share: Any) -> tuple[list[Any], list[Any]]:
+def parted(b: list[Any], share: Any) -> tuple[list[Any], list[Any]]:
     """The Bernstein coefficients of both parts of an interval (de Casteljau)."""
     left, right = [b[0]], [b[-1]]
     while len(b) > 1:
@@ -514,9 +519,10 @@ class RoundFall(NamedTuple, Generic[N]):
 
 
 class RoundFalls(Generic[N]):
-    """What of a state concerns circles that stand under gravity.
+    """What of a state concerns round things that stand under gravity: circles, the sides of arcs, rims of pockets.
 
     Attributes:
+        stands: whether there are any.
         pegs: the circles that do.
         contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
     """
@@ -526,6 +532,9 @@ class RoundFalls(Generic[N]):
     constant: Callable[[Quantity], N]
     falling: Gravity[N] | None
     bodies: dict[int, Body[N]]
+    pockets: list[Body[N]]
+    arcs: list[Body[N]]
+    stands: bool
     pegs: frozenset[int]
     contacts: dict[int, tuple[int, frozenset[Link]]]
 
@@ -534,17 +543,23 @@ class RoundFalls(Generic[N]):
         raise NotImplementedError
 
     def on_peg(self, link: Link) -> bool:
-        """Whether one of the two of a contact stands under gravity."""
-        return is_pair(link) and (link.a in self.pegs or link.b in self.pegs)
+        """Whether one of the two of a contact is round and stands under gravity."""
+        if is_pair(link):
+            return link.a in self.pegs or link.b in self.pegs
+        return self.stands and not is_flat(link)
+
+    def _stands_first(self, link: Round) -> bool:
+        """Whether the first of a contact's two is the one that stands, a circle."""
+        return is_pair(link) and link.a in self.pegs
 
     def faller(self, link: Round) -> Body[N]:
         """The other."""
-        return self.bodies[link[1] if link[0] in self.pegs else link[0]]
+        return self.bodies[link[1] if self._stands_first(link) else link[0]]
 
     def peg_relation(self, link: Round) -> Relation[N]:
         """The two at the clock of the one that falls, in true coordinates."""
-        body, first = self.faller(link), link[0] in self.pegs
-        peg = self.bodies[link[0] if first else link[1]]
+        body, first = self.faller(link), self._stands_first(link)
+        peg = link.ends(self)[0 if first else 1]
         x, y, vx, vy, t, *_ = body.flight
         falling = self.falling
         assert falling is not None
@@ -559,7 +574,7 @@ class RoundFalls(Generic[N]):
         """The two at the clock of the one that falls."""
         falling = self.falling
         assert falling is not None
-        first = link[0] in self.pegs
+        first = self._stands_first(link)
         hx, hy = (-falling.hx, -falling.hy) if first else (falling.hx, falling.hy)
         _, dx, dy, vx, vy, reach = self.peg_relation(link)
         return RoundFall(dx, dy, vx, vy, hx, hy, reach)
@@ -589,15 +604,31 @@ class RoundFalls(Generic[N]):
                 mine = frozenset(other for other in links if i in other.circles)
                 self.contacts[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
 
-    def stood(self, link: Pair) -> bool:
-        """Whether the two of a contact touch as the flight of the one that falls begins."""
+    def stood(self, link: Round) -> bool:
+        """Whether the two of a contact touch as the flight of the one that falls begins.
+
+        Or whether that one then touches another part of the circle that an arc is of, which makes the gap zero too.
+        """
         body = self.faller(link)
         last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
-        return (at == last and link in links) or (last == 0 and link in touching_at_start(self.scene))
+        begun = links if at == last else frozenset[Link]()
+        if last == 0:
+            begun = begun.union(touching_at_start(self.scene))
+        if link in begun or not is_arc(link):
+            return link in begun
+        return any(is_arc(other) and self._is_as_far(link, other) for other in begun)
+
+    def _is_as_far(self, link: AtArc, other: AtArc) -> bool:
+        """Whether a circle is at two sides of arcs wherever it is at one: about one middle, and as far from it."""
+        if link.circle != other.circle:
+            return False
+        sides, r = self.scene.arc_sides, self.scene.circles[link.circle].r
+        one, two = sides[link.arc], sides[other.arc]
+        return (one.x, one.y) == (two.x, two.y) and (one.r == two.r or (one.r + two.r + r + r).sign() == 0)
 
     # -- when they meet
 
-    def peg_hit(self, link: Pair) -> tuple[N, N]:
+    def peg_hit(self, link: Round) -> tuple[N, N]:
         """As `Flights.round_hit`: in closed numbers there is none.
 
         Raises:
@@ -607,93 +638,9 @@ class RoundFalls(Generic[N]):
 
     def no_closed_form(self) -> NoReturn:
         """What a zero of a quartic is, in numbers that have square roots alone."""
-        told = "the time at which a circle falls onto one that stands is a zero of a quartic"
+        told = "the time at which a circle falls onto something round is a zero of a quartic"
         if isinstance(self.zero, fmpq):
             raise LeavesField
         if isinstance(self.zero, Element):
             raise TowerLimit(told)
         raise NoClosedForm(f"{told}, and none of square roots: ask for `digits` or `ball`")
-
-
-class Unsharp(ZeroDivisionError):
-    """Balls at hand do not tell the first falling zero; none comes before `since`, reckoned from the instant."""
-
-    def __init__(self, since: float) -> None:
-        super().__init__(since)
-        self.since = since
-
-
-def peg_wait(state: RoundFalls[arb], link: Pair, end: float) -> arb:
-    """The time from the clock of the one that falls to the hit, at the working precision.
-
-    Where it is told from all else is reckoned from the instant, where the gap is above zero, or zero and divided out;
-    then it is sharpened from the clock, whose time is exact.
-
-    Raises:
-        Unsharp: where balls at hand do not tell it.
-        AssertionError: where there is none, as it is asked of contacts alone that come.
-    """
-    found = peg_meeting(state, link, end)
-    if not isinstance(found, arb):
-        assert found is not None, "a circle that was to fall onto another does not: a defect"
-        raise Unsharp(found.since)
-    return found
-
-
-def peg_meeting(state: RoundFalls[arb], link: Pair, end: float) -> arb | Unclear | None:
-    """As `peg_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
-    at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
-    fall = at_clock if late is None else at_clock.after(late)
-    polynomial = fall.polynomial(stood)
-    found = falling_zero_in_balls(polynomial, end)
-    if not isinstance(found, Isolated):
-        return found
-
-    def value(s: arb) -> arb:
-        x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
-        return x * x + y * y - at_clock.reach * at_clock.reach
-
-    def slope(s: arb) -> arb:
-        return 2 * at_clock.after(s).approach()
-
-    first, last = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
-    low, high = (first, last) if late is None else (first + late, last + late)
-    wait = sharpened(low, high, value, slope)
-    if stood and (wait is None or 2 * wait.rel_accuracy_bits() < bits_in_use()):  # it is all but at the zero left out
-        since = sharpened(first, last, lambda s: horner(polynomial, s), lambda s: horner_slope(polynomial, s))
-        again = since if since is None or late is None else late + since
-        wait = again if wait is None else wait if again is None else wait.intersection(again)
-    return Unclear(float(found.low) * (1 - 2.0**-40)) if wait is None else wait  # pyright: ignore[reportArgumentType]
-
-
-SHARPENINGS = 8
-"""Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
-
-
-def told_wait(state: RoundFalls[M], link: Pair) -> M | None:
-    """The time to the hit of a circle that falls onto one that stands; None where it does not.
-
-    Which zero of the quartic that is, is told of its coefficients in doubles, as they are; then it is sharpened in
-    the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
-    else meet again as if they touched.
-    """
-    fall, stood = state.peg_fall(link), state.stood(link)
-    if not fall.gap() > state.zero:
-        if not stood and fall.approach() < state.zero:
-            return state.zero
-        stood = True
-    found = told_falling_zero([float(value) for value in fall.polynomial(stood)])  # pyright: ignore[reportArgumentType]
-    if found is None:
-        return None
-    wait = state.constant(Quantity.of(found))
-    for _ in range(SHARPENINGS):
-        then = fall.after(wait)
-        slope = then.approach() + then.approach()
-        gap = then.gap() if not stood else then.gap() - fall.gap()
-        if not slope < state.zero:
-            break
-        better = wait - gap / slope
-        if not better > state.zero or not (better < wait or better > wait):
-            break
-        wait = better
-    return wait

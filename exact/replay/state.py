@@ -24,7 +24,7 @@ from ..laws.formulas import (
     wall_bounce,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch, is_pair
+from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch
 from .round_falls import RoundFalls
 from .wall_flights import WallFlights
 
@@ -186,6 +186,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self._lines = {}
         self.sides = Sides(scene)
         self.pegs, self.contacts = scene.pegs, {}
+        self.stands = scene.gravity is not None and bool(self.pegs or self.arcs or self.pockets)
 
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
@@ -210,7 +211,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         """The two of a contact at the later of their clocks, which the log's order tells without a comparison."""
         a, b = link.ends(self)
         f, g = a.flight, b.flight
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_relation(link)
         if self.falling is not None and self.falling.bent:
             return self.bent_relation(self.falling, a, b)
@@ -229,7 +230,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def later(self, link: Round) -> Body[N]:
         """The one of the two of a contact whose flight is newer; one that falls, rather than one that stands."""
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.faller(link)
         a, b = link.ends(self)
         return a if a.flight.last >= b.flight.last else b
@@ -242,7 +243,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_gap(self, link: Round) -> N:
         """|d|^2 - R^2 at the later clock; in enclosures, whose clocks may stand beside it, at the instant."""
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_fall(link).gap()
         pair, late = self.relation(link), self.later(link).flight.late
         if late is None:
@@ -251,7 +252,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_approach(self, link: Round) -> N:
         """d.v then: negative while the two come nearer."""
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_fall(link).approach()
         pair, late = self.relation(link), self.later(link).flight.late
         if late is None:
@@ -265,14 +266,14 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_hit(self, link: Round) -> tuple[N, N]:
         """The clock from which the hit is reckoned, and the time from it to the hit."""
-        if is_pair(link) and self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_hit(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
         return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
 
-    def fall_wait(self, link: Pair) -> N | None:
-        """The time from its clock until a circle falls onto one that stands; None where it does not.
+    def fall_wait(self, link: Round) -> N | None:
+        """The time from its clock until a circle falls onto something round; None where it does not.
 
         Only of numbers that answer at once.
 
@@ -288,7 +289,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_parts(self, link: Round) -> tuple[N, N, N]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.no_closed_form()
         t, dx, dy, vx, vy, reach = self.relation(link)
         a = vx * vx + vy * vy
@@ -297,7 +298,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def arc_hit(self, link: AtArc) -> tuple[N, N]:
         """As `round_hit`; a hollow side is met at the later zero of the gap."""
-        if not link.hollow:
+        if not link.hollow or self.stands:
             return self.round_hit(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
@@ -345,7 +346,7 @@ class ReplayState(Flights[N]):
             self.go(step.source, step.bodies)
         elif type(step) is Kick:
             self.kick(step.links)
-            if self.pegs:
+            if self.stands:
                 self.note_stood(step.among)
         elif type(step) is Take:
             self.take(step.body)
@@ -403,7 +404,7 @@ class ReplayState(Flights[N]):
         """d of two bodies at the instant."""
         if self.met is not None and self.met[0] == link:
             return self.met[1], self.met[2]
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_fall(link)[:2]
         a, b = link.ends(self)
         (ax, ay), (bx, by) = self.place(a), self.place(b)
@@ -415,7 +416,7 @@ class ReplayState(Flights[N]):
 
     def round_closing(self, link: Round) -> N:
         """d.v at the instant: negative while the two come nearer."""
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             return self.peg_fall(link).approach()
         a, b = link.ends(self)
         return pair_approach(*self.span(link), b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy)
@@ -433,7 +434,7 @@ class ReplayState(Flights[N]):
     def bounce_pair(self, link: Pair) -> None:
         """The bounce of two circles."""
         a, b = link.ends(self)
-        if self.pegs and self.on_peg(link):
+        if self.stands and self.on_peg(link):
             dx, dy, vx, vy, *_ = self.peg_fall(link)
         else:
             (dx, dy), vx, vy = self.span(link), b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy
@@ -458,9 +459,12 @@ class ReplayState(Flights[N]):
 
     def bounce_arc(self, link: AtArc) -> None:
         """The bounce of a circle off an arc, as off a fixed circle."""
-        dx, dy = self.span(link)
         a, b = link.ends(self)
-        jx, jy = pair_impulse(dx, dy, -a.flight.vx, -a.flight.vy, self.reach(a, b), a.w, b.w)
+        if self.stands:
+            dx, dy, vx, vy, *_ = self.peg_fall(link)
+        else:
+            (dx, dy), vx, vy = self.span(link), -a.flight.vx, -a.flight.vy
+        jx, jy = pair_impulse(dx, dy, vx, vy, self.reach(a, b), a.w, b.w)
         if self.share is not None:
             jx, jy = jx * self.share, jy * self.share
         self.push(a, -jx, -jy)

@@ -1,4 +1,4 @@
-"""When a circle meets an arc next, or, under gravity, a circle that stands or a face of a segment or polygon."""
+"""When a circle meets an arc next, or, under gravity, something round that stands or a face."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from ..laws.formulas import (
 )
 from ..numbers.system import M, Undecided
 from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Question, Within
-from ..replay.arc_ranges import arc_chord
-from ..replay.contact import AtArc, AtWall, Body, Gravity, Link
+from ..replay.contact import AtArc, AtWall, Body, Gravity, Link, Pair, Round
+from ..replay.landings import arc_chord
 from ..replay.state import ReplayState
 from ..replay.wall_flights import SeenWall, along_of, fall_of
 
@@ -90,6 +90,7 @@ class Predicting(Protocol[M]):
     def unsure(self) -> Callable[[Link], None]: ...
     def prepare(self) -> None: ...
     def push(self, time: M, link: Link, graze: bool = False) -> None: ...
+    def land(self, a: Body[M], link: Round, standing: Collection[Link]) -> None: ...
 
 
 class ArcSides(Generic[M]):
@@ -114,16 +115,21 @@ class ArcSides(Generic[M]):
 
         A side within which the circle has no room is not met at all.
         """
+        fits = self.that_fit(a)
+        if not standing:
+            return fits
+        others = [link for link in fits if link.other_side not in standing]
+        return [link for link in others if link.hollow or link not in standing]
+
+    def that_fit(self, a: Body[M]) -> list[AtArc]:
+        """Those within which a circle has room."""
         fits = self._fits.get(a.index)
         if fits is None:
             radius, sides = self.scene.circles[a.index].r, self.scene.arc_sides
             found = (AtArc(a.index, k) for k in range(self.count))
             fits = [link for link in found if not link.hollow or (radius + sides[link.arc].r).sign() < 0]
             self._fits[a.index] = fits
-        if not standing:
-            return fits
-        others = [link for link in fits if link.other_side not in standing]
-        return [link for link in others if link.hollow or link not in standing]
+        return fits
 
     def numbers(self, link: AtArc) -> tuple[M, M, M, M, M, M, M]:
         """Of a side as a circle meets it: its middle, R, its radius, and as `formulas.arc_range` takes it."""
@@ -178,6 +184,15 @@ class ArcSides(Generic[M]):
         return (True, at + wait) if within > zero else (None, None)
 
 
+class FallenOnArcs(ArcSides[M]):
+    """The same under gravity, where a circle may come back to what it has touched."""
+
+    def meet(self, a: Body[M], standing: Collection[Link], predictor: Predicting[M]) -> None:
+        """See `ArcSides.meet`."""
+        for link in self.that_fit(a):
+            predictor.land(a, link, standing)
+
+
 # -- Circles that stand while others fall are met like walls: what a flight would meet after one, it does not.
 
 
@@ -191,7 +206,7 @@ class PegMeetings(Protocol[M]):
     @property
     def plan(self) -> Counter[str]: ...
     def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None: ...
-    def fall_onto(self, a: Body[M], peg: Body[M], standing: Collection[Link]) -> None: ...
+    def land(self, a: Body[M], link: Round, standing: Collection[Link]) -> None: ...
 
 
 def predict_falls(
@@ -212,12 +227,12 @@ def predict_falls(
         movers = [b for b in others if b.index not in pegs]
         if a.index in pegs:
             for b in movers:
-                predictor.fall_onto(b, a, standing)
+                predictor.land(b, Pair(*sorted((a.index, b.index))), standing)
             predicted += len(movers)
             continue
         for b in others:
             if b.index in pegs:
-                predictor.fall_onto(a, b, standing)
+                predictor.land(a, Pair(*sorted((a.index, b.index))), standing)
         predictor.pairs(a, movers, standing)
         predicted += len(others)
     if moved:

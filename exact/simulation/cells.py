@@ -15,6 +15,46 @@ from ..numbers.system import N
 from ..replay.contact import Body, Link
 from .near_walls import WallCells
 
+# -- What makes arrivals as flights go on.
+
+
+class Crossings(Protocol):
+    """What may make new arrivals of flights that stay as they are, from certain times on."""
+
+    @property
+    def next_crossing(self) -> float:
+        """The next such time; infinite if there is none."""
+        ...
+
+    @property
+    def early(self) -> float:
+        """How much before that time they may be made."""
+        ...
+
+    @property
+    def slides(self) -> Sequence[Link]:
+        """What was seen to slide along the face of a segment, as predictions were made; until it is taken up."""
+        ...
+
+    def cross(self, since: float = inf, /) -> None:
+        """Queues what is due at that time.
+
+        Args:
+            since: where that is more than `early` before, the earliest time at which anything else may happen next.
+        """
+        ...
+
+
+class NoCrossings:
+    """Every arrival is queued as its flights begin."""
+
+    next_crossing = early = inf
+    slides: Sequence[Link] = ()
+
+    def cross(self, since: float = inf, /) -> None:
+        """Nothing."""
+
+
 # -- Square cells over the circles of a run: where they lie, how wide they are, and between what ends.
 
 UNIT = 2.0**-53

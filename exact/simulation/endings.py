@@ -17,7 +17,7 @@ from ...scenarios.things import Squeeze
 from ..laws.formulas import face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Sides, Touch, is_flat, is_pair, name_of
+from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
 from ..replay.state import Constant, ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
@@ -116,7 +116,8 @@ class Endings:
         """
         pegs = self.scene.pegs
         for link, sign in standing.items():
-            if pegs and sign == 0 and not pegs.isdisjoint(link.circles) and is_pair(link):
+            round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
+            if sign == 0 and round_one and self.scene.gravity is not None:
                 raise Undecided(
                     f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
                     "rests on the other, slides along it or flies off is not followed"
@@ -245,6 +246,10 @@ class Endings:
         for j, (px, py, _, _) in enumerate(rows):
             room = radii[i] + radii[j] + way + ways[j]
             if j != i and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:
+                return False
+        for side in self.scene.arc_sides:
+            dx, dy, r = x - ball.constant(side.x), y - ball.constant(side.y), ball.constant(side.r)
+            if r > 0 and not abs((dx * dx + dy * dy).sqrt() - r) > radii[i] + way:
                 return False
         for k, wall in enumerate(self.scene.walls):
             if k != link.wall:

@@ -280,7 +280,7 @@ class Resolver(Generic[N, K]):
         """
         if is_flat(link):
             return self._sides.pull(*link[:2]) == 0
-        if not self.scene.pegs.isdisjoint(link.circles):
+        if not self.scene.pegs.isdisjoint(link.circles) or (is_arc(link) and self.scene.gravity is not None):
             return False  # whatever falls along something round leaves it, or ends the run (see `Endings`)
         if self.decider.ask(RelativeSpeed(link)) == 0:
             return True

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf, nextafter
-from typing import Generic, NamedTuple, Protocol, TypeAlias
+from typing import Generic, NamedTuple, TypeAlias
 
 from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
@@ -32,8 +32,8 @@ from ..replay.contact import AtWall, Body, Entry, Gravity, Link, Pair, Round, To
 from ..replay.state import ReplayState
 from ..replay.wall_flights import SeenWall, fall_of
 from . import cells as crowding
-from .arc_meetings import ArcSides
-from .cells import FARTHEST, Crowd, FloatFlight, cells_for
+from .arc_meetings import ArcSides, FallenOnArcs
+from .cells import FARTHEST, Crossings, Crowd, FloatFlight, NoCrossings, cells_for
 
 # -- The queue of predicted arrivals: earliest lower bound first, stale ones dropped when they come up.
 
@@ -92,43 +92,6 @@ class Outlook(NamedTuple, Generic[N]):
     pegs: list[Sequence[tuple[object, ...]]]
     pairs: int
     first_face: int
-
-
-class Crossings(Protocol):
-    """What may make new arrivals of flights that stay as they are, from certain times on."""
-
-    @property
-    def next_crossing(self) -> float:
-        """The next such time; infinite if there is none."""
-        ...
-
-    @property
-    def early(self) -> float:
-        """How much before that time they may be made."""
-        ...
-
-    @property
-    def slides(self) -> Sequence[Link]:
-        """What was seen to slide along the face of a segment, as predictions were made; until it is taken up."""
-        ...
-
-    def cross(self, since: float = inf, /) -> None:
-        """Queues what is due at that time.
-
-        Args:
-            since: where that is more than `early` before, the earliest time at which anything else may happen next.
-        """
-        ...
-
-
-class NoCrossings:
-    """Every arrival is queued as its flights begin."""
-
-    next_crossing = early = inf
-    slides: Sequence[Link] = ()
-
-    def cross(self, since: float = inf, /) -> None:
-        """Nothing."""
 
 
 PlainArrival: TypeAlias = tuple[float, int, float, int, int, int, int]
@@ -399,7 +362,9 @@ class Predictor(Generic[M]):
         self._count = len(scene.circles)
         self.faces = scene.faces
         self.two_sided = scene.two_sided
-        self.arcs: ArcSides[M] | None = ArcSides(scene, state) if scene.arc_sides else None
+        self.arcs: ArcSides[M] | None = None
+        if scene.arc_sides:
+            self.arcs = ArcSides(scene, state) if scene.gravity is None else FallenOnArcs(scene, state)
         self.wall_count = len(scene.walls) - len(self.faces)
         self.slides: list[AtWall] = []
         self.points = frozenset(i for i, c in enumerate(scene.circles) if c.r.sign() == 0 and i not in scene.ends)
@@ -413,6 +378,10 @@ class Predictor(Generic[M]):
 
     def prepare(self) -> None:
         """Called before predictions in the state's own numbers, and after each that was unsure."""
+
+    def land(self, a: Body[M], link: Round, standing: Collection[Link]) -> None:
+        """Queues the next meeting of a circle that falls with something round that stands."""
+        raise NotImplementedError
 
     def reach(self, a: Body[M], b: Body[M]) -> M:
         """The sum of two radii as predictions use it."""

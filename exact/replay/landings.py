@@ -1,0 +1,308 @@
+"""When a circle that falls comes to something round that stands, in a state's numbers; and which part an arc is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from math import inf
+from typing import TypeAlias
+
+from flint import arb, fmpq
+
+from ...scenarios.numbers.quantity import Quantity
+from ..laws.formulas import arc_range, pair_gap
+from ..numbers.ball import bits_in_use, sign_of
+from ..numbers.system import M, N
+from .contact import AtArc, Round, can_push, is_arc
+from .round_falls import (
+    EXACT_WEIGHTS,
+    GREATEST,
+    LEAST,
+    SPLITS,
+    Isolated,
+    RoundFall,
+    Unclear,
+    bernstein_end,
+    bits_of,
+    doubles_of,
+    falling_zero,
+    falling_zero_in_balls,
+    horner,
+    horner_slope,
+    last_zero,
+    parted,
+    sharpened,
+    told_falling_zero,
+)
+from .state import Flights
+
+# -- The ranges of arcs: which part of its circle each is, told by the side of a chord.
+
+
+def arc_chord(state: Flights[N], link: AtArc) -> tuple[N, N, N]:
+    """The normal of an arc's chord, and n.e |R|, as `formulas.arc_range` takes them."""
+    side, reach, constant = state.scene.arc_sides[link.arc], state.reach(*link.ends(state)), state.constant
+    return constant(side.nx), constant(side.ny), constant(side.h) * (-reach if link.hollow else reach)
+
+
+def faces_arc(state: Flights[N], link: AtArc, dx: N, dy: N) -> N:
+    """Whether a circle anywhere, d from the middle of an arc, is within its range: positive there."""
+    side, constant = state.scene.arc_sides[link.arc], state.constant
+    if side.full:
+        return state.one
+    return arc_range(dx, dy, constant(side.nx), constant(side.ny), constant(side.h) * state.root(dx * dx + dy * dy))
+
+
+def within_arc(state: Flights[N], link: AtArc, dx: N, dy: N) -> N:
+    """Whether d, as long as the centres are apart at a contact, leads to within an arc's range: positive there."""
+    return state.one if state.scene.arc_sides[link.arc].full else arc_range(dx, dy, *arc_chord(state, link))
+
+
+# -- Falls onto sides of arcs, and through rims, where one zero after the other may be the meeting.
+#
+# A side of an arc is met, as an end of a segment is, at a zero of a quartic at which its gap falls: |D|^2 - R^2 of the
+# outside, R^2 - |D|^2 of the hollow side. The first such zero need not be it. Where D then does not lead to within the
+# range, there is nothing, and the circle goes on through the opening; a later zero may be within. A flight may begin
+# beyond a gap: the disc in a bowl is within the R of the outside, and the one above it outside of the R of the hollow
+# side. So all zeros are gone through in turn, those at which the gap rises, and those beyond the range, are passed
+# over, and the first that is left is the meeting: whatever the circle would cross before is met before. The rim of a
+# pocket has no range.
+#
+# Where an interval of time surely has no place within the range, |D| being R, no zero in it matters, be it single,
+# double, or none: it is left out undecided. So a circle may graze, or start upon, what of a circle is no arc.
+
+SHORT = 1e-30
+"""Least end of the times at which zeros are looked for, though they may all lie well before it."""
+
+Landing: TypeAlias = arb | Unclear | None
+"""What is known of when a circle lands: when, reckoned from its clock; what it is not before; None: it does not."""
+
+
+def gap_of(link: Round, fall: RoundFall[N], stood: bool) -> tuple[N, ...]:
+    """The gap of a contact as a polynomial of the time: above 0 where they are apart (see `RoundFall.polynomial`)."""
+    found = fall.polynomial(stood)
+    return tuple(-value for value in found) if is_arc(link) and link.hollow else found
+
+
+class Unsharp(ZeroDivisionError):
+    """Balls at hand do not tell the first falling zero; none comes before `since`, reckoned from the instant."""
+
+    def __init__(self, since: float) -> None:
+        super().__init__(since)
+        self.since = since
+
+
+def landing_wait(state: Flights[arb], link: Round, end: float) -> arb:
+    """The time from the clock of the one that falls to the hit, at the working precision.
+
+    Where it is told from all else is reckoned from the instant, where the gap is above zero, or zero and divided out;
+    then it is sharpened from the clock, whose time is exact.
+
+    Raises:
+        Unsharp: where balls at hand do not tell it.
+        AssertionError: where there is none, as it is asked of contacts alone that come.
+    """
+    found = landing(state, link, end)
+    if not isinstance(found, arb):
+        assert found is not None, "a circle that was to fall onto another does not: a defect"
+        raise Unsharp(found.since)
+    return found
+
+
+def landing(state: Flights[arb], link: Round, end: float) -> Landing:
+    """As `landing_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
+    at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
+    fall = at_clock if late is None else at_clock.after(late)
+    gap = gap_of(link, fall, stood)
+    hollow = is_arc(link) and link.hollow
+
+    def value(s: arb) -> arb:
+        x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
+        found = x * x + y * y - at_clock.reach * at_clock.reach
+        return -found if hollow else found
+
+    def slope(s: arb) -> arb:
+        found = 2 * at_clock.after(s).approach()
+        return -found if hollow else found
+
+    def beyond(low: fmpq, high: fmpq) -> bool:
+        if not is_arc(link):
+            return False
+        place = fall.after(arb(low).union(arb(high)))
+        return bool(within_arc(state, link, place.dx, place.dy) < 0)
+
+    for found in falling_zeros(gap, end, beyond) if is_arc(link) or not can_push(link) else _first_falling(gap, end):
+        if isinstance(found, Unclear):
+            return found
+        first, last = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
+        low, high = (first, last) if late is None else (first + late, last + late)
+        wait = sharpened(low, high, value, slope)
+        if stood and (wait is None or 2 * wait.rel_accuracy_bits() < bits_in_use()):  # all but at the zero left out
+            since = sharpened(first, last, lambda s: horner(gap, s), lambda s: horner_slope(gap, s))
+            again = since if since is None or late is None else late + since
+            wait = again if wait is None else wait if again is None else wait.intersection(again)
+        within = None if wait is None else _is_within(state, link, at_clock.after(wait))
+        if wait is None or within is None:
+            return Unclear(float(found.low) * (1 - 2.0**-40))  # pyright: ignore[reportArgumentType]
+        if within:
+            return wait
+    return None
+
+
+def _is_within(state: Flights[arb], link: Round, place: RoundFall[arb]) -> bool | None:
+    """Whether a circle at a falling zero is within the range of an arc; None where that is not told, or at its end."""
+    if not is_arc(link):
+        return True
+    sign = sign_of(within_arc(state, link, place.dx, place.dy))
+    return sign > 0 if sign else None
+
+
+def _first_falling(c: Sequence[arb], end: float) -> Iterator[Isolated | Unclear]:
+    """The first zero at which a polynomial, positive at 0, falls; nothing where none does."""
+    found = falling_zero_in_balls(c, end)
+    if found is not None:
+        yield found
+
+
+def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], bool]) -> Iterator[Isolated | Unclear]:
+    """The zeros in (0, end], and maybe some beyond, at which a polynomial falls, in turn; the first that is not told
+    is the last.
+
+    Args:
+        c: the coefficients, whatever the sign at 0.
+        end: what to look up to.
+        beyond: whether what lies between two times surely does not matter.
+    """
+    mids, exact = doubles_of(c)
+    if c[0] < 0 and falling_zero([-value for value in mids], exact, end) is None:
+        return  # it never rises
+    if c[0] > 0:
+        first = falling_zero(mids, exact, end)
+        if first is None:
+            return
+        if isinstance(first, Isolated):
+            yield first
+    # Beyond all zeros at which it falls: with a leading coefficient above 0 those lie before the last zero of the
+    # derivative, whose coefficients have the same signs as those of the powers from the first on, and smaller ratios.
+    last = last_zero(mids, exact)
+    if last == 0.0:
+        return
+    last = min(max(last, SHORT), end)  # any later end is as good
+    if not LEAST < last < GREATEST:
+        yield Unclear(0.0)
+        return
+    top, most = fmpq(*bernstein_end(last).as_integer_ratio()), bits_of(c)
+    terms, power = [c[0]], fmpq(1)
+    for value in c[1:]:
+        power *= top
+        terms.append(value * arb(power))
+    b = [sum((arb(w) * s for w, s in zip(row, terms, strict=False)), arb(0)) for row in EXACT_WEIGHTS[len(c) - 1]]
+    stack = [(fmpq(0), top, b, 0)]
+    while stack:
+        low, high, b, depth = stack.pop()
+        signs = [sign_of(value) for value in b]
+        if all(signs):
+            changes = sum(one != other for one, other in pairwise(signs))
+            if changes == 0 or (changes == 1 and signs[0] == -1):
+                continue
+            if changes == 1:
+                yield Isolated(low, high)
+                continue
+        if beyond(low, high):
+            continue
+        if depth > most:
+            yield Unclear(float(low) * (1 - 2.0**-40))  # pyright: ignore[reportArgumentType]
+            return
+        for share in SPLITS:
+            left, right = parted(b, arb(share))
+            if sign_of(left[-1]):
+                break
+        else:
+            share = SPLITS[0]
+            left, right = parted(b, arb(share))
+        at = low + (high - low) * share
+        stack.append((at, high, right, depth + 1))
+        stack.append((low, at, left, depth + 1))
+
+
+# -- The same in numbers that answer at once.
+
+SHARPENINGS = 8
+"""Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
+
+MOST_ZEROS = 4
+"""A quartic has no more."""
+
+
+def told_wait(state: Flights[M], link: Round) -> M | None:
+    """The time to the hit of a circle that falls onto something round that stands; None where it does not.
+
+    Which zero of the quartic that is, is told of its coefficients in doubles, as they are; then it is sharpened in
+    the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
+    else meet again as if they touched.
+    """
+    fall, stood, hollow = state.peg_fall(link), state.stood(link), is_arc(link) and link.hollow
+    still, approach = fall.gap(), fall.approach()
+    if hollow:
+        still, approach = -still, -approach
+    if not stood and not still > state.zero and _is_put_into(state, link, fall):
+        if approach < state.zero and can_push(link):
+            return state.zero
+        stood = True
+    for found in _told_zeros([float(value) for value in gap_of(link, fall, stood)]):  # pyright: ignore[reportArgumentType]
+        wait = state.constant(Quantity.of(found))
+        for _ in range(SHARPENINGS):
+            then = fall.after(wait)
+            slope = then.approach() + then.approach()
+            gap = then.gap() if not stood else then.gap() - fall.gap()
+            if not (slope > state.zero if hollow else slope < state.zero):
+                break
+            better = wait - gap / slope
+            if not better > state.zero or not (better < wait or better > wait):
+                break
+            wait = better
+        then = fall.after(wait)
+        if not is_arc(link) or within_arc(state, link, then.dx, then.dy) > state.zero:
+            return wait
+    return None
+
+
+def _is_put_into(state: Flights[M], link: Round, fall: RoundFall[M]) -> bool:
+    """Whether rounding has put two into each other whose gap is not above zero: of a side of an arc, that the middle of
+    the circle is not through it, and within its range."""
+    if not is_arc(link):
+        return can_push(link)
+    through = pair_gap(fall.dx, fall.dy, link.ends(state)[1].r)
+    on_its_side = through < state.zero if link.hollow else through > state.zero
+    return on_its_side and bool(faces_arc(state, link, fall.dx, fall.dy) > state.zero)
+
+
+def _told_zeros(c: Sequence[float]) -> Iterator[float]:
+    """Doubles beside the zeros at which a polynomial falls, in turn: beyond one it is divided out.
+
+    >>> [[round(t, 9) for t in _told_zeros(c)] for c in ([-6.0, 11.0, -6.0, 1.0], [24.0, -50.0, 35.0, -10.0, 1.0])]
+    [[2.0], [1.0, 3.0]]
+    """
+    since = 0.0
+    for _ in range(MOST_ZEROS):
+        while len(c) > 1 and c[0] == 0.0:  # at it now
+            c = c[1:]
+        falls = c[0] > 0.0
+        found = told_falling_zero(c if falls else [-value for value in c])
+        if found is None or found == inf:
+            return
+        since += found
+        if falls:
+            yield since
+        c = _shifted(c, found)[1:]
+        if len(c) < 2:
+            return
+
+
+def _shifted(c: Sequence[float], by: float) -> list[float]:
+    """The coefficients of a polynomial of t as one of t - by."""
+    found = [*c]
+    for k in range(len(found) - 1):
+        for j in range(len(found) - 2, k - 1, -1):
+            found[j] += by * found[j + 1]
+    return found
