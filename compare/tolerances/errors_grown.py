@@ -261,8 +261,8 @@ class GrownErrors:
             of those that take part in it, as they come to it, until it is gone through.
         since: the time of each circle's last event.
         pull: gravity; `falls`, shape (circles, 2), of each circle.
-        walls: (x0, y0, x1, y1) of each, where positions are; `paces` are their velocities, `level` are those along which
-            gravity pulls.
+        walls: (x0, y0, x1, y1) of each, where positions are; `paces` are their velocities.
+        level: of each wall, whether gravity pulls along it.
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:

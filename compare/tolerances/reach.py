@@ -255,7 +255,7 @@ class ErrorWalk:
         if own is None and (found := self._on_part(index, columns, body, other, time)) is not None:
             return found
         if other >= self.grown.count:
-            turning = self._turning(index, columns, body, other, time, own is None)
+            turning = _turning(self, index, columns, body, other, time, own is None)
             return (
                 turning if own is None or turning is not None else self._order(index, columns, body, other, time, own)
             )
@@ -275,20 +275,6 @@ class ErrorWalk:
         if since < near and near - sooner < time:
             return self._passed(index, body, other, gap, room, near - sooner)
         return None
-
-    def _turning(
-        self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float, meets: bool
-    ) -> OutOfReach | None:
-        """Of a wall that gravity pulls a circle away from: that it reaches it, or has turned back before it."""
-        apex = self.near.apex(columns, i, j)
-        if apex is None:
-            return None
-        if meets:
-            words = "whether {} reaches {}"
-            return self._told(index, time, i, j, words, -apex.gap, apex.room, in_doubles=True)
-        if not float(self.grown.since[i]) < time + apex.wait or apex.wait >= apex.sooner or apex.gap < -apex.room:
-            return None
-        return self._passed(index, i, j, apex.gap, apex.room, time + apex.wait - apex.sooner)
 
     def _passed(self, index: int, i: int, j: int, gap: float, room: float, first: float) -> OutOfReach | None:
         """That one passes another, told by an event: nothing is required from when they may first have met."""
@@ -418,7 +404,7 @@ class ErrorWalk:
         passing = (self._passing(columns, i, j, time, quiet) for i, j in pairs)
         found.extend(passed for passed in passing if passed is not None)
         walls = ((i, j) for i in range(count) for j in range(count, len(self.names)) if weights[i])
-        turning = (self._turned(columns, i, j, time, quiet) for i, j in walls)
+        turning = (_turned(self, columns, i, j, time, quiet) for i, j in walls)
         found.extend(turned for turned in turning if turned is not None)
         return min(found, key=lambda one: one.event, default=None)
 
@@ -437,15 +423,6 @@ class ErrorWalk:
         room, reach = self.near.across(columns, i, j, near, end), float(self.grown.radii[i] + self.grown.radii[j])
         return self._passed(len(self.run.events), i, j, gap, room, near - math.sqrt(4 * reach * room) / speed)
 
-    def _turned(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
-        """That a circle has turned back before a wall by the end, which gravity pulls it away from."""
-        apex = self.near.apex(columns, i, j)
-        if apex is None or end + apex.wait <= float(self.grown.since[i]):
-            return None
-        if apex.wait >= apex.sooner and not quiet:
-            return None
-        return self._passed(len(self.run.events), i, j, apex.gap, apex.room, end + apex.wait - apex.sooner)
-
 
 def _tied(walk: ErrorWalk, index: int) -> bool:
     """Whether a circle has several contacts at the instant of an event."""
@@ -456,6 +433,33 @@ def _tied(walk: ErrorWalk, index: int) -> bool:
 def _meeting(walk: ErrorWalk, index: int, body: int) -> Pairing:
     """Whom a circle meets at an event."""
     return walk._pairing(*next(pair for pair in walk.grown.met(index) if body in pair))
+
+
+def _turning(
+    walk: ErrorWalk, index: int, columns: NDArray[np.float64], i: int, j: int, time: float, meets: bool
+) -> OutOfReach | None:
+    """Of a wall that gravity pulls a circle away from: that it reaches it, or has turned back before it."""
+    apex = walk.near.apex(columns, i, j)
+    if apex is None:
+        return None
+    if meets:
+        words = "whether {} reaches {}"
+        return walk._told(index, time, i, j, words, -apex.gap, apex.room, in_doubles=True)
+    if not float(walk.grown.since[i]) < time + apex.wait or apex.wait >= apex.sooner or apex.gap < -apex.room:
+        return None
+    return walk._passed(index, i, j, apex.gap, apex.room, time + apex.wait - apex.sooner)
+
+
+def _turned(
+    walk: ErrorWalk, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool
+) -> OutOfReach | None:
+    """That a circle has turned back before a wall by the end, which gravity pulls it away from."""
+    apex = walk.near.apex(columns, i, j)
+    if apex is None or end + apex.wait <= float(walk.grown.since[i]):
+        return None
+    if apex.wait >= apex.sooner and not quiet:
+        return None
+    return walk._passed(len(walk.run.events), i, j, apex.gap, apex.room, end + apex.wait - apex.sooner)
 
 
 def _drift(walk: ErrorWalk, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
