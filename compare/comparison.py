@@ -384,9 +384,7 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
-    if reference.scene.arcs:
-        return replace(found, reason=f"{found.reason}; what rounding may do is not bounded yet at arcs")
-    stands = reference.scene.gravity is None and not reference.scene.moving_walls
+    stands = reference.scene.gravity is None and not reference.scene.moving_walls and not reference.scene.other_walls
     plain = reference.scene.elastic and stands and len(reference.scene.circles) <= MOST_CIRCLES
     if not plain or study.truth.rounds_input:
         return found

@@ -15,9 +15,9 @@ import json
 import signal
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import inf
 from pathlib import Path
@@ -286,18 +286,50 @@ INGREDIENTS: dict[str, Callable[[Aged, Random], Aged]] = {
 CHECKS = ("resume", "crowd")
 SHARE = 0.2
 """How often each takes part, where it can."""
-SHOWN = tuple(sorted([*INGREDIENTS, *CHECKS]))
 
 
-def scene_of(seed: int) -> Aged | None:
+@dataclass(frozen=True)
+class Campaign:
+    """What is drawn, and who is asked.
+
+    Args:
+        name: of the file, and of the random numbers.
+        bases: one scene of each in turn.
+        ingredients: each is added by chance, in this order.
+        referee: of a scene.
+        exclusive: pairs of ingredients that no scene has.
+        ends: reasons at which the motion itself ends, beside what the engine cannot prove.
+        digits: the referee's, and what it takes for zero.
+        shares: how often an ingredient takes part, where it is not `SHARE`.
+    """
+
+    name: str
+    bases: dict[str, Callable[[int], Scene | None]]
+    ingredients: dict[str, Callable[[Aged, Random], Aged]]
+    referee: Callable[[Scene], OlderReferee]
+    exclusive: tuple[tuple[str, str], ...] = ()
+    ends: tuple[str, ...] = ()
+    digits: tuple[int, mpf] = FINE
+    shares: Mapping[str, float] = field(default_factory=dict)
+
+
+EDGES = Campaign("edges", BASES, INGREDIENTS, OlderReferee, (("restitution", "reversal"),))
+
+
+class NotForThis(Exception):
+    """The referee cannot tell what happens next; what it has said until then stands."""
+
+
+def scene_of(seed: int, campaign: Campaign = EDGES) -> Aged | None:
     """The scene of a seed; None where what it draws is refused."""
-    rng = Random(f"edges {seed}")
-    scene = list(BASES.values())[seed % 3](seed)
+    rng = Random(f"{campaign.name} {seed}")
+    bases = list(campaign.bases.values())
+    scene = bases[seed % len(bases)](seed)
     if scene is None:
         return None
     aged = Aged(scene, Quantity.of(UNTIL))
-    for name, add in INGREDIENTS.items():
-        if rng.random() < SHARE:
+    for name, add in campaign.ingredients.items():
+        if rng.random() < campaign.shares.get(name, SHARE):
             try:
                 aged = replace(add(aged, rng), ingredients=(*aged.ingredients, name))
             except SceneError:
@@ -313,11 +345,11 @@ def _event(run: Trajectory) -> list[tuple[object, ...]]:
     return [(e.time.digits(40), e.contacts, e.impulses) for e in run.events]
 
 
-def examined(aged: Aged) -> tuple[str, str, int]:
+def examined(aged: Aged, campaign: Campaign = EDGES) -> tuple[str, str, int]:
     """What came of it, what to say of it, and how many events it had.
 
     "ok"; "undecided" and "endless" (impulses of one instant without a last one), right as far as they go; "no normal";
-    "long" (the referee alone gives up); "failure".
+    the name of an end of the motion; "long" (the referee alone gives up); "failure".
     """
     crowd = cells_from(2) if "crowd" in aged.ingredients else nullcontext()
     engine = ExactEngine()
@@ -328,10 +360,16 @@ def examined(aged: Aged) -> tuple[str, str, int]:
             whole = engine.resume(short, until=aged.until, events=EVENTS)
             if _event(whole) != _event(run):
                 return "failure", "resumed, it is another run", len(run.events)
-    referee, count = OlderReferee(aged.scene), len(run.events)
-    gave_up = run.stop.reason.name in ("UNDECIDED", "BUDGET")
+    referee, count = campaign.referee(aged.scene), len(run.events)
+    reason = run.stop.reason.name
+    gave_up = reason in ("UNDECIDED", "BUDGET", *campaign.ends)
     try:
         blunt = referee.play(number(aged.until), EVENTS)
+    except NotForThis as error:
+        told = _compared(run, referee, True)
+        same = reason in campaign.ends and len(referee.told) == count
+        ended = reason.lower() if same else "undecided" if gave_up else "long"
+        return "failure" if told else ended, told or str(error), count
     except AssertionError as error:
         if str(error) != "no end":
             raise
@@ -344,7 +382,7 @@ def examined(aged: Aged) -> tuple[str, str, int]:
         same = "no normal" in run.stop.message and blunt and len(referee.told) == count
         return ("no normal" if same else "failure"), "" if same else "a point at an end", count
     if gave_up:
-        return "undecided", run.stop.message, count
+        return reason.lower() if reason in campaign.ends else "undecided", run.stop.message, count
     if len(referee.told) != count:
         return "failure", f"{count} events, not {len(referee.told)}", count
     told = _ends(run, referee)
@@ -392,9 +430,9 @@ class TooLong(Exception):
     """A scene takes more processor time than is given to one."""
 
 
-def verdict(seed: int, patience: float = 60.0) -> dict[str, object] | None:
+def verdict(seed: int, campaign: Campaign = EDGES, patience: float = 60.0) -> dict[str, object] | None:
     """A row of the file; None where there is no such scene."""
-    aged = scene_of(seed)
+    aged = scene_of(seed, campaign)
     if aged is None:
         return None
 
@@ -404,7 +442,7 @@ def verdict(seed: int, patience: float = 60.0) -> dict[str, object] | None:
     before = signal.signal(signal.SIGPROF, stop)
     signal.setitimer(signal.ITIMER_PROF, patience)
     try:
-        outcome, message, events = examined(aged)
+        outcome, message, events = examined(aged, campaign)
     except TooLong:
         outcome, message, events = "long", f"no end in {patience:g} seconds of processor time", 0
     except Exception as error:
@@ -417,38 +455,41 @@ def verdict(seed: int, patience: float = 60.0) -> dict[str, object] | None:
         "outcome": outcome,
         "events": events,
         "message": message,
-        "ingredients": [list(BASES)[seed % 3], *aged.ingredients],
+        "ingredients": [list(campaign.bases)[seed % len(campaign.bases)], *aged.ingredients],
     }
 
 
-def report(rows: list[dict]) -> str:
+def report(rows: list[dict], campaign: Campaign = EDGES) -> str:
     """The counts."""
+    bases = set(campaign.bases)
+    kinds = sorted([*campaign.ingredients, *CHECKS, *bases])
     lines = [f"{len(rows):,} scenes, {sum(row['events'] for row in rows):,} events"]
     lines += [f"  {outcome}: {count:,}" for outcome, count in Counter(row["outcome"] for row in rows).most_common()]
     agreed = [sorted(row["ingredients"]) for row in rows if row["outcome"] == "ok"]
     pairs = Counter(pair for ingredients in agreed for pair in combinations(ingredients, 2))
-    least = [(pairs[pair], pair) for pair in combinations(sorted([*SHOWN, *BASES]), 2) if not set(pair) <= set(BASES)]
-    least = [one for one in least if one[1] != ("restitution", "reversal")]  # refused together
-    count, pair = min(least)
+    shown = [pair for pair in combinations(kinds, 2) if not set(pair) <= bases and pair not in campaign.exclusive]
+    count, pair = min((pairs[pair], pair) for pair in shown)
     lines.append(f"  each pair of ingredients at least {count} times among those that agree ({' and '.join(pair)})")
     bad = [row for row in rows if row["outcome"] in ("failure", "long")]
     lines += [f"  seed {row['seed']}: {row['outcome']} {row['message']}" for row in bad]
     return "\n".join(lines)
 
 
-def main() -> int:
+def main(campaign: Campaign = EDGES) -> int:
     """The campaign; the exit status, 1 after a failure."""
-    parser = argparse.ArgumentParser(description="Scenes with edges and older ingredients against the referee.")
+    parser = argparse.ArgumentParser(description="Scenes and what is added to them against the referee.")
     parser.add_argument("--scenes", type=int, default=1000)
-    parser.add_argument("--out", default="edges.jsonl")
+    parser.add_argument("--out", default=f"{campaign.name}.jsonl")
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--replay", type=int, default=None)
     options = parser.parse_args()
-    sharp.DIGITS, sharp.SAME = FINE
+    sharp.DIGITS, sharp.SAME = campaign.digits
     if options.replay is not None:
-        aged = scene_of(options.replay)
+        aged = scene_of(options.replay, campaign)
         if aged is not None:
-            print(dump_toml(aged.scene), aged.until.text(), aged.ingredients, verdict(options.replay), sep="\n")
+            print(
+                dump_toml(aged.scene), aged.until.text(), aged.ingredients, verdict(options.replay, campaign), sep="\n"
+            )
         return 0
     path = Path(options.out)
     rows = [json.loads(line) for line in path.read_text().splitlines() if line.endswith("}")] if path.exists() else []
@@ -456,13 +497,13 @@ def main() -> int:
         seed = rows[-1]["seed"] + 1 if rows else 0
         with path.open("a") as file:
             while len(rows) < options.scenes:
-                row = verdict(seed)
+                row = verdict(seed, campaign)
                 seed += 1
                 if row is not None:
                     rows.append(row)
                     file.write(json.dumps(row) + "\n")
                     file.flush()
-    print(report(rows))
+    print(report(rows, campaign))
     return int(any(row["outcome"] == "failure" for row in rows))
 
 

@@ -1,6 +1,8 @@
 """First falling zeros of many polynomials in doubles, in balls and exactly, compared with Sturm's chains: counted.
 
-python tests/quartic_campaign.py 1000 2000       # the polynomials of these numbers, and what is wrong
+python tests/quartic_campaign.py 1000 2000                # the polynomials of these numbers, and what is wrong
+python tests/quartic_campaign.py 0 1000000 --known        # made of zeros that are known; in doubles, as compiled
+python tests/quartic_campaign.py 0 100000 --known python  # the same, as written in Python
 """
 
 from __future__ import annotations
@@ -11,12 +13,13 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from math import ldexp
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb, fmpq
 from quartic_referee import Poly, first_fall
 
 from truebreak.exact.numbers import ball
+from truebreak.exact.replay import round_falls
 from truebreak.exact.replay.round_falls import (
     PRIMES,
     ExactZero,
@@ -184,6 +187,96 @@ def campaign(low: int, high: int) -> Counter[str]:
     return counts
 
 
-if __name__ == "__main__":
-    for name, count in sorted(campaign(int(sys.argv[1]), int(sys.argv[2])).items()):
+# -- Polynomials made of zeros that are known: nothing is left to find, so that a million of them take a minute or two.
+
+
+class Made(NamedTuple):
+    """A polynomial in whole numbers, the time in units of 1 / `unit`; and its first falling zero in those."""
+
+    kind: str
+    unit: int
+    c: list[int]
+    fall: int | None
+
+
+def made(number: int) -> Made:
+    """The polynomial of a number: factors t - z and (t - a)^2 + b^2, a whole number of units each."""
+    rng = random.Random(number)
+    kind = rng.choice(("free", "double", "close", "graze", "triple", "ends", "short", "negative"))
+    digits = 3 if kind not in ("close", "graze", "ends") else rng.choice((9, 16, 30, 60))
+    unit = 10**digits
+
+    def place(low: int, high: int) -> int:
+        return rng.randint(low * 1000, high * 1000) * unit // 1000 or 1
+
+    def pair(a: int, b: int) -> list[int]:
+        return [a * a + b * b, -2 * a, 1]
+
+    some = place(0, 4) + unit // 1000
+    zeros: list[int] = []
+    rest: list[int] = [1]
+    match kind:
+        case "double":
+            zeros = [some, some, place(-3, 6), place(-3, 6)]
+        case "close":
+            zeros = [some, some + 1, place(-3, 6), some + place(0, 1)]
+        case "graze":  # all but a double zero
+            zeros, rest = [place(-3, 6), place(-3, 6)], pair(some, 1)
+        case "triple":
+            zeros = [some] * rng.choice((3, 4)) if rng.random() < 0.5 else [some, some, 2 * some, 2 * some]
+        case "ends":
+            zeros = [1, unit * unit, place(1, 3), place(1, 3)]
+        case "short":
+            zeros = [place(-2, 4) for _ in range(rng.randint(1, 3))]
+        case "negative":
+            zeros = [place(-4, -1), place(-4, -1), place(-2, 3), place(-2, 3)]
+        case _ if rng.random() < 0.5:
+            zeros = [place(-3, 4) for _ in range(4)]
+        case _:
+            zeros, rest = [place(-3, 4), place(-3, 4)], pair(place(-3, 4), place(-2, 2))
+    c = rest
+    for zero in zeros:
+        c = [(low if k else 0) - zero * high for k, (low, high) in enumerate(zip([0, *c], [*c, 0], strict=True))]
+    if c[0] < 0:
+        c = [-x for x in c]
+    odd = [zero for zero in set(zeros) if zero > 0 and zeros.count(zero) % 2]
+    return Made(kind, unit, c, min(odd, default=None))
+
+
+def known(low: int, high: int) -> Counter[str]:
+    """In doubles, of the polynomials of some numbers: how many, what is left open, and what is wrong."""
+    counts: Counter[str] = Counter()
+    for number in range(low, high):
+        kind, unit, c, fall = made(number)
+        scale, size = unit ** (len(c) - 1), len(c) - 1
+        mids = [x * unit**k / scale for k, x in enumerate(c)]  # rounded once each
+        found = falling_zero(mids, [2.0**-53 * abs(mid) for mid in mids])
+        truth = None if fall is None else (Fraction(fall, unit),) * 2
+        counts["polynomials"] += 1
+        counts[f"of degree {size}"] += 1
+        counts[f"{kind}: {'falls' if fall is not None else 'does not fall'}"] += 1
+        counts[f"{kind}: open"] += isinstance(found, Unclear)
+        if is_wrong(found, truth) and not _at_an_end(found, truth):
+            counts["WRONG"] += 1
+            print(number, kind, found, truth, c, unit, flush=True)
+    return counts
+
+
+def _at_an_end(found: Any, truth: tuple[Fraction, Fraction] | None) -> bool:
+    """Whether the zero is an end of the interval said."""
+    return truth is not None and isinstance(found, Isolated) and truth[0] in (exact(found.low), exact(found.high))
+
+
+def main() -> int:
+    """Counts; the exit status, 1 where something is wrong."""
+    low, high, *more = sys.argv[1:]
+    if "python" in more:
+        round_falls.predictions = None
+    counts = known(int(low), int(high)) if "--known" in more else campaign(int(low), int(high))
+    for name, count in sorted(counts.items()):
         print(f"{count:>8} {name}")
+    return int(any("WRONG" in name for name in counts))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

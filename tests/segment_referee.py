@@ -149,6 +149,8 @@ class Referee:
                     self.ends[place] = (bar.id, ex, ey, bar.r) if bar.r > r else (name, ex, ey, r)
         self.now = mpf(0)
         self.e = number(scene.restitution)
+        self.paces: dict[str, tuple[mpf, mpf]] = {}
+        """Velocities of what does not stand, where something does not."""
 
     # -- what touches, now
 
@@ -163,7 +165,8 @@ class Referee:
             for name, x, y, nx, ny in self.walls:
                 height = (disc.x - x) * nx + (disc.y - y) * ny
                 if abs(abs(height) - disc.r) < SAME:
-                    away = height if disc.r > 0 else -(disc.vx * nx + disc.vy * ny)  # a point is where it comes from
+                    ux, uy = self.paces.get(name, (0, 0))  # a point is where it comes from
+                    away = height if disc.r > 0 else -((disc.vx - ux) * nx + (disc.vy - uy) * ny)
                     side = 1 if away > 0 else -1
                     yield (disc.id, name), [(disc, side * nx, side * ny)]
             for bar in self.bars:

@@ -7,12 +7,13 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
 
 from ...exact.certified.certified_decider import FIRST_BITS
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import places_of
 from ...exact.replay.state import Kick, Step
+from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
 from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
@@ -48,6 +49,171 @@ wider decides all the same."""
 
 class CertificateError(SceneError):
     """A run of which no certificate can be written."""
+
+
+# -- The form of a certificate, of which its JSON schema is made. The two checkers read it by code of their own.
+
+NumberText: TypeAlias = Annotated[
+    str,
+    InSchema("number", pattern="^[+-]?[0-9]+(/[0-9]+)?(\\*r[1-9][0-9]?)*([+-][0-9]+(/[0-9]+)?(\\*r[1-9][0-9]?)*)*$"),
+]
+"""A fraction, or a sum of products of fractions and of the roots."""
+
+DecimalText: TypeAlias = Annotated[str, InSchema("decimal", pattern="^-?[0-9]+(\\.[0-9]+)?$")]
+Place: TypeAlias = Annotated[int, InSchema(minimum=0)]
+Roots: TypeAlias = Annotated[list[NumberText], InSchema(maxItems=99)]
+Plane: TypeAlias = Annotated[list[NumberText], InSchema(minItems=2, maxItems=2)]
+
+ContactData: TypeAlias = Annotated[tuple[Place, int], InSchema("contact")]
+"""A circle, and another circle, or by a number below 0 a pocket; walls, faces and arcs come after the circles."""
+
+ZeroData: TypeAlias = Annotated[
+    tuple[
+        Literal["gap", "closing", "disc", "speed", "slack", "until", "reverse"],
+        ContactData,
+        Literal["back"] | Place,
+        ContactData,
+    ],
+    InSchema("zero", minItems=3),
+]
+"""What is zero, of which contact, by the way back or which isometry, and of which contact it is the image."""
+
+PushData: TypeAlias = Annotated[tuple[Place, int, NumberText], InSchema("push", minItems=2)]
+"""A contact that pushes, with its impulse where that is no matter of course."""
+
+
+class CircleData(TypedDict):
+    """A circle; `w` is 1 over its mass."""
+
+    id: str
+    x: NumberText
+    y: NumberText
+    r: NumberText
+    vx: NumberText
+    vy: NumberText
+    w: NumberText
+
+
+class WallData(TypedDict):
+    """A wall, and how far its two points are apart."""
+
+    id: str
+    x0: NumberText
+    y0: NumberText
+    x1: NumberText
+    y1: NumberText
+    length: NumberText
+    vx: NotRequired[NumberText]
+    vy: NotRequired[NumberText]
+
+
+class PocketData(TypedDict):
+    """A pocket."""
+
+    id: str
+    x: NumberText
+    y: NumberText
+    r: NumberText
+
+
+class SegmentData(TypedDict):
+    """A segment, or a side of a polygon, and how far its two points are apart."""
+
+    id: str
+    x0: NumberText
+    y0: NumberText
+    x1: NumberText
+    y1: NumberText
+    length: NumberText
+    r: NumberText
+
+
+class ArcData(TypedDict):
+    """An arc; without its two points a whole circle."""
+
+    id: str
+    x: NumberText
+    y: NumberText
+    r: NumberText
+    x0: NotRequired[NumberText]
+    y0: NotRequired[NumberText]
+    x1: NotRequired[NumberText]
+    y1: NotRequired[NumberText]
+
+
+POINTS = ("x0", "y0", "x1", "y1")
+AllPoints = InSchema(dependentRequired={key: [other for other in POINTS if other != key] for key in POINTS})
+
+
+class WrittenScene(TypedDict):
+    """The scene."""
+
+    roots: NotRequired[Roots]
+    tie_policy: Annotated[str, InSchema(pattern="^(simultaneous|sequential(:order=scene|:seed=[0-9]{1,18})?)$")]
+    reverse_after: NotRequired[Annotated[int, InSchema(minimum=1)]]
+    reverse_at: NotRequired[NumberText]
+    capture: NotRequired[bool]
+    restitution: NotRequired[NumberText]
+    gravity: NotRequired[Plane]
+    circles: Annotated[list[CircleData], InSchema(minItems=1, maxItems=CIRCLES)]
+    walls: NotRequired[list[WallData]]
+    pockets: NotRequired[list[PocketData]]
+    segments: NotRequired[list[SegmentData]]
+    arcs: NotRequired[list[Annotated[ArcData, AllPoints]]]
+
+
+class IsometryData(TypedDict):
+    """A map of the plane, and of contacts: which thing goes where."""
+
+    matrix: Annotated[list[NumberText], InSchema(minItems=4, maxItems=4)]
+    shift: Plane
+    map: list[Annotated[list[int], InSchema(minItems=2, maxItems=2)]]
+
+
+class MomentData(TypedDict):
+    """An instant."""
+
+    time: DecimalText
+    exact: NotRequired[NumberText]
+    met: NotRequired[Annotated[list[ContactData], InSchema(minItems=1)]]
+    turn: NotRequired[Annotated[bool, InSchema(const=True)]]
+    rounds: NotRequired[list[Annotated[list[PushData], InSchema(minItems=1)]]]
+    enter: NotRequired[list[ContactData]]
+    zeros: NotRequired[list[ZeroData]]
+
+
+class EndData(TypedDict):
+    """Why the run ends."""
+
+    reason: Literal["quiet", "horizon", "return", "events", "stopped"]
+    until: NotRequired[NumberText]
+    limit: NotRequired[Annotated[int, InSchema(minimum=1)]]
+    zeros: NotRequired[list[ZeroData]]
+
+
+def _where(reason: str, key: str) -> dict[str, Any]:
+    return {"if": {"properties": {"reason": {"const": reason}}}, "then": {"required": [key]}}
+
+
+class FinalData(TypedDict):
+    """The final state: x, y, vx, vy of each circle."""
+
+    time: DecimalText
+    circles: list[Annotated[list[DecimalText], InSchema(minItems=4, maxItems=4)]]
+
+
+class Certificate(TypedDict):
+    """A certificate of a run of the exact engine (docs/certificates.md)."""
+
+    format: Annotated[str, InSchema(const=FORMAT)]
+    writer: str
+    roots: Roots
+    scene: WrittenScene
+    isometries: list[IsometryData]
+    bits: Annotated[int, InSchema(minimum=1, maximum=BITS)]
+    instants: Annotated[list[MomentData], InSchema(minItems=1)]
+    end: Annotated[EndData, InSchema(allOf=[_where("horizon", "until"), _where("events", "limit")])]
+    final: FinalData
 
 
 def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """JSON Schemas of what the command line prints: `python -m truebreak.compare.report.schema` writes `schemas/`.
 
-Those of `DOCUMENTS` are made of the classes that `documents.py` encodes; the others are written by hand.
+They are made of the classes that `documents.py` encodes, and of the types of what is saved.
 """
 
 from __future__ import annotations
@@ -65,6 +65,10 @@ DOCUMENTS = {
         "compare.logdiff.desync:DiffDocument",
         "Two or more logs compared, as `diff --json` prints it",
     ),
+    "certificate-3": (
+        "compare.certificate.writer:Certificate",
+        "A certificate of a run of the exact engine (docs/certificates.md)",
+    ),
     "run-1": ("compare.files.saved:SavedRun", "A saved run, as `truebreak run --save` writes it"),
     "saved-comparison-1": (
         "compare.saved_comparisons:SavedComparison",
@@ -73,10 +77,7 @@ DOCUMENTS = {
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3",)
-"""What two checkers read that share no code with what writes it."""
-
-NAMES = (*DOCUMENTS, *BY_HAND)
+NAMES = tuple(DOCUMENTS)
 
 FOLDER = Path(__file__).with_name("schemas")
 
@@ -108,9 +109,10 @@ def text(name: str) -> str:
     place, title = DOCUMENTS[name]
     maker, kind = _Maker(), _class(place)
     whole = maker.typed(kind) if is_typeddict(kind) else maker.object_of(kind)
-    properties = {**whole.pop("properties"), "schema": {"const": f"truebreak/{name}"}}
-    properties = {"schema": properties.pop("schema"), **properties}
-    required = list(dict.fromkeys(["schema", *whole.pop("required")]))
+    properties, required = whole.pop("properties"), whole.pop("required")
+    if "format" not in properties:  # a certificate calls it so
+        properties = {"schema": None, **properties} | {"schema": {"const": f"truebreak/{name}"}}
+        required = list(dict.fromkeys(["schema", *required]))
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"truebreak/{name}", "title": title}
     told = {**head, **whole, "required": required, "properties": properties, "$defs": maker.definitions}
     long = json.dumps(told, indent=1, ensure_ascii=False)

@@ -1,16 +1,31 @@
-"""How far aside of a thing of faces, ends and arcs a straight flight passes; or how far it is from passing it."""
+"""How far aside of a thing of faces, ends and arcs a flight passes, or is from it; and what one that falls meets."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import hypot
-from typing import NamedTuple, TypeAlias
+from math import hypot, inf
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
-from ...exact.laws.formulas import pair_approach, pair_discriminant, wall_approach
+from ...exact.laws.formulas import (
+    fall_discriminant,
+    fall_time,
+    fall_time_back,
+    pair_approach,
+    pair_discriminant,
+    wall_approach,
+)
 from ...exact.numbers import ball
+from ...exact.replay.round_falls import RoundFall, horner, told_falling_zero
 from ...exact.replay.wall_flights import SeenWall
+from ...scenarios.lazy import Later
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+else:
+    np = Later("numpy")
 
 # -- Seen along the flight, a face, moved out by the circle's radius, covers a stretch of what lies across, and so does
 # an end with both radii; the flight meets the thing where one of them covers it. It passes the thing once it is moved
@@ -43,6 +58,18 @@ class Passed(NamedTuple):
 
     aside: arb
     ahead: float
+
+
+class Passing(NamedTuple):
+    """A circle that hits a thing with ends.
+
+    Attributes:
+        depth: how far aside its flight would have to be for it to pass the thing.
+        wait: how long after the impact it would be beside the end that it would pass.
+    """
+
+    depth: float
+    wait: float
 
 
 ON_IT = 2.0**-40
@@ -222,3 +249,65 @@ def out_of(covered: Sequence[AsideSpan]) -> Passed | None:
             joined[-1] = last._replace(high=last.high.max(one.high), high_at=farther.high_at)
     sides = [Passed(s.low.max(-s.high), s.low_at if middle(s.low) > middle(-s.high) else s.high_at) for s in joined]
     return min(sides, key=lambda passed: middle(passed.aside), default=None)
+
+
+# ----------------------------------------
+# The same of flights that fall, in doubles: they are parabolas for what stands.
+
+
+def falls_to_walls(
+    gap: NDArray[np.float64], approach: NDArray[np.float64], pull: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """When gaps under gravity are 0 and fall, infinite where they never do from now on; and how fast they fall then.
+
+    >>> gaps, approaches, pulls = np.array([4.0, 4.0, -3.0]), np.array([0.0, 1.0, 4.0]), np.array([-2.0, 2.0, -2.0])
+    >>> waits, rates = falls_to_walls(gaps, approaches, pulls)
+    >>> waits.tolist(), rates.tolist()
+    ([2.0, inf, 3.0], [4.0, 0.0, 2.0])
+    """
+    within = fall_discriminant(gap, approach, pull / 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(np.maximum(within, 0.0))
+        waits = np.where(approach < 0.0, fall_time(gap, approach, root), fall_time_back(approach, pull / 2, root))
+    never = (within <= 0.0) | ((approach >= 0.0) & (pull >= 0.0)) | ~(waits >= 0.0)
+    return np.where(never, inf, waits), root
+
+
+def falls_onto(fall: RoundFall[float]) -> tuple[float, RoundFall[float]] | None:
+    """How long until one that falls meets something round that stands, and both as they then are; None: never.
+
+    >>> wait, then = falls_onto(RoundFall(0.0, -9.0, 0.0, 0.0, 0.0, -1.0, 5.0))
+    >>> wait, then.dx, then.dy, then.vy
+    (2.0, 0.0, -5.0, 4.0)
+    >>> falls_onto(RoundFall(0.0, 9.0, 0.0, -1.0, 0.0, -1.0, 5.0))
+    """
+    stood = not fall.gap() > 0.0
+    if stood and fall.approach() < 0.0:
+        return 0.0, fall
+    wait = told_falling_zero(fall.polynomial(stood))
+    return None if wait is None else (wait, fall.after(wait))
+
+
+def falls_past(fall: RoundFall[float]) -> tuple[float, RoundFall[float]]:
+    """When two of which one falls are nearest to each other, whatever they would meet, and as they then are.
+
+    Of several such times, that beside the one of a straight flight. It may have gone by.
+
+    >>> wait, then = falls_past(RoundFall(4.0, -4.0, -2.0, 0.0, 0.0, -1.0, 1.0))
+    >>> wait, then.dx, then.dy
+    (2.0, 0.0, 0.0)
+    """
+    square, pull = fall.vx**2 + fall.vy**2, fall.dx * fall.hx + fall.dy * fall.hy
+    along, lift = fall.approach(), fall.vx * fall.hx + fall.vy * fall.hy
+    rates = along, square - 2 * pull, -3 * lift, 2 * (fall.hx**2 + fall.hy**2)  # of half of the distance's square
+    turns = (rates[1], 2 * rates[2], 3 * rates[3])
+    found = np.roots(rates[::-1])
+    waits = [float(root.real) for root in found if abs(root.imag) <= NEARLY_REAL * abs(root)]
+    least = [wait for wait in waits if horner(turns, wait) >= 0.0] or waits
+    straight = -along / square if square else 0.0
+    wait = min(least, key=lambda wait: abs(wait - straight))
+    return wait, fall.after(wait)
+
+
+NEARLY_REAL = 2.0**-20
+"""A share of itself: a zero whose imaginary part is no larger is real, but for what a double zero loses in doubles."""

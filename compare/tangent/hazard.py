@@ -11,9 +11,6 @@ from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import (
-    fall_discriminant,
-    fall_time,
-    fall_time_back,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -22,17 +19,17 @@ from ...exact.laws.formulas import (
     wall_approach,
     wall_bounce,
     wall_gap,
-    wall_hit_time,
 )
 from ...exact.numbers import ball
+from ...exact.replay.round_falls import RoundFall
 from ...exact.replay.state import ReplayState
 from ...exact.replay.wall_flights import SeenWall
 from ...floating.plain import PlainState
 from ...scenarios.lazy import Later
 from ...scenarios.surfaces import ThingParts, parts_of
-from .flight_aside import RoundSide, out_of, stretches
+from .flight_aside import Passing, RoundSide, falls_onto, falls_past, falls_to_walls, out_of, stretches
 from .growth import Displacements
-from .impacts import LEAST_BITS, Impact, moving
+from .impacts import LEAST_BITS, Impact, as_doubles, moving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -69,18 +66,6 @@ class Others(NamedTuple):
     normals: NDArray[np.float64]
 
 
-class Passing(NamedTuple):
-    """A circle that hits a thing with ends.
-
-    Attributes:
-        depth: how far aside its flight would have to be for it to pass the thing.
-        wait: how long after the impact it would be beside the end that it would pass.
-    """
-
-    depth: float
-    wait: float
-
-
 Surroundings = dict[tuple[int, int], Others]
 """By event and circle."""
 
@@ -90,6 +75,8 @@ class Course:
 
     Attributes:
         places, speeds: shape (circles, 2), at `time`; the middles of the sides of arcs come last.
+        pulls: shape (circles, 2), what gravity changes these by in a unit of time.
+        share: of an elastic impulse, what the scene's restitution leaves: (1 + e) / 2.
         time: where they stand.
 
     Args:
@@ -113,12 +100,11 @@ class Course:
         self._radii = np.array([float(c.r) for c in circles])
         self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
         self._is_face = np.array([wall.is_face for wall in scene.walls], dtype=bool)
-        self._share = float((scene.restitution + 1) / 2)
-        self._gravity = np.array([0.0, 0.0] if scene.gravity is None else [float(part) for part in scene.gravity])
-        falls = scene.gravity is not None
-        self._falls = np.array(
-            [*(falls and not circle.fixed for circle in circles), *(False for _ in sides)], dtype=bool
-        )
+        self.share = float((scene.restitution + 1) / 2)
+        self._pegs = sorted(scene.pegs)
+        self.pulls = np.zeros((len(here), 2))
+        if scene.gravity is not None:
+            self.pulls[[not circle.fixed for circle in circles] + [False] * len(sides)] = [*map(float, scene.gravity)]
         self._length = np.array([hypot(*map(float, wall.normal)) for wall in scene.walls])
         self._of: dict[tuple[bool, int], list[ThingParts]] = {}
         for thing in parts.values():
@@ -135,8 +121,8 @@ class Course:
         self._event += 1
         wait = time - self.time
         self.places += wait * self.speeds
-        self.places[self._falls] += wait * wait / 2 * self._gravity
-        self.speeds[self._falls] += wait * self._gravity
+        self.places += wait * wait / 2 * self.pulls
+        self.speeds += wait * self.pulls
         self.time = time
 
     def push(self, impact: Impact) -> list[tuple[int, NDArray[np.float64]]]:
@@ -145,9 +131,9 @@ class Course:
         if b is None:
             ux, uy = self.speeds[a]
             after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
-            changes = [(a, self._share * (after - self.speeds[a]))]
+            changes = [(a, self.share * (after - self.speeds[a]))]
         else:
-            impulse = self._share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
+            impulse = self.share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
             changes = [(a, -wa * impulse), (b, wb * impulse)]
         for i, change in changes:
             self.speeds[i] += change
@@ -170,7 +156,7 @@ class Course:
             return np.append(orders, thing.depth)
         if b is None:
             return orders
-        return np.append(orders, max(reach - abs(dx * vy - dy * vx) / np.hypot(vx, vy), 0.0))
+        return np.append(orders, max(reach - self.nearest(impact)[1], 0.0))
 
     def instead(self, event: Sequence[Impact], i: int) -> Others:
         """What circle i, which takes part in an event, would meet were it not for that.
@@ -206,11 +192,31 @@ class Course:
         reach = self._radii + self._radii[i]
         approach, room = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
         meets = (approach < 0) & (room > 0)
-        meets[[i, *(k for k in partners if k < n)]] = False
+        falls = bool(self.pulls[i].any())
+        meets[[i, *(k for k in partners if k < n), *(self._pegs if falls else ())]] = False
         dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
         waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
         normals = np.array((dx + waits * vx[meets], dy + waits * vy[meets])).T / reach[:, None]
-        return Others(np.flatnonzero(meets), waits, root / reach, normals)
+        found = Others(np.flatnonzero(meets), waits, root / reach, normals)
+        pegs = self._falls_onto(i, [k for k in self._pegs if k not in partners]) if falls else []
+        return Others(*map(np.concatenate, zip(found, *pegs, strict=True))) if pegs else found
+
+    def _fall(self, i: int, k: int) -> RoundFall[float]:
+        """A circle that falls, and one that stands."""
+        (x, y), (vx, vy), (gx, gy) = self.places[k] - self.places[i], -self.speeds[i], self.pulls[i] / 2
+        reach = self._radii[i] + self._radii[k]
+        return RoundFall(*map(float, (x, y, vx, vy, gx, gy, reach)))
+
+    def _falls_onto(self, i: int, pegs: Iterable[int]) -> list[Others]:
+        """Those of some circles that stand onto which one falls."""
+        found: list[Others] = []
+        for k in pegs:
+            if (met := falls_onto(self._fall(i, k))) is not None and met[1].approach() < 0.0:
+                wait, then = met
+                normal = np.array([then.dx, then.dy]) / hypot(then.dx, then.dy)
+                rate = -float(normal @ [then.vx, then.vy])
+                found.append(Others(np.array([k]), np.array([wait]), np.array([rate]), normal[None]))
+        return found
 
     def _side(self, i: int, k: int, thing: ThingParts) -> RoundSide:
         """A side of an arc, as circle i may meet it."""
@@ -248,7 +254,11 @@ class Course:
         return [] if impact.b is None else self._of.get((False, impact.b), [])
 
     def passing(self, impact: Impact) -> Passing | None:
-        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall."""
+        """How far a circle is from passing the thing that it hits; None where it hits a circle, or a wall.
+
+        Of one that falls along the line of its flight at the impact: as good as the bend between there and an end is
+        small, and the end that a fall is about to miss is near.
+        """
         things = self._things_of(impact)
         if any(not thing.convex for thing in things):
             return self._out_of(impact.a, things)
@@ -256,12 +266,12 @@ class Course:
         if not ends:
             return None
         (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
-        speed = hypot(vx, vy)
-        offset, reach = (dx * vy - dy * vx) / speed, self._radii[ends] + self._radii[impact.a]
+        speed, reach = hypot(vx, vy), self._radii[ends] + self._radii[impact.a]
+        waits, offset = (dx * vx + dy * vy) / speed**2, (dx * vy - dy * vx) / speed
         low, high = int(np.argmin(offset - reach)), int(np.argmax(offset + reach))
         below, above = float(reach[low] - offset[low]), float(offset[high] + reach[high])
         depth, end = (below, low) if below < above else (above, high)
-        return Passing(max(depth, 0.0), float(dx[end] * vx + dy[end] * vy) / speed**2)
+        return Passing(max(depth, 0.0), float(waits[end]))
 
     def _out_of(self, i: int, things: Sequence[ThingParts]) -> Passing | None:
         """The same of things of which some are not convex: of what of them lies ahead of circle i."""
@@ -284,54 +294,45 @@ class Course:
 
     def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
         """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""
-        (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
-        gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
+        (x0, y0, nx, ny), (x, y), (ux, uy), (gx, gy) = self._walls.T, self.places[i], self.speeds[i], self.pulls[i]
+        gap, r = wall_gap(x, y, x0, y0, nx, ny, 0.0), self._radii[i]
         side = np.where((gap < 0) & ~self._is_face, -1.0, 1.0)
-        behind = self._is_face & (gap < 0)
-        gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
-        meets = (approach < 0) & ~behind
-        wait = wall_hit_time(np.maximum(gap, 0.0), np.where(meets, approach, -1.0))
-        foot = (x + wait * ux - x0) * ny - (y + wait * uy - y0) * nx
+        gap = side * gap - r
+        touches = (gap < 0.0) & (~self._is_face | (gap > -BEFORE * (abs(x) + abs(y) + r)))  # by rounding
+        approach, pull = side * wall_approach(ux, uy, nx, ny), side * wall_approach(gx, gy, nx, ny)
+        waits, rates = falls_to_walls(np.where(touches, 0.0, gap), approach, pull)
+        meets = np.isfinite(waits)
+        wait = np.where(meets, waits, 0.0)
+        foot = (x + wait * (ux + wait / 2 * gx) - x0) * ny - (y + wait * (uy + wait / 2 * gy) - y0) * nx
         meets &= ~self._is_face | ((foot > 0.0) & (foot < self._length))
-        meets[np.abs(gap).argsort()[:unknown]] = False
-        meets[list(at)] = False
-        waits, rates = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets]), -approach[meets]
-        if self._falls[i]:
-            meets = ~behind
-            meets[np.abs(gap).argsort()[:unknown]] = False
-            meets[list(at)] = False
-            pull = side * wall_approach(self._gravity[0], self._gravity[1], nx, ny)
-            waits, rates = _falls_to(np.maximum(gap, 0.0), approach, pull)
-            meets &= np.isfinite(waits)
-            waits, rates = waits[meets], rates[meets]
+        meets[[*np.abs(gap).argsort()[:unknown], *at]] = False
+        waits, rates = waits[meets], rates[meets]
         normals = -side[meets, None] * np.array((nx[meets], ny[meets])).T
         return Others(np.full(len(waits), WALL), waits, rates, normals)
 
+    def pull(self, impact: Impact) -> NDArray[np.float64]:
+        """By what gravity changes the velocity of an impact in a unit of time; nothing for two that fall."""
+        return self.pulls[impact.a] if impact.b is None else self.pulls[impact.b] - self.pulls[impact.a]
+
     def fall_rate(self, impact: Impact) -> float:
-        """n.g over n.v of a circle that hits a wall: by what share gravity changes the approach in a unit of time."""
-        _, _, nx, ny, vx, vy, *_ = as_doubles(impact)
-        return float(wall_approach(self._gravity[0], self._gravity[1], nx, ny) / wall_approach(vx, vy, nx, ny))
+        """By what share gravity changes the approach to what stands in a unit of time."""
+        _, _, dx, dy, vx, vy, *_ = as_doubles(impact)
+        gx, gy = self.pull(impact)
+        return float(pair_approach(dx, dy, gx, gy) / pair_approach(dx, dy, vx, vy))
 
     def pulled(self, impact: Impact) -> bool:
-        """Whether gravity pulls a circle to the wall that it hits: then it comes there at whatever speed it flies."""
-        return impact.b is None and self.fall_rate(impact) > 0.0
+        """Whether gravity pulls a circle to what it hits: then it comes there at whatever speed it flies."""
+        return self.fall_rate(impact) > 0.0
 
-
-def _falls_to(
-    gap: NDArray[np.float64], approach: NDArray[np.float64], pull: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """When gaps under gravity are 0 and fall, infinite where they never do; and how fast they fall then."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(np.maximum(fall_discriminant(gap, approach, pull / 2), 0.0))
-        waits = np.where(approach < 0.0, fall_time(gap, approach, root), fall_time_back(approach, pull / 2, root))
-    never = (fall_discriminant(gap, approach, pull / 2) <= 0.0) | ((approach >= 0.0) & (pull >= 0.0))
-    return np.where(never, inf, waits), root
-
-
-def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
-    """All of an impact but its time."""
-    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:10])
-    return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
+    def nearest(self, impact: Impact) -> tuple[float, float, NDArray[np.float64]]:
+        """When two circles that meet would be nearest if they did not, how far aside, and with which velocity."""
+        _, _, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
+        gx, gy = self.pull(impact)
+        if not (gx or gy):
+            aside, square = abs(dx * vy - dy * vx), vx * vx + vy * vy
+            return -(dx * vx + dy * vy) / square, aside / float(np.hypot(vx, vy)), np.array([vx, vy])
+        wait, then = falls_past(RoundFall(dx, dy, vx, vy, -float(gx) / 2, -float(gy) / 2, reach))
+        return wait, hypot(then.dx, then.dy), np.array([then.vx, then.vy])
 
 
 def margins(
@@ -422,17 +423,14 @@ def shares(
     if thing is not None:
         own = course.speeds[a]
         across = np.array([-own[1], own[0]]) / np.hypot(*own)
-        aside = across @ (errors[a][:2] + thing.wait * errors[a][2:])
-        margins_of = np.array([thing.depth, abs(float(rate))])
-        return told + _shares(np.stack([aside, normal @ apart[2:]]), margins_of)
-    if b is None:
+        told += _shares((across @ (errors[a][:2] + thing.wait * errors[a][2:]))[None], np.array([thing.depth]))
+    if thing is not None or b is None:
         return told if course.pulled(impact) else told + _shares((normal @ apart[2:])[None], np.abs([rate]))
+    wait, aside, there = course.nearest(impact)
+    across = np.array([-there[1], there[0]]) / np.hypot(*there)
+    told += _shares((across @ (apart[:2] + wait * apart[2:]))[None], np.array([reach - aside]))
     speed = float(np.hypot(vx, vy))
-    along = velocity / speed
-    across = np.array([-along[1], along[0]])
-    nearest = apart[:2] - (dx * vx + dy * vy) / speed**2 * apart[2:]
-    room = reach - abs(dx * vy - dy * vx) / speed
-    return told + _shares(np.stack([across @ nearest, along @ apart[2:]]), np.array([room, speed]))
+    return told if course.pulled(impact) else told + _shares((velocity / speed @ apart[2:])[None], np.array([speed]))
 
 
 def _shares(changes: Errors, margins: NDArray[np.float64]) -> list[float]:
@@ -513,7 +511,7 @@ class ErrorCurve:
         self._decisions = iter(decisions)
         self._known: list[tuple[int, float]] = []
         self._at: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
-        self._shares: NDArray[np.float64] = np.zeros(0)
+        self.shares: NDArray[np.float64] = np.zeros(0)
 
     def _through(self, event: int) -> None:
         """Makes the decisions of all events up to one, if they are not made yet."""
@@ -524,7 +522,7 @@ class ErrorCurve:
                 break
         if len(self._known) > made:
             self._at = np.array([at for at, _ in self._known], dtype=np.intp)
-            self._shares = np.array([share for _, share in self._known], dtype=float)
+            self.shares = np.array([share for _, share in self._known], dtype=float)
 
     def hazard(self, unit: float) -> NDArray[np.float64]:
         """Shape (events,): log2 of the sum, over the decisions so far, of an engine's errors as shares of the margins.
@@ -545,7 +543,7 @@ class ErrorCurve:
     def _hazard(self, unit: float) -> NDArray[np.float64]:
         """The hazard by the decisions made so far."""
         most = inf if self.model is ErrorModel.ENCLOSED else TOSS
-        shares = np.minimum(most, np.exp2(np.clip(self._shares + unit, -FARTHEST, FARTHEST)))
+        shares = np.minimum(most, np.exp2(np.clip(self.shares + unit, -FARTHEST, FARTHEST)))
         sums = np.bincount(self._at, shares, minlength=self._events).cumsum()
         return np.log2(np.maximum(sums, 2.0**-FARTHEST))
 
@@ -565,7 +563,7 @@ class ErrorCurve:
 
         Infinite if no error is large enough for that, minus infinity if none is small enough.
         """
-        finite = self._shares[np.isfinite(self._shares)]
+        finite = self.shares[np.isfinite(self.shares)]
         low, high = -float(finite.max(initial=0.0)) - FARTHEST, FARTHEST
         if self.hazard(high)[-1] < level:
             return inf
@@ -653,8 +651,11 @@ def _strike(
             if impact.b is not None:
                 lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
                 px, py = dx + vx * lag, dy + vy * lag
-                there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
-                turned = (weight * np.array(there) - change)[:, None] / lag * late
+                gx, gy = course.pull(impact)
+                there = course.share * np.array(
+                    pair_impulse(px, py, vx + gx * lag, vy + gy * lag, hypot(px, py), wa, wb)
+                )
+                turned = (weight * there - change)[:, None] / lag * late
                 own[2:] += shrink * turned
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())

@@ -102,6 +102,7 @@ def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: in
             time = _apex(motion, link, instant)
         else:
             i, j = places_of(scene, link)
+            assert scene.pegs.isdisjoint((i, j)), "a graze at a zero of a quartic ends a run undecided"
             time = _nearest(motion, i, j, instant)
         for event in trajectory.events[before:events]:
             if not event.time.ball(BITS) < time:
@@ -197,6 +198,12 @@ class Impact(NamedTuple):
     wall: int | None = None
 
 
+def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
+    """All of an impact but its time."""
+    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:10])
+    return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
+
+
 def moving(scene: Scene) -> list[int]:
     """The circles that can move, by index: those whose displacements a tangent map carries."""
     return [k for k, circle in enumerate(scene.circles) if not circle.fixed]
@@ -210,7 +217,7 @@ def check_start(scene: Scene, walls_may_move: bool = False) -> None:
 
     Raises:
         NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
-            touching, if a restitution is 0, or under gravity something is round and fixed.
+            touching, if a restitution is 0, or if there are arcs under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -218,8 +225,8 @@ def check_start(scene: Scene, walls_may_move: bool = False) -> None:
         raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
-    if scene.gravity is not None and _round_and_fixed(scene):
-        raise NoTangentMap("the scene has gravity and something round and fixed, of which there is no tangent map yet")
+    if scene.gravity is not None and scene.arcs:
+        raise NoTangentMap("the scene has gravity and arcs, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces
@@ -242,10 +249,6 @@ def check_start(scene: Scene, walls_may_move: bool = False) -> None:
         if closing.sign() == 0:
             names = f"{scene.ids[i]} and {scene.ids[j]}"
             raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
-
-
-def _round_and_fixed(scene: Scene) -> bool:
-    return any(c.fixed for c in scene.circles) or bool(scene.segments or scene.polygons or scene.arcs or scene.pockets)
 
 
 HELD_BITS = 240
@@ -454,7 +457,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
 def _true_speed(state: BallState, i: int) -> tuple[arb, arb]:
     """The velocity of a circle at the instant at hand: that of the falling frame, and what gravity has added."""
     vx, vy = state.bodies[i].flight[2:4]
-    if state.falling is None:
+    if state.falling is None or i in state.pegs:
         return vx, vy
     return fall_speed(vx, state.falling.hx, state.instant), fall_speed(vy, state.falling.hy, state.instant)
 
@@ -513,7 +516,7 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
         time, after = float(event.time), trajectory.after(event.index).array()
         mine: list[Impact] = []
         if scene.gravity is not None:
-            for k in {place[name] for pair in event.contacts for name in pair if name in place}:
+            for k in {place[name] for pair in event.contacts for name in pair if name in place} - scene.pegs:
                 (ux, uy), late, since[k] = speeds[k], time - since[k], time
                 speeds[k] = ux + gx * late, uy + gy * late
         for first, second in event.contacts:

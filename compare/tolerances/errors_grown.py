@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -15,12 +15,12 @@ from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.surfaces import parts_of
 from ..foreign.guard import run_guarded
 from ..study import finer_by, series_steps
-from ..tangent.growth import Displacements
+from ..tangent.growth import Displacements, push_together
 from ..tangent.impacts import NoTangentMap, moving, rounds
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
-    from ...scenarios.things import Wall
+    from ...scenarios.things import Arc, Wall
     from ...scenarios.trajectory import Contact, Trajectory
     from ..tangent.impacts import Impact
 
@@ -155,88 +155,6 @@ def _late(reference: Trajectory, run: Trajectory, name: str) -> float | None:
 
 
 # ----------------------------------------
-# What contacts of one circle that push together do to displacements: the derivative of one round of impulses.
-
-
-@dataclass(frozen=True)
-class Pushed:
-    """A round of impulses upon displaced circles.
-
-    Attributes:
-        columns: shape (circles, 4, k), the displacements after it.
-        waits: shape (contacts, k): by how much each displacement delays each contact.
-    """
-
-    columns: NDArray[np.float64]
-    waits: NDArray[np.float64]
-
-
-def push_together(
-    columns: NDArray[np.float64],
-    row: Mapping[int, int],
-    weights: NDArray[np.float64],
-    struck: Sequence[Impact],
-    turn: float = 2.0,
-    gravity: tuple[float, float] = (0.0, 0.0),
-) -> Pushed | None:
-    """Displacements after a round in which contacts push together, each at its own displaced time.
-
-    With J v for the speeds at which the contacts open, and W for the inverse masses, the round adds W J' s to the
-    velocities, where J W J' s = -(1 + e) J v. Its derivative, to the first order: J turns with the lines of centres,
-    as they are when each contact comes, and v changes with its displacement; a contact that comes later by tau leaves
-    what it pushes tau times the change of velocity behind, and at a wall finds it to have fallen for so much longer.
-    One contact alone gives `pair_tangent`, or `fall_turn`.
-
-    Args:
-        columns: shape (circles, 4, k), displacements at the instant, of the circles that can move.
-        row: the row of each of those circles, by index.
-        weights: inverse masses, by row.
-        struck: the contacts, all with the velocities that the round finds.
-        turn: 1 + e, e the restitution, above 0.
-        gravity: along x and along y.
-
-    Returns:
-        None where the impulses are not unique: then they have no derivative.
-    """
-    count, errors = len(weights), columns.shape[2]
-    lines, turned = np.zeros((len(struck), count, 2)), np.zeros((len(struck), 2, errors))
-    opening, waits, fallen = np.zeros(len(struck)), np.zeros((len(struck), errors)), np.zeros((len(struck), errors))
-    for k, hit in enumerate(struck):
-        a, b, reach = row.get(hit.a), None if hit.b is None else row.get(hit.b), float(hit.reach)
-        normal, speed = np.array([float(hit.dx), float(hit.dy)]) / reach, np.array([float(hit.vx), float(hit.vy)])
-        between = np.zeros((2, errors))
-        for place, side in ((a, 1.0 if hit.b is None else -1.0), (b, 1.0)):
-            if place is not None:
-                lines[k, place] += side * normal
-                between += side * columns[place, :2]
-        opening[k] = normal @ speed
-        waits[k] = -(normal @ between) / opening[k]
-        if hit.b is not None:
-            turned[k] = (between + speed[:, None] * waits[k]) / reach
-        else:
-            fallen[k] = float(normal @ gravity) * waits[k]
-    system = np.einsum("kmx,m,lmx->kl", lines, weights, lines)
-    if np.linalg.matrix_rank(system) < len(struck):
-        return None
-    strengths = -turn * np.linalg.solve(system, opening)
-    kicks = np.einsum("m,kmx,k->kmx", weights, lines, strengths)
-    aside = np.zeros((count, 2, errors))
-    faster = np.einsum("kmx,mxe->ke", lines, columns[:, 2:]) + fallen
-    for k, hit in enumerate(struck):
-        for name, side in ((hit.a, -1.0), (hit.b, 1.0)):
-            place = None if name is None or hit.b is None else row.get(name)
-            if place is not None:
-                aside[place] += side * weights[place] * strengths[k] * turned[k]
-                faster[k] += side * kicks[:, place].sum(axis=0) @ turned[k] / turn
-        faster[k] += np.array([float(hit.vx), float(hit.vy)]) @ turned[k]
-    stronger = np.linalg.solve(system, -turn * faster - np.einsum("kmx,mxe->ke", lines, aside))
-    after = columns.copy()
-    after[:, 2:] += aside + np.einsum("m,kmx,ke->mxe", weights, lines, stronger)
-    after[:, :2] -= np.einsum("kmx,ke->mxe", kicks, waits)
-    return Pushed(after, waits)
-
-
-# ----------------------------------------
 # What has become of an engine's local errors at each event of the true run: carried along by the tangent map.
 
 
@@ -253,9 +171,9 @@ class GrownErrors:
             takes the contacts of each in the rounds in which the run has them.
 
     Attributes:
-        scene: as engines see it: circles, with them ends of segments and corners of polygons; then walls, faces too.
-            Places are in this order.
-        places: of circles and walls, by name; of a segment or polygon see `met`.
+        scene: as engines see it: circles, with them ends of segments and arcs and corners of polygons; then walls, with
+            them faces; then the sides of arcs. Places are in this order.
+        places: of circles and walls, by name; of a segment, polygon or arc see `met`.
         parts: of these, by name.
         position, velocity: shape (circles, 2), where each is at the last event, and how fast, in true coordinates;
             of those that take part in it, as they come to it, until it is gone through.
@@ -284,6 +202,8 @@ class GrownErrors:
         self.walls = self._begun = [tuple(float(v) for v in (w.x0, w.y0, w.x1, w.y1)) for w in scene.walls]
         self.paces = [(float(w.vx), float(w.vy)) for w in scene.walls]
         self.level = [self._is_level(wall) for wall in scene.walls]
+        self.first_side = self.count + len(self.walls)
+        self.sides = [side for arc in run.scene.arcs for side in NearSide.both(arc)]
         sizes = local.input_unit * np.abs(start)
         self._row = {k: row for row, k in enumerate(moving(scene))}
         movable = sizes[list(self._row)].reshape(-1)
@@ -397,25 +317,36 @@ class GrownErrors:
         self._carried.columns = np.concatenate([self._carried.columns, added], axis=2)
 
     def met(self, index: int) -> list[tuple[int, int]]:
-        """Who meets at an event, by place: of a segment or polygon the face or end that pushes.
+        """Who meets at an event, by place: of a segment, polygon or arc the face, end or side that pushes.
 
         Raises:
             NoTangentMap: where none of its parts does.
         """
         struck = [hit for mine in self._rounds[index : index + 1] for together in mine for hit in together]
-        pushing = [(hit.a, hit.b if hit.wall is None else self.count + hit.wall) for hit in struck]
+        pushing = [(hit.a, self._pushes(hit)) for hit in struck]
         found: list[tuple[int, int]] = []
         for first, second in self.run.events[index].contacts:
             i, j = self.places[first], self.places.get(second)
             if j is None:
                 parts = self.parts[second]
-                among = {*parts.ends, *(self.count + wall for wall in parts.faces)}
+                sides = (self.first_side + side for side in parts.sides)
+                among = {*parts.ends, *(self.count + wall for wall in parts.faces), *sides}
                 own = [k for a, k in pushing if a == i and k in among and k is not None and (i, k) not in found]
                 if not own:
                     raise NoTangentMap(f"event {index}: which part of {second} {first} meets is not known", index)
                 j = own[0]
             found.append((i, j))
         return found
+
+    def since_both(self, i: int, j: int) -> float:
+        """When both of two things had had their last event."""
+        return max(float(self.since[i]), float(self.since[j]) if j < self.count else 0.0)
+
+    def _pushes(self, hit: Impact) -> int | None:
+        """The place of what an impact is at; of arcs it numbers the sides after the circles."""
+        if hit.wall is not None:
+            return self.count + hit.wall
+        return hit.b if hit.b is None or hit.b < self.count else self.first_side + hit.b - self.count
 
     def _circle(self, name: str) -> int | None:
         """The place of a circle; None of anything else."""
@@ -430,7 +361,10 @@ class GrownErrors:
             late = time - float(self.since[k])
             way = speed * late + math.hypot(*self.falls[k]) * late * late
             found += [float(np.abs(self.position[k]).max()) + way, float(self.radii[k]), speed * time]
-        if pair[1] >= self.count:
+        if pair[1] >= self.first_side:
+            side = self.sides[pair[1] - self.first_side]
+            found += map(abs, (side.x, side.y, side.r))
+        elif pair[1] >= self.count:
             wall = pair[1] - self.count
             found += map(abs, self.walls[wall])
             found += (abs(pace) * time for pace in self.paces[wall])
@@ -486,11 +420,52 @@ class Apex(NamedTuple):
     sooner: float
 
 
+@dataclass(frozen=True)
+class NearSide:
+    """A side of an arc in doubles.
+
+    Attributes:
+        x, y: the middle of its circle.
+        r: its radius, negative for the hollow side.
+        ends: the directions from the middle in which it begins and ends, counter-clockwise; none of a full circle.
+        normal, edge: see `Arc.chord`.
+    """
+
+    x: float
+    y: float
+    r: float
+    ends: tuple[tuple[float, float], ...]
+    normal: tuple[float, float]
+    edge: float
+
+    @staticmethod
+    def both(arc: Arc) -> tuple[NearSide, NearSide]:
+        """The outside and the hollow one.
+
+        >>> from truebreak.scenarios import Arc
+        >>> outside, hollow = NearSide.both(Arc(1, 2, 5, 6, 2, 1, 7))
+        >>> hollow.r, hollow.ends, hollow.within(3.0, 4.0, 5.0) > 3.1, hollow.within(-4.0, 0.0, 4.0) < 0
+        (-5.0, ((1.0, 0.0), (0.0, 1.0)), True, True)
+        """
+        x, y, r = float(arc.x), float(arc.y), float(arc.r)
+        ends = () if arc.full else tuple((float(ex), float(ey)) for ex, ey in arc.directions)
+        nx, ny, edge = map(float, arc.chord)
+        outside = NearSide(x, y, r, ends, (nx, ny), edge)
+        return outside, replace(outside, r=-r)
+
+    def within(self, dx: float, dy: float, reach: float) -> float:
+        """How far a place, d from the middle and as far as `reach`, is from where the side ends; below 0 beyond it."""
+        if not self.ends:
+            return math.inf
+        least = min(math.hypot(dx - reach * ex, dy - reach * ey) for ex, ey in self.ends)
+        return least if self.normal[0] * dx + self.normal[1] * dy > self.edge * math.hypot(dx, dy) else -least
+
+
 class Nearby:
     """Pairs, at the event at which the positions of `grown` are, and their displacements, to the first order.
 
-    Everything is named by its place in the scene as engines see it (`GrownErrors.scene`); of a pair with a wall, or the
-    face of a segment or polygon, that is second.
+    Everything is named by its place in the scene as engines see it (`GrownErrors.scene`); of a pair with a wall, the
+    face of a segment or polygon, or a side of an arc, that is second.
 
     Attributes:
         scale: the scene's largest coordinate or radius.
@@ -499,21 +474,41 @@ class Nearby:
 
     def __init__(self, grown: GrownErrors) -> None:
         self.grown = grown
-        self.scale = max(float(np.abs(grown.position).max()), float(grown.radii.max()))
+        round_ones = [abs(value) for side in grown.sides for value in (side.x, side.y, side.r)]
+        self.scale = max(float(np.abs(grown.position).max()), float(grown.radii.max()), *round_ones, 0.0)
         self.rounding = grown.local.unit * self.scale
         self.faces = range(grown.count + grown.scene.faces.start, grown.count + grown.scene.faces.stop)
 
+    def is_line(self, j: int) -> bool:
+        """Whether a place is that of a wall or a face."""
+        return self.grown.count <= j < self.grown.first_side
+
+    def side_of(self, j: int) -> NearSide | None:
+        """The side of an arc that is at a place, if it is one."""
+        return self.grown.sides[j - self.grown.first_side] if j >= self.grown.first_side else None
+
+    def reach(self, i: int, j: int) -> float:
+        """How far the centres of two round things are apart at a contact; below 0 where a circle does not fit in."""
+        side = self.side_of(j)
+        if side is None:
+            return float(self.grown.radii[i] + self.grown.radii[j])
+        return abs(side.r) + math.copysign(float(self.grown.radii[i]), side.r)
+
     def gap(self, i: int, j: int) -> float:
         """The distance of the two surfaces."""
-        if j >= self.grown.count:
+        if self.is_line(j):
             return self.wall(i, j)[0]
         d, _ = self.relative(i, j)
-        return float(np.hypot(*d)) - float(self.grown.radii[i] + self.grown.radii[j])
+        side, far = self.side_of(j), float(np.hypot(*d)) - self.reach(i, j)
+        return -far if side is not None and side.r < 0.0 else far
 
     def speed(self, i: int, j: int) -> float:
         """How fast the two move against each other."""
-        grown = self.grown
-        v = grown.velocity[i] - grown.paces[j - grown.count] if j >= grown.count else self.relative(i, j)[1]
+        v = (
+            self.grown.velocity[i] - self.grown.paces[j - self.grown.count]
+            if self.is_line(j)
+            else self.relative(i, j)[1]
+        )
         return float(np.hypot(*v))
 
     def apart(self, columns: NDArray[np.float64], i: int, j: int) -> float:
@@ -521,8 +516,10 @@ class Nearby:
         return float(np.hypot(*self.between(columns, i, j, 0.0)).sum()) + self.rounding
 
     def relative(self, i: int, j: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """d and v of two circles, at the time of the event that positions are at."""
-        grown = self.grown
+        """d and v of two round things, at the time of the event that positions are at."""
+        grown, side = self.grown, self.side_of(j)
+        if side is not None:
+            return np.array([side.x, side.y]) - grown.position[i], -grown.velocity[i]
         return grown.position[j] - grown.position[i], grown.velocity[j] - grown.velocity[i]
 
     def between(self, columns: NDArray[np.float64], i: int, j: int, lag: float) -> NDArray[np.float64]:
@@ -532,15 +529,14 @@ class Nearby:
         return between[:2] + lag * between[2:]
 
     def across(self, columns: NDArray[np.float64], i: int, j: int, near: float, time: float) -> float:
-        """By how much all errors can move the least distance of two circles."""
+        """By how much all errors can move the least distance of two round things."""
         _, v = self.relative(i, j)
         across = np.array([-v[1], v[0]]) / math.sqrt(float(v @ v))
         return float(np.abs(across @ self.between(columns, i, j, near - time)).sum()) + self.rounding
 
     def wait(self, i: int, j: int) -> float | None:
         """How long after an event two would meet in free flight; None if they do not."""
-        grown = self.grown
-        if j >= grown.count:
+        if self.is_line(j):
             gap, closing = self.wall(i, j)
             if j in self.faces and gap < -self.scale * TIGHT:  # behind it, or beside
                 return None
@@ -552,12 +548,19 @@ class Nearby:
                 return None
             return 2 * gap / (closing + math.sqrt(square)) if closing > 0 else (closing - math.sqrt(square)) / pull
         d, v = self.relative(i, j)
-        reach = float(grown.radii[i] + grown.radii[j])
+        reach, side = self.reach(i, j), self.side_of(j)
         b, square = float(d @ v), float(v @ v)
-        root = square * reach * reach - float(d[0] * v[1] - d[1] * v[0]) ** 2
-        if b >= 0 or root < 0:
+        if not square:
             return None
-        return max(float(d @ d) - reach * reach, 0.0) / (-b + math.sqrt(root))
+        root = square * reach * reach - float(d[0] * v[1] - d[1] * v[0]) ** 2
+        inside = reach * reach - float(d @ d)
+        if side is not None and side.r < 0.0:  # where it goes out again; from outside it may come in by the opening
+            if reach <= 0.0 or root < 0 or (b >= 0 and self.gap(i, j) < -self.scale * TIGHT):
+                return None
+            return max(inside, 0.0) / (b + math.sqrt(root)) if b > 0 else (-b + math.sqrt(root)) / square
+        if b >= 0 or root < 0 or (side is not None and self.gap(i, j) < -self.scale * TIGHT):
+            return None
+        return max(-inside, 0.0) / (-b + math.sqrt(root))
 
     def wall(self, i: int, j: int) -> tuple[float, float]:
         """The gap between a circle and a wall, and the speed at which it closes."""
@@ -594,30 +597,69 @@ class Nearby:
         return nx / length, ny / length, (1.0 if height >= 0 or j in self.faces else -1.0), height
 
     def foot(self, columns: NDArray[np.float64], i: int, j: int, wait: float, time: float) -> tuple[float, float]:
-        """How far within its ends a circle meets the line of a face, below 0 beyond them; what errors move that by."""
+        """How far within its ends a circle meets the line of a face, or the circle of an arc; what errors move that by.
+
+        Below 0 beyond the ends.
+        """
+        late = self.shift(columns, i, j, time + wait, time)
+        if (side := self.side_of(j)) is not None:
+            d, v = self.relative(i, j)
+            dx, dy = -(d + wait * v)
+            moved = self.between(columns, i, j, wait) + np.outer(v, late)
+            return side.within(dx, dy, self.reach(i, j)), float(np.hypot(*moved).sum()) + self.rounding
         x0, y0, x1, y1 = self.grown.walls[j - self.grown.count]
         length = math.hypot(x1 - x0, y1 - y0)
         way = np.array([x1 - x0, y1 - y0]) / length
         slide = float(way @ self.grown.velocity[i])
         foot = float(way @ (self.grown.position[i] - (x0, y0))) + slide * wait
-        late = self.shift(columns, i, j, time + wait, time)
         room = float(np.abs(way @ self.between(columns, i, j, wait) + slide * late).sum()) + self.rounding
         return min(foot, length - foot), room
 
     def beside(self, i: int, end: int) -> float:
-        """How far a circle that is at an end is from where that becomes a face: along the faces that begin there."""
+        """How far a circle at an end is from where that becomes a face or an arc: along those that begin there."""
         grown, r = self.grown, float(self.grown.radii[end])
         d, found = grown.position[i] - grown.position[end], math.inf
         for x0, y0, x1, y1 in grown.walls[self.faces.start - grown.count :]:
             starts = [math.hypot(*(grown.position[end] - place)) for place in ((x0, y0), (x1, y1))]
             if any(abs(away - r) <= TIGHT * self.scale for away in starts):
                 found = min(found, abs(float(d @ (x1 - x0, y1 - y0))) / math.hypot(x1 - x0, y1 - y0))
+        for side in grown.sides[::2]:
+            for ex, ey in side.ends:
+                place = side.x + side.r * ex, side.y + side.r * ey
+                if float(np.hypot(*(grown.position[end] - place))) <= TIGHT * self.scale:
+                    found = min(found, abs(float(d @ (-ey, ex))))
         return found
+
+    def may_pass(self, columns: NDArray[np.float64], i: int, j: int, near: float, time: float) -> bool:
+        """Whether a flight is nearest to a side of an arc from outside and within its range, as far as errors leave it.
+
+        Of a hollow side nothing passes: what is within comes out by it, or by the opening, past the ends.
+        """
+        side = self.grown.sides[j - self.grown.first_side]
+        d, v = self.relative(i, j)
+        dx, dy = -(d + (near - time) * v)
+        far, doubt = math.hypot(dx, dy), self.across(columns, i, j, near, time) + TIGHT * self.scale
+        if side.r < 0.0 or far < side.r - doubt:
+            return False
+        turned = np.hypot(*self.between(columns, i, j, near - time)).sum() + doubt  # the place where it is nearest
+        turned += far * float(np.hypot(*columns[i][2:]).sum()) / math.sqrt(float(v @ v))
+        return side.within(dx, dy, far) > -float(turned)
+
+    def stay(self, i: int, j: int, near: float, time: float) -> float:
+        """For how long two round things would overlap if neither pushed; of an arc, until the line is behind."""
+        d, v = self.relative(i, j)
+        square, off, side = float(v @ v), float(d[0] * v[1] - d[1] * v[0]), self.side_of(j)
+        if side is None:
+            return 2 * (near - time)
+        radii = abs(side.r) - float(self.grown.radii[i]), abs(side.r) + float(self.grown.radii[i])
+        inner, outer = (math.sqrt(max(square * r * r - off * off, 0.0)) / square for r in radii)
+        if side.r > 0.0 and (radii[0] <= 0.0 or not inner):
+            return 2 * outer
+        return outer - inner
 
     def shift(self, columns: NDArray[np.float64], i: int, j: int, meeting: float, time: float) -> NDArray[np.float64]:
         """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
-        grown = self.grown
-        if j >= grown.count:
+        if self.is_line(j):
             nx, ny, side, _ = self.side(i, j)
             closing = self.wall(i, j)[1] - self.pull(i, j) * (meeting - time)
             if not closing:
@@ -631,18 +673,18 @@ class Nearby:
         return -(there @ self.between(columns, i, j, meeting - time)) / float(there @ v)
 
     def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:
-        """What the curvature of two circles adds to the delay of their meeting: all errors across it, to second order.
+        """What curvature adds to the delay of the meeting of two round things: all errors across it, to second order.
 
         Where the two fly head on, errors across their way delay it by nothing to the first order. At a wall it is that
         those of the velocity change how fast it comes, and the bend of a flight that falls.
         """
-        if j >= self.grown.count:
+        if self.is_line(j):
             closing = abs(self.wall(i, j)[1])
             nx, ny, *_ = self.side(i, j)
             turned = float(np.abs(np.array([nx, ny]) @ columns[i][2:]).sum())
             late = self.apart(columns, i, j) / closing if closing else 0.0
             return late * (turned + abs(self.pull(i, j)) * late) / closing if closing else 0.0
         d, v = self.relative(i, j)
-        reach = float(self.grown.radii[i] + self.grown.radii[j])
+        reach = self.reach(i, j)
         closing = abs(float(d @ v)) / math.sqrt(float(d @ d))
         return self.apart(columns, i, j) ** 2 / (reach * closing) if reach and closing else 0.0

@@ -122,9 +122,8 @@ class ErrorWalk:
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         scene = run.scene
         beyond = {
-            "arcs": bool(scene.arcs), "walls of other kinds": bool(scene.other_walls),
-            "restitution 0": scene.restitution.sign() == 0,
-            "gravity and something round and fixed": bool(scene.surfaces.pegs),
+            "walls of other kinds": bool(scene.other_walls), "restitution 0": scene.restitution.sign() == 0,
+            "gravity and something round and fixed": bool(scene.surfaces.pegs or (scene.gravity and scene.arcs)),
             "gravity, and the engine falls by steps": scene.gravity is not None and local.order is not None,
         }  # fmt: skip
         for what in (name for name, there in beyond.items() if there):
@@ -254,24 +253,29 @@ class ErrorWalk:
         """One decision by an event: on the pair that meets (`own` None), or on another thing near the body."""
         if own is None and (found := self._on_part(index, columns, body, other, time)) is not None:
             return found
-        if other >= self.grown.count:
+        if self.near.is_line(other):
             turning = _turning(self, index, columns, body, other, time, own is None)
-            return (
-                turning if own is None or turning is not None else self._order(index, columns, body, other, time, own)
-            )
+            if own is None or turning is not None:
+                return turning
+            return self._order(index, columns, body, other, time, own)
+        side = self.near.side_of(other)
         d, v = self.near.relative(body, other)
-        square, reach = float(v @ v), float(self.grown.radii[body] + self.grown.radii[other])
-        if not square:
+        square, reach = float(v @ v), self.near.reach(body, other)
+        if not square or reach <= 0.0:
             return None
         near = time - float(d @ v) / square
         gap = abs(float(d[0] * v[1] - d[1] * v[0])) / math.sqrt(square) - reach
         if own is None:
             return self._hit(index, columns, body, other, near, -gap, time)
-        if gap < 0 and near > time:
+        if side is not None and self.near.wait(body, other) is not None:
+            return self._order(index, columns, body, other, time, own)
+        if side is None and gap < 0 and near > time:
             return self._order(index, columns, body, other, time, own)
         room = self.near.across(columns, body, other, near, time)
+        if side is not None and not self.near.may_pass(columns, body, other, near, time):
+            return None
         sooner = math.sqrt(2 * reach * 2 * room / square) if reach else 0.0
-        since = max(float(self.grown.since[body]), float(self.grown.since[other]))
+        since = self.grown.since_both(body, other)
         if since < near and near - sooner < time:
             return self._passed(index, body, other, gap, room, near - sooner)
         return None
@@ -282,11 +286,11 @@ class ErrorWalk:
         while index and float(events[index - 1].time) > first - self.local.lateness:
             index -= 1
         time = max(first, float(events[index - 1].time)) if index else first
-        return self._told(index, time, i, j, "whether {} passes {}", gap, room, in_doubles=j >= self.grown.count)
+        return self._told(index, time, i, j, "whether {} passes {}", gap, room, in_doubles=self.near.is_line(j))
 
     def _on_part(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
         """That a circle meets a face between its ends, or an end beside its faces: the normal turns otherwise there."""
-        if j in self.near.faces:
+        if j in self.near.faces or self.near.side_of(j) is not None:
             margin, room = self.near.foot(columns, i, j, 0.0, time)
         elif j in self.grown.scene.ends:
             late = float(np.abs(self.near.shift(columns, i, j, time, time)).sum())
@@ -303,7 +307,7 @@ class ErrorWalk:
         room = self.near.across(columns, i, j, near, time)
         found = self._told(index, time, i, j, "whether {} hits {}", depth, room)
         if found is None and self.local.lateness:
-            stay, least = 2 * (near - time), 2 * self.local.lateness
+            stay, least = self.near.stay(i, j, near, time), 2 * self.local.lateness
             if stay <= least:
                 return OutOfReach(
                     index, time, f"whether a step ends while {self.names[i]} is in {self.names[j]}", stay, least
@@ -321,7 +325,7 @@ class ErrorWalk:
         room = self.near.apart(columns, i, j) + spare * self.near.speed(i, j)
         if self.near.gap(i, j) > room:  # nowhere near each other yet, whenever they meet
             return None
-        if j in self.near.faces:
+        if j in self.near.faces or self.near.side_of(j) is not None:
             within, doubt = self.near.foot(columns, i, j, wait, time)
             if within < -doubt - self.local.lateness * self.near.speed(i, j):
                 return None
@@ -388,7 +392,7 @@ class ErrorWalk:
         grown.stand_at(end, grown.position)
         grown.position[: len(run.scene.circles)] = run.at(run.final_time).array()[:, :2]
         for i in range(grown.count) if quiet else ():
-            for j in range(grown.count, len(self.names)):
+            for j in range(grown.count, grown.first_side):
                 if self.near.pull(i, j):  # it turns back, or comes for certain
                     continue
                 moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
@@ -400,27 +404,35 @@ class ErrorWalk:
         """The earliest that is out of reach: what has been found, or that two pass each other, on flights under way."""
         columns, weights, count = self.grown.at(time), self.grown.weights, self.grown.count
         found = [] if limit is None else [limit]
-        pairs = ((i, j) for i in range(count) for j in range(i + 1, count) if weights[i] or weights[j])
+        sides = range(self.grown.first_side, len(self.names))
+        pairs = (
+            (i, j)
+            for i in range(count)
+            for j in (*range(i + 1, count), *(sides if weights[i] else ()))
+            if weights[i] or weights[j]
+        )
         passing = (self._passing(columns, i, j, time, quiet) for i, j in pairs)
         found.extend(passed for passed in passing if passed is not None)
-        walls = ((i, j) for i in range(count) for j in range(count, len(self.names)) if weights[i])
+        walls = ((i, j) for i in range(count) for j in range(count, self.grown.first_side) if weights[i])
         turning = (_turned(self, columns, i, j, time, quiet) for i, j in walls)
         found.extend(turned for turned in turning if turned is not None)
         return min(found, key=lambda one: one.event, default=None)
 
     def _passing(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
         d, v = self.near.relative(i, j)
-        speed, turned = math.sqrt(float(v @ v)), float(np.hypot(*(columns[j] - columns[i])[2:]).sum())
+        other = columns[j] if j < self.grown.count else np.zeros_like(columns[i])
+        speed, turned = math.sqrt(float(v @ v)), float(np.hypot(*(other - columns[i])[2:]).sum())
         if quiet and speed <= turned:
             return _drift(self, end, i, j, speed, turned)
         if not speed:
             return None
-        near = end - float(d @ v) / speed**2
-        since = max(float(self.grown.since[i]), float(self.grown.since[j]))
-        if near <= since or (near > end and not quiet):
+        near, reach = end - float(d @ v) / speed**2, self.near.reach(i, j)
+        if near <= self.grown.since_both(i, j) or (near > end and not quiet):
             return None
-        gap = abs(float(d[0] * v[1] - d[1] * v[0])) / speed - float(self.grown.radii[i] + self.grown.radii[j])
-        room, reach = self.near.across(columns, i, j, near, end), float(self.grown.radii[i] + self.grown.radii[j])
+        if self.near.side_of(j) is not None and not self.near.may_pass(columns, i, j, near, end):
+            return None
+        gap = abs(float(d[0] * v[1] - d[1] * v[0])) / speed - reach
+        room = self.near.across(columns, i, j, near, end)
         return self._passed(len(self.run.events), i, j, gap, room, near - math.sqrt(4 * reach * room) / speed)
 
 

@@ -442,13 +442,17 @@ def _readable(law: Any) -> str:
 # The result is that of Dellago, Posch and Hoover, Phys. Rev. E 53, 1485 (1996), for any masses.
 
 
+gx, gy = symbols("gx, gy")
+
+
 @cache
-def pair_displacement(lossy: bool = False) -> tuple[Any, Any, Any, Any]:
+def pair_displacement(lossy: bool = False, falls: bool = False) -> tuple[Any, Any, Any, Any]:
     """What b's displacement gains, per inverse mass: position x, y and velocity x, y, at contact, where |d| is R.
 
     Args:
-        lossy: with a restitution e, told by `share`, which is (1 + e) / 2. Two circles fall alike: of gravity there is
-            nothing in it.
+        lossy: with a restitution e, told by `share`, which is (1 + e) / 2.
+        falls: with g, by which v changes in a unit of time: of one that falls and one that stands. Two that fall do so
+            alike. What comes later has until then a velocity of g more, and after it of as much less.
 
     Raises:
         LawError: if the time by which the displaced pair touches later is not one.
@@ -458,7 +462,9 @@ def pair_displacement(lossy: bool = False) -> tuple[Any, Any, Any, Any]:
         hit = tuple(part.subs(restitution, 2 * share - 1) for part in pair_restitution_velocities())
     at_rest = {a_x: 0, a_y: 0, b_x: dx, b_y: dy, a_vx: 0, a_vy: 0, b_vx: vx, b_vy: vy, a_m: 1 / wa, b_m: 1 / wb}
     impulse = tuple(((after - before) / wb).subs(at_rest) for after, before in ((hit[2], b_vx), (hit[3], b_vy)))
-    moved = {dx: dx + e * (px + vx * tau), dy: dy + e * (py + vy * tau), vx: vx + e * qx, vy: vy + e * qy}
+    pull = (gx, gy) if falls else (0, 0)
+    moved = {dx: dx + e * (px + vx * tau), dy: dy + e * (py + vy * tau)}
+    moved |= {vx: vx + e * (qx + pull[0] * tau), vy: vy + e * (qy + pull[1] * tau)}
     distance = pair_touch().equations[-1].lhs.subs({aprime_x: 0, aprime_y: 0})
     grown = diff(distance.subs({bprime_x: moved[dx], bprime_y: moved[dy]}), e).subs(e, 0)
     delays = solve(grown, tau)
@@ -467,9 +473,6 @@ def pair_displacement(lossy: bool = False) -> tuple[Any, Any, Any, Any]:
     shift_x, shift_y = (-delays[0] * part for part in impulse)
     turn_x, turn_y = (diff(part.subs(moved, simultaneous=True), e).subs(e, 0).subs(tau, delays[0]) for part in impulse)
     return together(shift_x), together(shift_y), together(turn_x), together(turn_y)
-
-
-gx, gy = symbols("gx, gy")
 
 
 @cache
@@ -514,6 +517,11 @@ def prove_tangent(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[.
     for name, one, other in zip(("x", "y", "vx", "vy"), written, pair_displacement(lossy=True), strict=True):
         if not is_zero(_joined(one * share - other).subs(contact)):
             raise LawError(f"pair_tangent: a restitution does not damp its {name} like an impulse")
+    turned = formulas["fall_turn"](dx, dy, R**2 * (wa + wb), dx * vx + dy * vy, dx * gx + dy * gy, px, py)
+    pulled = (*written[:2], *(one + more for one, more in zip(written[2:], turned, strict=True)))
+    for name, one, other in zip(("x", "y", "vx", "vy"), pulled, pair_displacement(lossy=True, falls=True), strict=True):
+        if not is_zero(_joined(one * share - other).subs(contact)):
+            raise LawError(f"fall_turn: its {name} onto a circle that stands is not what the laws lead to")
     blocks = (dx * vx + dy * vy, dx * vy - dy * vx, vx**2 + vy**2, -2 / (R**2 * (wa + wb)))
     xx, xy, yy, *a = formulas["pair_tangent_blocks"](dx, dy, *blocks)
     b = (xx, xy, xy, yy)

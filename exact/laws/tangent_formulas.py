@@ -54,7 +54,9 @@ def fall_turn(nx: N, ny: N, nn: N, approach: N, pull: N, px: N, py: N) -> tuple[
 
     (p, q) is the circle's displacement, `approach` is n.v before the bounce, `pull` is n.g, and nn is |n|^2.
     Who comes later by -n.p / n.v falls for longer before the bounce, and for less after it. The rest is
-    `wall_bounce` of p and of q. Equals `law_proofs.wall_displacement`.
+    `wall_bounce` of p and of q. Equals `law_proofs.wall_displacement`. Between one that falls and a circle that
+    stands it is added to the velocity of `pair_tangent`: with d and v for n and the speed, g by which v changes in
+    a unit of time, and R^2 (wa + wb) for nn. Equals `law_proofs.pair_displacement`.
 
     >>> from fractions import Fraction as Q
     >>> fall_turn(Q(0), Q(1), Q(1), Q(-2), Q(-3), Q(5), Q(7))

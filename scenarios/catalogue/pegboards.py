@@ -1,4 +1,4 @@
-"""Boards of pegs and levels of games under gravity: circles that stand and ends of segments are met at quartics."""
+"""Boards of pegs, bowls and levels of games under gravity: what is round and stands is met at quartics."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from ..numbers.quantity import Quantity
 from ..scene import Scene
-from ..things import Circle, Segment, Wall
+from ..things import Arc, Circle, Polygon, Segment, Wall
 from .scene_entry import Draw, Parameter, SceneEntry, number, whole
 
 PEG = Quantity.of("1/5")
@@ -155,6 +155,56 @@ def platforms(vx: Quantity, e: Quantity) -> Scene:
     return Scene([ball], [], segments=segments, gravity=(0, -1000), restitution=e, events=60)
 
 
+BOWL = 2
+"""How far the middle of a ball in a bowl is from that of the bowl where they touch: 5/2 less the ball's radius."""
+
+
+def bowl(h: Quantity, off: Quantity) -> Scene:
+    """A ball that is let go in a half-circle, h above the lowest place that it can be at, beside the axis.
+
+    >>> bowl(Quantity.of(1), Quantity.of(0)).circles[0].y
+    Quantity('-1')
+    """
+    half = Arc(0, 0, BALL + BOWL, -BALL - BOWL, 0, BALL + BOWL, 0, id="bowl")
+    ball = Circle(off, h - BOWL, r=BALL, id="ball")
+    return Scene([ball], [], arcs=[half], gravity=(0, -FALL), events=40)
+
+
+HALF, TOP = 6, 14
+"""Half of the width of a pinball table, and how high its sides go over into the dome."""
+
+
+def pinball_table(v: Quantity, e: Quantity) -> Scene:
+    """A ball that is shot up a lane into a dome, onto lanes and bumpers, above flippers that stand still, and a drain.
+
+    >>> [str(arc.id) for arc in pinball_table(Quantity.of(20), Quantity.of(1)).arcs]
+    ['dome', 'left bow', 'right bow']
+    """
+    bumpers = ((-2, 8), (2, 8), (0, 5))
+    bars = {
+        "shooter": (5, 0, 5, 12), "left lane": (-1, 11, -1, 12), "right lane": (1, 11, 1, 12),
+        "left guide": (-5, 3, -5, 4), "left flipper": (-5, 3, -1, 1), "right flipper": (5, 3, 1, 1),
+    }  # fmt: skip
+    slings = {"left sling": ((-4, 4), (-4, 6), (-3, 4)), "right sling": ((4, 4), (3, 4), (4, 6))}
+    return Scene(
+        [
+            Circle(HALF - BALL, 1, r="1/4", vy=v, id="ball"),
+            *(Circle(x, y, r="3/4", fixed=True, id=f"bumper {k}") for k, (x, y) in enumerate(bumpers, 1)),
+        ],
+        [*_sides(HALF), Wall(0, -1, 1, -1, id="drain")],
+        segments=[Segment(*ends, id=name) for name, ends in bars.items()],
+        polygons=[Polygon(points, r="1/8", id=name) for name, points in slings.items()],
+        arcs=[
+            Arc(0, TOP, HALF, HALF, TOP, -HALF, TOP, id="dome"),
+            Arc(-4, 10, 1, -4, 11, -5, 10, id="left bow"),
+            Arc(3, 10, 1, 4, 10, 3, 11, id="right bow"),
+        ],
+        gravity=(0, -FALL),
+        restitution=e,
+        events=200,
+    )
+
+
 ROWS = Parameter("rows", "5", "rows of pegs", whole(1, 40))
 LOSS = Parameter("e", "7/10", "restitution", number(above=0))
 COINS = "Were each peg a fair coin, the bins would be binomial: bin k + 1 of rows + 1 with C(rows, k) / 2**rows"
@@ -259,5 +309,34 @@ SCENES = {
         ),
         source="V. Blomqvist, pymunk, examples/platformer.py: its room, platforms and gravity",
         make=platforms,
+    ),
+    "bowl": SceneEntry(
+        name="bowl",
+        summary="A ball bounces in a bowl, a half-circle, beside its axis.",
+        parameters=(
+            Parameter("h", "1/2", "how far above the lowest place that it can be at it is let go", number(above=0)),
+            Parameter("off", "1/4", "how far right of the axis", number()),
+        ),
+        known=(
+            "Near the axis the tops of its way are at off cos(n a), with cos(a) = 1 - 4 h / R and R = 2: as it began "
+            "after every fourth bounce from h = 1/2. It stays there if h < R / 2, and leaves the axis from above that."
+        ),
+        source="elementary: a flight, and a hollow mirror of radius R, linear in the way to the axis",
+        make=bowl,
+    ),
+    "pinball-table": SceneEntry(
+        name="pinball-table",
+        summary="A ball is shot into the dome of a pinball table, falls among bumpers, and drains.",
+        parameters=(
+            Parameter("v", "18", "the speed at which it is shot", number(above=0)),
+            Parameter("e", "3/4", "restitution", number(above=0)),
+        ),
+        known=(
+            "It never comes higher than v**2 / 20 above its start; its energy never grows. Nobody plays: in the end "
+            "it bounces on the drain, infinitely often in finite time; or, shot fast, it comes to roll along the dome, "
+            "where the run ends as that is suspected."
+        ),
+        source="E. N. Lorenz, The Essence of Chaos (1993), chapter 1: the pinball machine as an example of chaos",
+        make=pinball_table,
     ),
 }

@@ -45,6 +45,7 @@ FAMILIES = {
     ),
     **dict.fromkeys(("stadium", "mushroom", "lemon", "round-table"), "curved_tables"),
     **dict.fromkeys(("galton", "plinko", "peg-mirror", "axis", "ramp", "ski-jump", "platforms"), "pegboards"),
+    **dict.fromkeys(("bowl", "pinball-table"), "pegboards"),
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

@@ -20,11 +20,10 @@ from truebreak.compare.adapters.mujoco import MujocoEngine
 from truebreak.compare.adapters.perfect_physics import PerfectPhysicsEngine
 from truebreak.compare.adapters.pooltool import PooltoolEngine
 from truebreak.compare.adapters.rapier import RapierEngine
-from truebreak.compare.certificate import CertificateError, certificate_of
+from truebreak.compare.certificate import certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.outcomes.outcome import mirror
-from truebreak.compare.tolerances.reach import reach_of
 from truebreak.compare.validation import unsupported
 from truebreak.exact import ExactEngine, log_symmetry, question
 from truebreak.exact.certified import filtered_arcs
@@ -432,23 +431,12 @@ def test_what_touches_at_the_start_is_known(x, part):
     assert run.final["c"].vx.text() == ("-1" if part == "within" else "1")
 
 
-# -- What does not know arcs yet says so.
+# -- What is without arcs, or is of others, says so.
 
 
 LEMON = TABLE.with_changes(
     segments=[], arcs=[Arc(0, -3, 5, 4, 0, -4, 0, id="up"), Arc(0, 3, 5, -4, 0, 4, 0, id="down")]
 )
-
-REFUSALS = {
-    "rounding": lambda: reach_of(ExactEngine().run(LEMON, events=3), None),
-}
-
-
-@pytest.mark.parametrize("what", REFUSALS)
-def test_what_does_not_know_arcs_says_so(what):
-    with pytest.raises((SceneError, CertificateError), match="has arcs") as error:
-        REFUSALS[what]()
-    assert "\n" not in str(error.value)
 
 
 def test_a_certificate_without_arcs_is_of_no_scene_with_them():

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
+import quartic_campaign
 import sympy
 from flint import arb, fmpq
 from quartic_campaign import (
@@ -18,6 +19,7 @@ from quartic_campaign import (
     in_balls,
     in_doubles,
     is_wrong,
+    known,
     polynomials,
     product,
 )
@@ -92,6 +94,18 @@ def test_the_campaign_counts_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> N
     counts = campaign(0, 130)
     assert counts["doubles: WRONG"] > 0 == sum(counts[f"{way}: WRONG"] for way in WAYS if way != "doubles")
     assert counts["Newton: fewer than 200 bits of 300"] == 0
+
+
+def test_none_is_wrong_where_the_zeros_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As compiled, where it is, and as written; without a bound on rounding some are."""
+    counts = known(0, 3000)
+    assert counts["WRONG"] == 0 < counts["close: open"] < counts["close: falls"]
+    assert counts["free: open"] == counts["short: open"] == 0
+    monkeypatch.setattr(round_falls, "predictions", None)
+    assert known(3000, 5000)["WRONG"] == 0
+    monkeypatch.setattr(round_falls, "UNIT", 0.0)
+    monkeypatch.setattr(quartic_campaign, "falling_zero", lambda c, off: falling_zero(c, [0.0] * len(c)))
+    assert known(0, 2000)["WRONG"] > 100
 
 
 def test_doubles_decide_what_is_ordinary() -> None:

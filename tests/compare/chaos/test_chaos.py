@@ -106,6 +106,12 @@ def test_under_gravity_exponents_come_in_pairs_and_a_right_angle_has_none() -> N
         ("falling-line", "interval"),
         ("wedge:slope=2", "double"),
         ("wedge", "interval"),
+        ("galton:e=1", "single"),
+        ("galton:e=1", "double"),
+        ("plinko", "pymunk:dt=1/1024"),
+        ("plinko", "double"),
+        ("peg-mirror", "double"),
+        ("platforms", "single"),
     ],
 )
 def test_horizons_under_gravity_hold_what_happens(text: str, engine: str) -> None:

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from truebreak.compare import engine
+from truebreak.compare.tangent.growth import push_together
 from truebreak.compare.tangent.impacts import Impact
 from truebreak.compare.testing.check import CheckFailed, check
-from truebreak.compare.tolerances.errors_grown import GrownErrors, LocalError, Nearby, local_error, push_together
+from truebreak.compare.tolerances.errors_grown import GrownErrors, LocalError, Nearby, local_error
 from truebreak.compare.tolerances.reach import Reach, reach_of
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, Wall, catalogue

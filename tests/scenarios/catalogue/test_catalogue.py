@@ -81,6 +81,8 @@ SPECS = (
     "ramp:h=sqrt(2),length=20",
     "ski-jump:v=sqrt(3),e=1",
     "platforms:vx=-100,e=1/2",
+    "bowl:h=sqrt(2),off=-1/3",
+    "pinball-table:v=25,e=1",
 )
 
 

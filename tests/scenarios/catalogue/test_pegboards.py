@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import log, sqrt
+from math import acos, cos, hypot, log, sqrt
 
 import pytest
 
@@ -124,3 +124,52 @@ def test_the_ball_of_platforms_stays_in_its_room() -> None:
         ball = run.at(event.time)["ball"]
         assert 23 - 1e-9 <= float(ball.x) <= 667 + 1e-9
         assert 63 - 1e-9 <= float(ball.y) <= 357 + 1e-9
+
+
+def test_a_ball_in_a_bowl_comes_back_after_every_fourth_bounce() -> None:
+    off = 2.0**-20
+    run = ExactEngine().run(catalogue.build("bowl:h=1/2,off=1/2**20"))
+    assert len(run.events) == 40
+    ways = [float(run.at(event.time)["ball"].x) / off for event in run.events[:12]]
+    assert ways == pytest.approx([1.0, -1.0, -1.0, 1.0] * 3, abs=1e-9)
+
+
+@pytest.mark.parametrize("h", ["1/3", "4/5", "19/20"])
+def test_a_ball_in_a_bowl_turns_about_its_axis_as_fast_as_is_known(h: str) -> None:
+    """Where it bounces is at cos((n - 1/2) a) / cos(a / 2) of its way to the axis at first."""
+    off = 2.0**-40
+    run = ExactEngine().run(catalogue.build(f"bowl:h={h},off=1/2**40"))
+    turn = acos(1 - 2 * float(Quantity.of(h)))
+    for n, event in enumerate(run.events[:30], 1):
+        known = cos((n - 0.5) * turn) / cos(turn / 2)
+        assert float(run.at(event.time)["ball"].x) / off == pytest.approx(known, abs=1e-9)
+
+
+def test_a_ball_from_above_half_of_the_radius_leaves_the_axis_of_a_bowl() -> None:
+    low, high = (ExactEngine().run(catalogue.build(f"bowl:h={h},off=1/10**6")) for h in ("9/10", "11/10"))
+    assert max(abs(float(low.at(event.time)["ball"].x)) for event in low.events) < 1e-5
+    assert max(abs(float(high.at(event.time)["ball"].x)) for event in high.events) > 1e-2
+
+
+@pytest.mark.parametrize("v", [16, 18, 19, 20])
+def test_the_ball_of_a_pinball_table_drains(v: int) -> None:
+    run = ExactEngine().run(catalogue.build(f"pinball-table:v={v}"))
+    assert run.certified
+    assert run.stop.reason is StopReason.ACCUMULATION
+    assert run.events[-1].contacts[0] == ("ball", "drain")
+    energies: list[float] = []
+    for event in run.events:
+        ball = run.at(event.time)["ball"]
+        x, y = float(ball.x), float(ball.y)
+        assert y <= 1 + v * v / 20 + 1e-12
+        assert abs(x) <= 5.75 + 1e-12
+        assert y >= -0.75 - 1e-12
+        assert y <= 14 or hypot(x, y - 14) <= 5.75 + 1e-12
+        energies.append(float(ball.vx) ** 2 / 2 + float(ball.vy) ** 2 / 2 + 10 * y)
+    assert all(after <= before + 1e-9 for before, after in pairwise(energies))
+
+
+def test_a_ball_that_rolls_along_the_dome_ends_as_suspected() -> None:
+    run = ExactEngine().run(catalogue.build("pinball-table:v=30"))
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "accumulation suspected: ball and dome" in run.stop.message
