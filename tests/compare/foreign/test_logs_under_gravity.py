@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,10 +14,11 @@ from truebreak.compare import compare
 from truebreak.compare.cli import main
 from truebreak.compare.foreign import LogEngine, RecordedEngine, Recording
 from truebreak.compare.foreign.recording import step_fall
+from truebreak.compare.logdiff.lawful import lawful_runs
 from truebreak.compare.report.floats import floats_json
 from truebreak.compare.validation import EngineError
 from truebreak.exact import ExactEngine
-from truebreak.floating import DoubleEngine, PymunkEngine, SingleEngine
+from truebreak.floating import DoubleEngine, PymunkEngine, RoundedEngine, SingleEngine
 from truebreak.floating.knots import FallingEvents, SteppedEvents, SteppedFall
 from truebreak.scenarios import Circle, Quantity, Scene, Segment, Wall, catalogue
 from truebreak.scenarios.engine import ALL_KEYS
@@ -282,3 +284,27 @@ def test_doubles_of_a_scene_have_its_walls_that_move() -> None:
     walls = floats_json(PAIR)["walls"]
     assert walls[1]["vx"] == 1 / 16 and walls[1]["error"]["vx"] == 0.0
     assert "vx" not in walls[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "growth"), [("galton", (23.9, 24.1)), ("platforms", (47.2, 47.3)), ("plinko", (87.9, 88.0)), ("lee", None)]
+)
+def test_two_logs_of_one_scene_are_compared_by_its_growth(text: str, growth: Any, tmp_path: Path) -> None:
+    """Of a tie, which has no tangent map, nothing is said of growth: it ended as an internal error."""
+    scene, logs = catalogue.build(text).with_changes(until=None), []
+    for name, engine in (("a", DoubleEngine()), ("b", RoundedEngine(52))):
+        run = engine.run(scene, events=40)
+        log = tmp_path / f"{name}.jsonl"
+        with log.open("w", encoding="utf-8") as lines:
+            for event in run.events:
+                left = {str(c.id): [float(v) for v in (c.x, c.y, c.vx, c.vy)] for c in run.after(event.index).circles}
+                line = {"time": float(event.time), "contacts": [list(pair) for pair in event.contacts], "states": left}
+                print(json.dumps(line), file=lines)
+        logs.append(log)
+    found = lawful_runs(*logs, scene)
+    assert [audit.kept for audit in found.audits] == [True, True]
+    if growth is None:
+        assert found.growth is None and len([*found.lines()]) == 1
+    else:
+        assert found.growth is not None
+        assert growth[0] <= found.growth[0] <= found.growth[1] <= growth[1]
