@@ -13,7 +13,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import arc_range, pair_approach, pair_gap
 from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, sign_of
 from ..numbers.system import M, N
-from .contact import AtArc, Link, Round, can_push, is_arc, is_flat
+from .contact import AtArc, Link, Round, can_push, is_arc, is_flat, is_pair
 from .round_falls import (
     EXACT_WEIGHTS,
     GREATEST,
@@ -335,7 +335,7 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
     still, approach = fall.gap(), fall.approach()
     if hollow:
         still, approach = -still, -approach
-    if stood and not is_arc(link) and approach < state.zero:  # a push that rounding has left without effect
+    if stood and is_pair(link) and approach < state.zero:  # a push that rounding has left without effect
         return state.zero
     if not stood and not still > state.zero and _is_put_into(state, link, fall):
         if approach < state.zero and can_push(link):
