@@ -6,7 +6,8 @@ python tests/edge_campaign.py --report --out edges.jsonl         # the counts so
 python tests/edge_campaign.py --replay 17                        # one scene, as TOML, and what differs
 
 A scene of `segment_scenes`, `polygon_scenes` or `joint_scenes`, or with `--arcs` of `arc_scenes`, is taken, and each of
-`INGREDIENTS` is added to it by chance. Two are checked beside the referee: a run that is broken off and resumed, and one with cells.
+`INGREDIENTS` is added to it by chance. Two are checked beside the referee: a run that is broken off and resumed, and
+one with cells.
 """
 
 from __future__ import annotations
