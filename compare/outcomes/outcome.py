@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
@@ -193,6 +193,7 @@ def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
     return None
 
 
+@lru_cache(maxsize=8)
 def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     """A mirror line `axis = constant` of the whole scene, with the image of every circle, wall and thing; else None.
 

@@ -14,7 +14,7 @@ from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
 from ..replay.contact import AtArc, AtWall, Body, Link, Pair, Round, is_flat, name_of
-from ..replay.landings import Landing, landing
+from ..replay.landings import Landing, landing, never_lands
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
@@ -287,6 +287,12 @@ class PegPredictor(FallingPredictor):
         state.sync(link.circles)
         found = landing(state.balls, link, inf)
         return state.balls.faller(link).flight.t + found if isinstance(found, arb) else found
+
+    def misses_exactly(self, link: Round) -> bool:
+        """Whether a circle whose flight is of fractions surely does not fall onto something round, but may graze it."""
+        state = self.refinable
+        faller = state.balls.faller(link).index
+        return state.field is not None and state.exact[faller] and never_lands(state.field, link)
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""

@@ -425,7 +425,7 @@ def falling_zero_exactly(c: Sequence[fmpq]) -> ExactZero | bool:
             break
         if touched[0] > high:
             break
-        (low, high), touched = _halved(odd, low, high), _halved(even, *touched)
+        (low, high), touched = halved(odd, low, high), halved(even, *touched)
     return ExactZero(odd, low, high, grazes)
 
 
@@ -447,7 +447,7 @@ def told_falling_zero(c: Sequence[float]) -> float | None:
         return None
     low, high = exact.low, exact.high
     for _ in range(60):
-        low, high = _halved(exact.factor, low, high)
+        low, high = halved(exact.factor, low, high)
     middle = (low + high) / 2
     return int(middle.p) / int(middle.q)
 
@@ -468,7 +468,7 @@ def _sign(value: fmpq) -> int:
     return (value > 0) - (value < 0)
 
 
-def _halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
+def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     """Half of an interval, or a little more, with the zero at which a polynomial changes sign there."""
     before = _sign(poly(low))
     for share in SPLITS:
