@@ -42,7 +42,7 @@ SCENES: dict[str, Task] = {
     "breakout": Task("breakout", (), events=20),
     "stadium": Task("stadium", (), events=30),
 }
-"""The sixteen, the last four with segments, polygons and arcs, and how far each is followed; `truebreak scenes` says what each shows."""
+"""The sixteen, and how far each is followed; the last four have edges. `truebreak scenes` says what each shows."""
 
 
 @dataclass(frozen=True)

@@ -178,7 +178,7 @@ class FixedOrder:
         for place, (i, j) in enumerate(segment.links):
             link = touch_of(self.scene, i, j)
             # what is within an arc may fly away from it first; where it does not come to it, the instant is no number
-            meets = (is_arc(link) and link.hollow) or link.approach(state) < 0
+            meets = link.hollow or link.approach(state) < 0
             state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)

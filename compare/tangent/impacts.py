@@ -438,7 +438,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
             speeds[j] = state.zero, state.zero
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
-        reach = -state.reach(a, b) if is_arc(link) and link.hollow else state.reach(a, b)
+        reach = -state.reach(a, b) if link.hollow else state.reach(a, b)
         if is_pair(link) and j in state.scene.ends:
             _check_corner(state, link, dx, dy)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
