@@ -39,6 +39,7 @@ from segment_referee import Disc, Referee, falls, number
 from segment_scenes import scene_of as segments
 
 from truebreak.exact import ExactEngine
+from truebreak.exact.numbers.system import Undecided
 from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, Trajectory, Wall
 from truebreak.scenarios.files import dump_toml
 
@@ -418,7 +419,11 @@ def examined(aged: Aged, campaign: Campaign = EDGES) -> tuple[str, str, int]:
 
 
 def _near(mine, theirs: mpf, size: mpf, power: int) -> bool:
-    return abs(mpf(mine.digits(90)) - theirs) <= mpf(10) ** -power * (1 + abs(theirs) + size)
+    try:
+        known = mpf(mine.digits(90))
+    except Undecided:  # zero, as it seems, but too deep to be proved so
+        known = mpf(mine.ball(400).mid().str(100, radius=False))
+    return abs(known - theirs) <= mpf(10) ** -power * (1 + abs(theirs) + size)
 
 
 def _compared(run: Trajectory, referee: OlderReferee, gave_up: bool) -> str:
