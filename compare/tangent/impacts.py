@@ -178,8 +178,8 @@ class Impact(NamedTuple):
         time: of the impact.
         a, b: the circles by index; for a wall b is None.
         dx, dy: from a's centre to b's; for a wall its normal, of any length.
-        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a. Under gravity it is the true
-            one, at the impact.
+        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a, less the wall's own. Under
+            gravity it is the true one, at the impact.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
         wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
@@ -209,8 +209,11 @@ def moving(scene: Scene) -> list[int]:
     return [k for k, circle in enumerate(scene.circles) if not circle.fixed]
 
 
-def check_start(scene: Scene) -> None:
+def check_start(scene: Scene, walls_may_move: bool = False) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
+
+    Args:
+        walls_may_move: whether walls that move are followed.
 
     Raises:
         NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
@@ -218,7 +221,7 @@ def check_start(scene: Scene) -> None:
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
-    if scene.moving_walls:
+    if scene.moving_walls and not walls_may_move:
         raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
@@ -237,8 +240,9 @@ def check_start(scene: Scene) -> None:
             side = scene.arc_sides[j - beyond]
             closing = side.r * ((a.x - side.x) * a.vx + (a.y - side.y) * a.vy)
         elif j >= len(scene.circles):
-            nx, ny = scene.walls[j - len(scene.circles)].normal
-            closing = nx * a.vx + ny * a.vy
+            wall = scene.walls[j - len(scene.circles)]
+            nx, ny = wall.normal
+            closing = nx * (a.vx - wall.vx) + ny * (a.vy - wall.vy)
         else:
             b = scene.circles[j]
             closing = (b.x - a.x) * (b.vx - a.vx) + (b.y - a.y) * (b.vy - a.vy)
@@ -426,13 +430,14 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         i, j, *_ = link
         ux, uy = speeds[i]
         if is_flat(link):
-            line = state.line(link.circle, link.wall)
+            line, (wx, wy) = state.line(link.circle, link.wall), state.drifts.get(link.wall, (state.zero, state.zero))
+            ux, uy = ux - wx, uy - wy
             yield Impact(
                 state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
             )
             if not together:
                 left = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
-                speeds[i] = _damped(ux, left[0], state.share), _damped(uy, left[1], state.share)
+                speeds[i] = _damped(ux, left[0], state.share) + wx, _damped(uy, left[1], state.share) + wy
             continue
         if is_arc(link):
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
