@@ -177,13 +177,7 @@ class Course:
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
         arcs = self._sides_of(i, {side for thing in things for side in thing.sides}) if self._sides else []
-        kinds = [circles, walls, *arcs]
-        found = Others(
-            np.concatenate([kind.places for kind in kinds]),
-            np.concatenate([kind.waits for kind in kinds]),
-            np.concatenate([kind.rates for kind in kinds]),
-            np.concatenate([kind.normals for kind in kinds]),
-        )
+        found = Others(*map(np.concatenate, zip(circles, walls, *arcs, strict=True)))
         self._known[self._event, i] = found
         return found
 
