@@ -328,6 +328,10 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
         bounced = None if run.scene.elastic else bounces_of(transcript, laws)
     law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
     law = law and not _of_iterations(run, engine, measures, unit)
+    unseen = transcript.fall is not None and not transcript.fall.step and 2 * transcript.fall.size * step
+    if law and unseen and all(s.defect * s.speed <= unseen for s in measures.samples):
+        told = f"its states do not say how it falls within a step, and 2 g dt, {unseen:.3g}, may be all that they miss"
+        return Audit(None, told, measures.impacts, measures.flights)
     told = () if law else tuple(series(engine, run, unit, measures))
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]

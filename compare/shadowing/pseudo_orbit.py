@@ -64,7 +64,7 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
     (((0, 1),), (2.0,), ((0.0, 4.0, 0.0, 0.0, 0.0), (2.0, 4.0, 0.0, 1.0, 0.0)))
     """
     scene = trajectory.scene
-    check_start(scene, walls_may_move=True)
+    check_start(scene)
     if trajectory.reversal is not None and trajectory.reversal.after < events:
         raise NoTangentMap(f"the run turns back after {trajectory.reversal.after} events", trajectory.reversal.after)
     place, part_of = {name: k for k, name in enumerate(scene.ids)}, PartsNear(scene, DOUBLES)

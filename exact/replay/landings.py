@@ -335,6 +335,8 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
     still, approach = fall.gap(), fall.approach()
     if hollow:
         still, approach = -still, -approach
+    if stood and not is_arc(link) and approach < state.zero:  # a push that rounding has left without effect
+        return state.zero
     if not stood and not still > state.zero and _is_put_into(state, link, fall):
         if approach < state.zero and can_push(link):
             return state.zero

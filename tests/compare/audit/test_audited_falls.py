@@ -298,6 +298,16 @@ def test_a_disc_that_falls_through_a_face_or_a_peg_is_found_when_it_comes_to_it_
         assert found.kept is False and f"ball and {met} fly" in found.finding, found.sentence
 
 
+@pytest.mark.parametrize(("name", "seed"), [("double", 17), ("single", 17), ("rounded:bits=14", 197)])
+def test_no_engine_of_events_falls_through_what_a_push_has_left_it_at(name: str, seed: int) -> None:
+    """Where bounces on an end grow small, rounding left one that still approached, and it fell through: by .135."""
+    scene = among_pegs(seed)
+    assert scene is not None
+    found = audited(engine(name), scene, 60)
+    assert not {"gap", "depth"} & found.counts.keys(), found.sentence
+    assert found.impacts > 40
+
+
 def test_with_a_restitution_another_one_is_named_by_its_value() -> None:
     found = audited(Otherwise(engine("double"), "restitution", lambda scene: "89/100"), catalogue.build("bounce"))
     assert "restitution 0.89 fits 30 of 30 impacts" in found.sentence
