@@ -407,6 +407,8 @@ def examined(aged: Aged, campaign: Campaign = EDGES) -> tuple[str, str, int]:
     told = _compared(run, referee, gave_up)
     if told:
         return "failure", told, count
+    if blunt and gave_up and "no normal" not in run.stop.message:  # refused by another name: along an arc, to its end
+        return "undecided", run.stop.message, count
     if "no normal" in run.stop.message or blunt:
         same = "no normal" in run.stop.message and blunt and len(referee.told) == count
         return ("no normal" if same else "failure"), "" if same else "a point at an end", count
