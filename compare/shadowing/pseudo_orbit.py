@@ -64,7 +64,7 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
     (((0, 1),), (2.0,), ((0.0, 4.0, 0.0, 0.0, 0.0), (2.0, 4.0, 0.0, 1.0, 0.0)))
     """
     scene = trajectory.scene
-    check_start(scene, walls_may_move=True)
+    check_start(scene)
     if trajectory.reversal is not None and trajectory.reversal.after < events:
         raise NoTangentMap(f"the run turns back after {trajectory.reversal.after} events", trajectory.reversal.after)
     place, part_of = {name: k for k, name in enumerate(scene.ids)}, PartsNear(scene, DOUBLES)
@@ -195,7 +195,7 @@ class FixedOrder:
             link = touch_of(self.scene, i, j)
             # what is within an arc may fly away from it first; where it does not come to it, the instant is no number
             thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0  # it falls back, however it flies
-            meets = thrown or (is_arc(link) and link.hollow) or link.approach(state) < 0
+            meets = thrown or link.hollow or link.approach(state) < 0
             state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)

@@ -122,6 +122,7 @@ def _apex(motion: ExactMotion, link: AtWall, instant: int) -> arb:
     vx, vy = (known_ball(number, BITS) for number in knot[3:5])
     nx, ny = (ball.constant(part) for part in scene.walls[link.wall].normal)
     gx, gy = (ball.constant(part) for part in scene.gravity)
+    vx, vy = (v - ball.constant(u) for v, u in ((vx, scene.walls[link.wall].vx), (vy, scene.walls[link.wall].vy)))
     return -wall_approach(vx, vy, nx, ny) / wall_approach(gx, gy, nx, ny)  # in the falling frame: n.(v + g t) = 0
 
 
@@ -209,20 +210,15 @@ def moving(scene: Scene) -> list[int]:
     return [k for k, circle in enumerate(scene.circles) if not circle.fixed]
 
 
-def check_start(scene: Scene, walls_may_move: bool = False) -> None:
+def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
-    Args:
-        walls_may_move: whether walls that move are followed.
-
     Raises:
-        NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
+        NoTangentMap: if walls are of kinds of their own, if circles go out of play, touch at time 0 and go on
             touching, if a restitution is 0, or if there are arcs or pockets under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
-    if scene.moving_walls and not walls_may_move:
-        raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
     if scene.gravity is not None and (scene.arcs or scene.pockets):
@@ -444,7 +440,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
             speeds[j] = state.zero, state.zero
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
-        reach = -state.reach(a, b) if is_arc(link) and link.hollow else state.reach(a, b)
+        reach = -state.reach(a, b) if link.hollow else state.reach(a, b)
         if is_pair(link) and j in state.scene.ends:
             _check_corner(state, link, dx, dy)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
@@ -507,7 +503,7 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     if scene.segments:
         raise NoTangentMap("of segments only runs of the exact engine distinguish faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}
-    walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
+    walls = {str(w.id): (float(w.normal[0]), float(w.normal[1]), float(w.vx), float(w.vy)) for w in scene.walls}
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
     speeds = [(float(c.vx), float(c.vy)) for c in scene.circles]
     since = [0.0] * len(speeds)
@@ -524,10 +520,11 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
             i = place[first]
             ux, uy = speeds[i]
             if second in walls:
-                nx, ny = walls[second]
+                nx, ny, wx, wy = walls[second]
+                ux, uy = ux - wx, uy - wy
                 mine.append(Impact(time, i, None, nx, ny, ux, uy, (nx * nx + ny * ny) ** 0.5, 0.0, 0.0))
                 left = wall_bounce(ux, uy, nx, ny, nx * nx + ny * ny)
-                speeds[i] = _damped(ux, left[0], share), _damped(uy, left[1], share)
+                speeds[i] = _damped(ux, left[0], share) + wx, _damped(uy, left[1], share) + wy
                 continue
             j = place[second]
             dx, dy = (float(value) for value in after[j, :2] - after[i, :2])

@@ -83,7 +83,7 @@ Landing: TypeAlias = arb | Unclear | None
 def gap_of(link: Round, fall: RoundFall[N], stood: bool) -> tuple[N, ...]:
     """The gap of a contact as a polynomial of the time: above 0 where they are apart (see `RoundFall.polynomial`)."""
     found = fall.polynomial(stood)
-    return tuple(-value for value in found) if is_arc(link) and link.hollow else found
+    return tuple(-value for value in found) if link.hollow else found
 
 
 class Unsharp(ZeroDivisionError):
@@ -116,7 +116,7 @@ def landing(state: Flights[arb], link: Round, end: float) -> Landing:
     at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
     fall = at_clock if late is None else at_clock.after(late)
     gap = gap_of(link, fall, stood)
-    hollow = is_arc(link) and link.hollow
+    hollow = link.hollow
 
     def value(s: arb) -> arb:
         x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
@@ -331,7 +331,7 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
     the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
     else meet again as if they touched.
     """
-    fall, stood, hollow = state.peg_fall(link), state.stood(link), is_arc(link) and link.hollow
+    fall, stood, hollow = state.peg_fall(link), state.stood(link), link.hollow
     still, approach = fall.gap(), fall.approach()
     if hollow:
         still, approach = -still, -approach

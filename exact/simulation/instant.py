@@ -284,7 +284,7 @@ class Resolver(Generic[N, K]):
             return False  # whatever falls along something round leaves it, or ends the run (see `Endings`)
         if self.decider.ask(RelativeSpeed(link)) == 0:
             return True
-        if is_arc(link) and link.hollow:
+        if link.hollow:
             who = name_of(self.scene, link)
             raise Undecided(
                 f"{who} touch from within, and the flight is along the arc, which no straight one can follow"
