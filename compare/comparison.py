@@ -435,7 +435,8 @@ def explained(
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene
     new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
-    if scene.gravity is not None and (scene.surfaces.pegs or scene.segments or scene.polygons or scene.arcs):
+    bars, bows = (*scene.segments, *scene.polygons), (*scene.arcs, *scene.pockets)
+    if scene.gravity is not None and (scene.surfaces.pegs or bars or bows):
         new = "with gravity and something fixed that is no wall"
     motion = candidate.trajectory.motion
     if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places

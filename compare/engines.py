@@ -191,7 +191,7 @@ def engine(text: str) -> Engine:
 
     name, _, settings = text.strip().partition(":")
     if name in ENGINES:
-        return build(name, ENGINES[name].load(), parsed_settings(f"engine {name!r}", settings))
+        return _own(name, settings) if not ENGINES[name].adapted else _built(name, settings)
 
     path = class_path(text)
     if path is not None:
@@ -200,6 +200,15 @@ def engine(text: str) -> Engine:
     if name in others:
         return build(name, load_offered(name), parsed_settings(f"engine {name!r}", settings))
     raise SceneError(f"engine {name!r} is not known; {suggestion(name, [*ENGINES, *others])}")
+
+
+def _built(name: str, settings: str) -> Engine:
+    """The engine of the table of that name, with settings."""
+    return build(name, ENGINES[name].load(), parsed_settings(f"engine {name!r}", settings))
+
+
+_own = functools.lru_cache(maxsize=32)(_built)
+"""The same of truebreak's own, which are frozen and keep nothing of a run: a grid asks for one at every scene."""
 
 
 def build(name: str, kind: Any, settings: Mapping[str, str]) -> Engine:

@@ -422,7 +422,7 @@ class ExactEngine(Declared):
     ) -> Trajectory:
         scene, history = loop.scene, decider.history
         state = decider.state
-        log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
+        log = RunLog(outer, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
         ids, records = scene.ids, history.records
         notes: tuple[str, ...] = ()
         home = False
@@ -453,7 +453,9 @@ class ExactEngine(Declared):
             assumptions=tuple(history.assumptions),
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
-            ending=None if loop.endings is None else ending_of(log, history.last, loop.endings.found),
+            ending=ending_of(
+                log, None if history.last is None else history.last.step, loop.endings and loop.endings.found
+            ),
         )
 
 

@@ -316,14 +316,18 @@ def time_zero(log: RunLog, zero: Known) -> ExactValue:
     return time_of(log, Mark(0, zero, 0, START))
 
 
-def ending_of(log: RunLog, last: Mark[Known] | None, bounces: Accumulating | Constant | None) -> ExactValue | None:
-    """When the bounces that ended a run have all happened, or a circle was crushed; None where neither did."""
+def ending_of(log: RunLog, last: int | None, bounces: Accumulating | Constant | None) -> ExactValue | None:
+    """When the bounces that ended a run have all happened, or a circle was crushed; None where neither did.
+
+    Args:
+        last: how many steps of the log lead through the last of the bounces that are in it.
+    """
     if bounces is None:
         return None
     if isinstance(bounces, Constant):
         return _known(log, bounces.value)
     assert last is not None
-    return ExactValue(log, last.step, bounces.circles, bounces, arb.nan())
+    return ExactValue(log, last, bounces.circles, bounces, arb.nan())
 
 
 # -- The motion of an exact run between its events.

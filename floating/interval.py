@@ -34,7 +34,7 @@ from .plain import PlainDecider, PlainState, run_plain
 MIN_BITS, MAX_BITS = 24, 100_000
 
 QUARTIC_BITS = 64
-"""Precision at which the zeros of quartics are told apart: their coefficients are taken from doubles."""
+"""Least precision at which the zeros of quartics are told apart."""
 
 ZERO: Any = mpmath.iv.mpf(0)
 """An interval already: what mpmath must convert first, it converts where a Ctrl-C would be dropped."""
@@ -219,8 +219,8 @@ class IntervalState(PlainState[Any]):
         def beyond(low: fmpq, high: fmpq) -> bool:
             return (self._within(link, fall, _span_of(low, high)) < ZERO) is True
 
-        with ball.precision(QUARTIC_BITS):
-            return iter([*falling_zeros([hull(arb(low), arb(high)) for low, high in ends], inf, beyond)])
+        with ball.precision(max(QUARTIC_BITS, mpmath.iv.prec)):
+            return iter([*falling_zeros([IntervalNumber(value).ball(0) for value in c], inf, beyond)])
 
 
 def _span_of(low: float | fmpq, high: float | fmpq) -> Any:
@@ -236,16 +236,23 @@ def _narrowed(c: Sequence[Any], found: Isolated) -> Any:
     """The falling zero of a polynomial that is the only one between two numbers, as sharply as intervals tell it."""
     iv: Any = mpmath.iv
     wait = _span_of(*found)
-    while (slope := horner_slope(c, wait)) < ZERO:
-        middle = iv.mpf(wait.mid)
-        near = middle - horner(c, middle) / slope
-        low, high = max(wait.a, near.a), min(wait.b, near.b)
-        assert (low <= high) is True, "a zero of a quartic is nowhere: a defect"
+    while True:
+        middle, slope = iv.mpf(wait.mid), horner_slope(c, wait)
+        value = horner(c, middle)
+        if (slope < ZERO) is True:
+            near = middle - value / slope
+            low, high = max(wait.a, near.a), min(wait.b, near.b)
+            assert (low <= high) is True, "a zero of a quartic is nowhere: a defect"
+        elif (value > ZERO) is True:  # where it does not fall all the way, it is halved
+            low, high = middle.a, wait.b
+        elif (value < ZERO) is True:
+            low, high = wait.a, middle.b
+        else:
+            return wait
         narrower = iv.mpf([low, high])
-        if (narrower.delta < wait.delta / 2) is not True:
+        if (narrower.delta < wait.delta * 3 / 4) is not True:
             return narrower
         wait = narrower
-    return wait
 
 
 class IntervalMotion:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from typing import Generic
 
 from ..exact.laws.formulas import pair_gap
@@ -239,27 +240,47 @@ class PlainMeetings(Generic[M]):
 
     def _is_in_face(self, link: AtWall, gap: int, moment: Moment | None) -> bool:
         """Whether a circle whose gap to a face is not above 0 was put there by rounding: its centre is not through,
-        and between the ends, now or at a time."""
+        and between the ends, now or at a time.
+
+        Either alone tells that it is not: a point that has left a corner of right angles is through the line of the
+        next side, and flies along its end.
+        """
         state = self._state
+        through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
+        with suppress(Undecided):
+            if gap and self._sign(through) <= 0:
+                return False
         if any(self._ask(Beside(link, far, moment)) <= 0 for far in (False, True)):
             return False
-        through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
         return gap == 0 or self._sign(through) > 0
+
+    def _is_beyond(self, link: AtWall) -> bool:
+        """Whether a circle certainly is beyond an end of a face, and beyond it where it comes to the face's line."""
+
+        def short(question: Question) -> bool:
+            with suppress(Undecided):
+                return self._ask(question) < 0
+            return False
+
+        return any(short(Beside(link, far, None)) and short(Foot(link, far)) for far in (False, True))
 
     def _meeting_face(self, link: AtWall, approach: int) -> tuple[M, bool] | None:
         """As `_meeting`, of a face; what rounding has put into it is on its side, between its ends, and not through."""
         if approach > 0:
             return None
-        gap = self._ask(Gap(link))
+        try:
+            gap = self._ask(Gap(link))
+        except Undecided:  # of no matter where it is beyond an end of the face, and comes to its line there
+            if approach < 0 and self._is_beyond(link):
+                return None
+            raise
         if approach == 0:
             if gap == 0:
                 self.slides.append(link)
             return None
         state = self._state
         if gap <= 0:
-            through = link.gap(state) + state.bodies[link.circle].r * state.line(link.circle, link.wall).length
-            beside = any(self._ask(Beside(link, far, None)) <= 0 for far in (False, True))
-            return None if beside or (gap and self._sign(through) <= 0) else (link.later(state).flight.t, False)
+            return (link.later(state).flight.t, False) if self._is_in_face(link, gap, None) else None
         if any(self._ask(Foot(link, far)) <= 0 for far in (False, True)):
             return None
         try:

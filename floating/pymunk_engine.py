@@ -136,15 +136,16 @@ class PymunkEngine(Declared):
         }
 
     def steps_for(self, scene: Scene) -> int:
-        """Steps after which a run stops: `max_steps`; under gravity, or with walls that move, up to `FALLING_FOR`."""
+        """Steps for which walls reach far enough: `max_steps`; under gravity, or where some move, `FALLING_FOR`."""
         stands = scene.gravity is None and not scene.moving_walls
         return self.max_steps if stands else min(self.max_steps, max(1, int(FALLING_FOR / self.dt)))
 
     def space(self, scene: Scene) -> PymunkSpace:
         """The scene as a pymunk space; see `build_space`.
 
-        It is made for the longest run that `max_steps` allow, never for a limit of the caller's: the ends of its walls
-        depend on it, to the last bit, and a history must not depend on when it is to end.
+        It is made for the longest run that `max_steps` allow, or for `FALLING_FOR`, after which its walls are laid
+        anew; never for a limit of the caller's: the ends of its walls depend on it, to the last bit, and a history must
+        not depend on when it is to end.
         """
         return build_space(
             scene,
@@ -165,7 +166,9 @@ class PymunkEngine(Declared):
     ) -> Trajectory:
         """The history of `scene`; see `Engine.run`.
 
-        With a reversal, and no limit from the caller, the run lasts to twice the time of the reversal.
+        With a reversal, and no limit from the caller, the run lasts to twice the time of the reversal. Under gravity,
+        and where walls move, nothing shows that nothing will happen any more: with no limit on the time such a run ends
+        once `FALLING_FOR` has gone by without an event.
 
         Raises:
             SceneError: for a limit that is not above zero, for pockets that capture, and arcs, which pymunk
@@ -175,6 +178,11 @@ class PymunkEngine(Declared):
             raise SceneError(
                 f"{scene.name!r}: has arcs, and engine 'pymunk' has no such shape; use another engine, or a chain "
                 "of segments, which is another scene"
+            )
+        if scene.gravity is not None and scene.pockets:
+            raise SceneError(
+                f"{scene.name!r}: has pockets under gravity, and along steps of engine 'pymunk' entries are not found "
+                "there; use another engine, or leave them out"
             )
         if scene.capture and scene.pockets:
             raise SceneError(

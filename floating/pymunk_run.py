@@ -242,7 +242,7 @@ class Stepper(Protocol):
         ...
 
     def steps_for(self, scene: Scene) -> int:
-        """Steps after which a run of a scene stops."""
+        """Steps for which the walls of its space reach far enough."""
         ...
 
     def space(self, scene: Scene) -> PymunkSpace:
@@ -272,7 +272,7 @@ class Run:
             self.end, self.event_limit = 2 * self.turn_at, None
         self.world = engine.space(scene)
         self.record = Recorder(scene, self.world)
-        self.most = engine.steps_for(scene)
+        self.laying = self.reach = engine.steps_for(scene)
         self.reversal: Reversal | None = None
         self.steps = self.last_event_step = 0
         self.base, self.base_step = 0.0, 0
@@ -353,10 +353,7 @@ class Run:
             elif reason is StopReason.INTERRUPTED:
                 return Stop(reason, f"{reason.value}: after {self.done} events"), self.now
             elif reason is StopReason.BUDGET:
-                limit = self.budget or f"{self.most} steps of {self.engine.dt!r}; raise max_steps, or dt"
-                if not self.budget and self.most < self.engine.max_steps:
-                    why = "under gravity" if self.scene.gravity is not None else "where some move"
-                    limit = f"time {self.now:g}, up to which walls reach {why}; end the run before"
+                limit = self.budget or f"{self.engine.max_steps} steps of {self.engine.dt!r}; raise max_steps, or dt"
                 return Stop(reason, f"{reason.value}: {limit}"), self.now
 
     def horizon_stop(self) -> Stop:
@@ -369,9 +366,12 @@ class Run:
         step, dt, base, base_step = self.world.space.step, self.engine.dt, self.base, self.base_step
         record, touched, settling = self.record, self.record.touched, self.record.settling
         wanted = self.last_step(goal)
-        last = int(min(wanted, self.most))
+        last = int(min(wanted, self.engine.max_steps))
         while self.steps < last:
-            stretch_end = min(self.steps + STRETCH, last)
+            if self.steps == self.laying:
+                self.world = self.world.laid_anew(dt, self.reach * dt)
+                self.laying += self.reach
+            stretch_end = min(self.steps + STRETCH, last, self.laying)
             for number in range(self.steps + 1, stretch_end + 1):
                 step(dt)
                 if (touched or settling) and record.step(base + (number - base_step) * dt):
@@ -424,10 +424,19 @@ class Run:
             return StopReason.BUDGET
         except KeyboardInterrupt:
             return StopReason.INTERRUPTED
+        if self._idles():
+            self.budget = f"no limit on the time, and nothing new by {self.now:g}; give until"
+            return StopReason.BUDGET
         if self.scene.moving_walls and any(body.velocity.length > self.world.speed for body in self.world.moving):
             self.budget = f"a circle is faster than {self.world.speed:g}, up to which walls reach far enough"
             return StopReason.BUDGET
         return StopReason.INTERRUPTED if self.interrupts.came else None
+
+    def _idles(self) -> bool:
+        """Whether a run that sees no quiet, and has no limit on its time, has gone on for long enough."""
+        if self.end < math.inf or self.reach == self.engine.max_steps:
+            return False
+        return self.steps - self.last_event_step >= self.reach
 
     def may_be_quiet(self) -> bool:
         """Whether to look: after 1, 2, 4... stretches without an event, unless a reversal is due by time."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import pymunk
@@ -48,7 +48,8 @@ GRAVITY = (0.0, 0.0)
 """Where a scene has none."""
 
 FALLING_FOR = 64.0
-"""The longest run under gravity, or with walls that move: a circle may go as long, and walls have to reach as far."""
+"""Under gravity, or with walls that move: for how long walls reach far enough, until they are laid anew. A fall has no
+bound, and a segment as long as all of it has no digits left."""
 
 QUICKENED = 64
 """Where walls move, by how many times the speed of the fastest of them a circle may become faster."""
@@ -78,6 +79,21 @@ MAX_CELLS = 32
 
 
 @dataclass(frozen=True)
+class Slab:
+    """The thick segment behind a wall, as some circles meet it.
+
+    Attributes:
+        wall: its number.
+        inmates: the circles.
+        shape: the segment.
+    """
+
+    wall: int
+    inmates: tuple[int, ...]
+    shape: pymunk.Segment
+
+
+@dataclass(frozen=True)
 class PymunkSpace:
     """A pymunk space and what its parts are in the scene.
 
@@ -91,8 +107,10 @@ class PymunkSpace:
         bars: (x0, y0, x1, y1) of each segment.
         outlines: the same of all sides of each polygon.
         joints: of each end that segments share, the number of the segment that names it: the first of the thickest.
-        speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`; where walls move, that up to
-            which they reach far enough.
+        speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`; under gravity, or where walls
+            move, that up to which they reach far enough.
+        slabs: the segments behind the walls, and which circles meet each.
+        movers: the bodies of walls that move, by number.
     """
 
     space: pymunk.Space
@@ -105,6 +123,26 @@ class PymunkSpace:
     outlines: tuple[tuple[Bar, ...], ...]
     joints: dict[tuple[float, float], int]
     speed: float
+    slabs: tuple[Slab, ...]
+    movers: Mapping[int, pymunk.Body]
+
+    def laid_anew(self, dt: float, duration: float) -> PymunkSpace:
+        """The same space, with walls that reach far enough for so long from where the circles are now."""
+        radii = [float(shape.radius) for shape in self.places if isinstance(shape, pymunk.Circle)]
+        moving = [(body.mass, body.velocity.x, body.velocity.y) for body in self.moving]
+        drift = max((body.velocity.length for body in self.movers.values()), default=0.0)
+        speed = _top_speed(moving) + self.space.gravity.length * duration + QUICKENED * drift
+        for inmates in dict.fromkeys(slab.inmates for slab in self.slabs):
+            discs = [(self.bodies[i].position.x, self.bodies[i].position.y, radii[i]) for i in inmates]
+            mine = {slab.wall: slab.shape for slab in self.slabs if slab.inmates == inmates}
+            side = self.sides[inmates[0]]
+            for index, start, stop, radius in _slabs(
+                self.movers, discs, side, self.walls, speed * duration, speed * dt
+            ):
+                mine[index].unsafe_set_endpoints(start, stop)
+                mine[index].unsafe_set_radius(radius)
+                self.space.reindex_shape(mine[index])
+        return replace(self, speed=speed)
 
     def named(self, pair: tuple[int, int]) -> tuple[int, int]:
         """A circle and a segment; by the segment that names the end, where it is nearest to one that is shared."""
@@ -165,7 +203,8 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     try:
         paces = [(float(wall.vx), float(wall.vy)) for wall in scene.walls]
         drift = max((math.hypot(*pace) for pace in paces), default=0.0)
-        speed = _top_speed(scene.circles) + math.hypot(*gravity) * duration + QUICKENED * drift
+        moving = [(_mass(c), float(c.vx), float(c.vy)) for c in scene.circles if not c.fixed]
+        speed = _top_speed(moving) + math.hypot(*gravity) * duration + QUICKENED * drift
         movers = {index: _mover(space, pace) for index, pace in enumerate(paces) if scene.walls[index].moves}
         lines = tuple(_line(wall) for wall in scene.walls)
         sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
@@ -178,14 +217,17 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
             space.add(body, shape)
             bodies.append(body)
             places[shape] = place
+        laid: list[Slab] = []
         for cell in sorted(set(cells)):
-            inmates = [c for c, number in zip(scene.circles, cells, strict=True) if number == cell]
-            side = sides[cells.index(cell)]
-            slabs = _slabs(space.static_body, movers, inmates, side, lines, speed * duration, speed * dt)
-            for index, segment in slabs:
+            inmates = tuple(i for i, number in enumerate(cells) if number == cell)
+            discs = [(float(c.x), float(c.y), float(c.r)) for c in (scene.circles[i] for i in inmates)]
+            side = sides[inmates[0]]
+            for index, start, stop, radius in _slabs(movers, discs, side, lines, speed * duration, speed * dt):
+                segment = pymunk.Segment(movers.get(index, space.static_body), start, stop, radius)
                 segment.filter = _only(cell)
                 space.add(segment)
                 places[segment] = len(scene.circles) + index
+                laid.append(Slab(index, inmates, segment))
         for index, segment in enumerate(scene.segments):
             shape = _bar(space.static_body, segment)
             space.add(shape)
@@ -200,11 +242,13 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     for shape in places:
         shape.elasticity = elasticity
         shape.friction = FRICTION
-    moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
+    dynamic = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
     outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
     joints = _joints(scene, bars)
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), bars, outlines, joints, speed)
+    return PymunkSpace(
+        space, tuple(bodies), dynamic, places, lines, tuple(sides), bars, outlines, joints, speed, tuple(laid), movers
+    )
 
 
 def elasticity_of(scene: Scene) -> float:
@@ -261,14 +305,12 @@ def _mass(circle: Circle) -> float:
     return math.inf if isinstance(circle.m, str) else float(circle.m)
 
 
-def _top_speed(circles: Sequence[Circle]) -> float:
-    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`."""
-    moving = [circle for circle in circles if not circle.fixed]
+def _top_speed(moving: Sequence[tuple[float, float, float]]) -> float:
+    """What the lightest of circles of mass, vx and vy would do with all of the energy, times `ENERGY_MARGIN`."""
     if not moving:
         return 0.0
-    lightest = min(_mass(circle) for circle in moving)
-    squares = (_mass(c) / lightest * (float(c.vx) ** 2 + float(c.vy) ** 2) for c in moving)
-    return ENERGY_MARGIN * math.sqrt(sum(squares))
+    lightest = min(mass for mass, _, _ in moving)
+    return ENERGY_MARGIN * math.sqrt(sum(mass / lightest * (vx**2 + vy**2) for mass, vx, vy in moving))
 
 
 def _line(wall: Wall) -> tuple[float, float, float]:
@@ -303,23 +345,24 @@ def _mover(space: pymunk.Space, pace: Point) -> pymunk.Body:
 
 
 def _slabs(
-    static: pymunk.Body,
     movers: Mapping[int, pymunk.Body],
-    inmates: Sequence[Circle],
+    discs: Sequence[tuple[float, float, float]],
     sides: Sequence[int],
     lines: Sequence[tuple[float, float, float]],
     reach: float,
     stride: float,
-) -> Iterator[tuple[int, pymunk.Segment]]:
-    """For each wall, by index, the thick segment behind it as the circles of one cell meet it.
+) -> Iterator[tuple[int, Point, Point, float]]:
+    """For each wall, by index, the thick segment behind it as the circles of one cell meet it: its ends and its radius.
+
+    A circle is given by x, y and r. The ends of a wall that moves are as seen from its body.
 
     Each segment is as thick as it is long, in a power of two: a circle's distance from its core line and the
     direction from there then carry like shares of rounding, and the core line of a wall at a short binary
     coordinate is exact. The cell is the convex region that walls leave of where speed can take the circles,
     so that a box needs short segments however long the run; walls that move leave all of it, and go with `movers`.
     """
-    biggest = max(float(circle.r) for circle in inmates)
-    xs, ys = [float(c.x) for c in inmates], [float(c.y) for c in inmates]
+    xs, ys, radii = zip(*discs, strict=True)
+    biggest = max(radii)
     spread = reach + biggest
     region: list[Point] = [
         (min(xs) - spread, min(ys) - spread),
@@ -332,18 +375,12 @@ def _slabs(
             continue
         region = clipped(region, side * nx, side * ny, side * height) or region
     for index, (side, (nx, ny, height)) in enumerate(zip(sides, lines, strict=True)):
-        along = [ny * x - nx * y for x, y in region]
+        px, py = movers[index].position if index in movers else (0.0, 0.0)
+        along = [ny * (x - px) - nx * (y - py) for x, y in region]
         middle = (max(along) + min(along)) / 2
         half = (max(along) - min(along)) / 2 + biggest + DEEP * stride
         radius = 2.0 ** math.ceil(math.log2(half)) if half else 1.0
         core = height - side * radius
         start, stop = middle - radius, middle + radius
-        yield (
-            index,
-            pymunk.Segment(
-                movers.get(index, static),
-                (nx * core + ny * start, ny * core - nx * start),
-                (nx * core + ny * stop, ny * core - nx * stop),
-                radius,
-            ),
-        )
+        ends = [(nx * core + ny * end, ny * core - nx * end) for end in (start, stop)]
+        yield index, ends[0], ends[1], radius

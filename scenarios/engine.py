@@ -87,7 +87,7 @@ class Engine(Protocol):
 
 
 def refuse_pegs(scene: Scene, who: str, remedy: str) -> None:
-    """Refuses a scene in which a circle stands under gravity, or a segment, polygon or arc is there.
+    """Refuses a scene in which a circle stands under gravity, or a segment, polygon, arc or pocket is there.
 
     Raises:
         SceneError: naming what does not take it, the circle or the thing with ends, and what to do.
@@ -106,10 +106,10 @@ leave it out
 
 
 def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
-    """As `refuse_pegs`, of segments, polygons and arcs alone.
+    """As `refuse_pegs`, of segments, polygons, arcs and pockets alone.
 
     Raises:
-        SceneError: naming the thing with ends, or the arc.
+        SceneError: naming the thing with ends, or the round one.
 
     >>> from truebreak.scenarios import Circle
     >>> refuse_ends(Scene([Circle(0, 9), Circle(0, 0, m="oo")], gravity=(0, -1)), "square roots", "leave it out")
@@ -118,8 +118,9 @@ def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
         if things and scene.gravity is not None:
             told = f"{kind} {things[0].id!r} has ends, which are round, under gravity"
             raise SceneError(f"{told}, and {who} do not take that; {remedy}")
-    if scene.arcs and scene.gravity is not None:
-        raise SceneError(f"arc {scene.arcs[0].id!r} is round, under gravity, and {who} do not take that; {remedy}")
+    for kind, bows in (("arc", scene.arcs), ("pocket", scene.pockets)):
+        if bows and scene.gravity is not None:
+            raise SceneError(f"{kind} {bows[0].id!r} is round, under gravity, and {who} do not take that; {remedy}")
 
 
 class Unchangeable:

@@ -58,8 +58,8 @@ class Scene:
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
             restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
-            beside pockets, and beside a reversal where a circle is fixed or something has ends; for a circle
-            that two walls crush at time 0.
+            beside pockets that capture, and beside a reversal where a circle is fixed or something has ends or is
+            round; for a circle that two walls crush at time 0.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -439,14 +439,19 @@ def _check_falling(scene: Scene) -> None:
     if scene.reverse_after is not None or scene.reverse_at is not None:
         key = "reverse_at" if scene.reverse_after is None else "reverse_after"
         found = "" if fixed is None else f"circle {fixed.id!r} is fixed"
-        for kind, things in (("segment", scene.segments), ("polygon", scene.polygons), ("arc", scene.arcs)):
+        for kind, things in (
+            ("segment", scene.segments),
+            ("polygon", scene.polygons),
+            ("arc", scene.arcs),
+            ("pocket", scene.pockets),
+        ):
             found = found or (f"{kind} {things[0].id!r} is there" if things else "")
         if found:
             raise SceneError(f"gravity: {found}, and no run is turned back there; leave {key} out")
-    if scene.pockets:
+    if scene.pockets and scene.capture:
         raise SceneError(
-            f"gravity: pocket {scene.pockets[0].id!r} is there; under gravity there are walls, circles, segments, "
-            "polygons and arcs, and no pockets yet: leave the one or the other out"
+            f"gravity: pocket {scene.pockets[0].id!r} captures, and under gravity no circle is taken out of play yet; "
+            "leave capture out"
         )
 
 

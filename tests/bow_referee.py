@@ -9,7 +9,7 @@ or at an end, which is a fixed disc of radius 0. All zeros of both are looked at
 from __future__ import annotations
 
 from face_referee import FaceReferee, NotForThis, TieMet
-from gravity_referee import NOW, Body, number
+from gravity_referee import NOW, Body, Course, number
 from mpmath import atan2, cos, mpf, pi, sin, workdps
 from peg_referee import DIGITS, interpolated, zeros_of
 
@@ -69,6 +69,38 @@ class BowReferee(FaceReferee):
                         if turn >= 2 * pi or angle < turn:
                             found.append((t, i, self.first_bow + 2 * k + inner))
         return found
+
+    def entries(self, scene: Scene, course: Course, until: mpf) -> list[tuple[mpf, str, str]]:
+        """When centres come into pockets up to a time: on each flight between two contacts at all zeros that fall.
+
+        Args:
+            course: of another run of the same referee, whose contacts tell where flights end.
+        """
+        found: list[tuple[mpf, str, str]] = []
+        with workdps(DIGITS):
+            (gx, gy), ends = self.g, [*(hit.time for hit in course.hits), until]
+            for end in ends:
+                span = min(end, until) - self.now
+                for i, a in enumerate(self.bodies):
+                    for pocket in scene.pockets:
+                        px, py, r = number(pocket.x), number(pocket.y), number(pocket.r)
+
+                        def gap(t: mpf, a: Body = a, px: mpf = px, py: mpf = py, r: mpf = r) -> mpf:
+                            x, y = a.x + a.vx * t + gx * t * t / 2, a.y + a.vy * t + gy * t * t / 2
+                            return (x - px) ** 2 + (y - py) ** 2 - r**2
+
+                        c = interpolated([gap(mpf(t)) for t in (-2, -1, 0, 1, 2)])
+                        for z in zeros_of(c):
+                            t = z.real
+                            slope = c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]))
+                            if abs(z.imag) < NOW < t < span and slope < 0:
+                                found.append((self.now + t, self.ids[i], str(pocket.id)))
+                if end >= until:
+                    break
+                wait, i, j = min(self._coming(), key=lambda row: row[0])
+                self._fly(wait)
+                self._push(i, j)
+        return sorted(found)
 
     def _push(self, i: int, j: int) -> str:
         if j < self.first_bow:

@@ -6,7 +6,7 @@ of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbe
 import copy, hashlib, json, math, random, re, sys
 from collections import defaultdict, namedtuple
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from pathlib import Path
 
@@ -28,6 +28,7 @@ def spelt(roots):  # how a number is spelt that uses so many roots
     name = "|".join(f"r{k}" for k in range(roots, 0, -1)) or "none"
     term = rf"{ROW}(?:/(?=0*+[1-9]){ROW})?(?:\*(?:{name}))*+"
     return f'"[+-]?{term}(?:[+-]{term})*+"'
+@cache
 def shape(own, all):  # what the parts of a certificate are, and how they are spelt
     own, any, pushes, map = spelt(own), spelt(all), each(CONTACT, "++"), each(PAIR)
     told = each(CONTACT.replace(r"\]", rf",{any}\]"), "++")
@@ -842,10 +843,15 @@ def once(pairs):  # an object of JSON whose keys differ
 def integer(text):  # a number of JSON, which has to be whole
     return refuse(len(text) > 16, "a number of over 15 digits", Malformed) or int(text)
 def verdict(path, work=None):  # the exit code for a file, and a sentence
-    sys.set_int_max_str_digits(2 * DIGITS + 2)  # a decimal has two rows of digits
     try:
         refuse(Path(path).exists() and not Path(path).is_file(), "it is no regular file", Malformed)
-        with Path(path).open("rb") as file: text = file.read(BYTES + 1)
+        with Path(path).open("rb") as file: return weighed(file.read(BYTES + 1), work)
+    except MemoryError: return 4, "declined: there is too little memory"
+    except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
+    except BROKEN as error: return 2, f"no certificate: {type(error).__name__}: {error}"
+def weighed(text, work=None):  # the same of what is in it
+    sys.set_int_max_str_digits(2 * DIGITS + 2)  # a decimal has two rows of digits
+    try:
         refuse(len(text) > BYTES, f"it is longer than {BYTES} bytes", Malformed)
         cost.work, cost.most, cost.room = 0, work or WORK + EACH * len(text), 0
         cost.rooms = 1 << 60 if work else ROOM
@@ -859,7 +865,6 @@ def verdict(path, work=None):  # the exit code for a file, and a sentence
             if more != 4: return 4, f"{sentence}; with {factor * told['bits']} bits it is {what}"
         return code, sentence
     except (MemoryError, Declined) as x: return 4, f"declined: {x or 'there is too little memory'}"
-    except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
     except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 if __name__ == "__main__":

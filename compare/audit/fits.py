@@ -299,6 +299,9 @@ def _began(laws: Laws, pair: tuple[int, int], instant: ReportedInstant) -> float
     start = max(flights, key=lambda flight: flight.time).t
     places: list[tuple[arb, arb]] = []
     for flight, k in zip(flights, pair, strict=False):
+        if not laws.moving[k]:
+            places.append((flight.x, flight.y))
+            continue
         end = instant.after[k].t if k in instant.after else instant.t
         way, gain = laws.fall.fallen(end - flight.t)
         off = way - gain * (end - flight.t)  # back to where it was, and on to the start of the later one

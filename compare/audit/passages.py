@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
+from ...exact.replay.round_falls import RoundFall, told_falling_zero
 from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, WallInBalls, size_of
 
 if TYPE_CHECKING:
@@ -102,7 +103,10 @@ def passages(
     for leg in legs:
         if laws.moving[leg.circle]:
             for wall in range(len(laws.scene.walls)):
-                found = _across(laws, leg, wall) if laws.fall is None else _fallen_across(laws, leg, wall, laws.fall)
+                if laws.fall is None:
+                    found = _across(laws, leg, wall)
+                else:
+                    found = (_fallen_into if wall in laws.scene.faces else _fallen_across)(laws, leg, wall, laws.fall)
                 if found is not None:
                     yield found
             for side in range(len(laws.sides)):
@@ -113,6 +117,9 @@ def passages(
             if laws.moving[leg.circle] or laws.moving[other.circle]:
                 if laws.fall is None:
                     found = _between(laws, leg, other)
+                elif laws.moving[leg.circle] != laws.moving[other.circle]:
+                    falls, stands = (leg, other) if laws.moving[leg.circle] else (other, leg)
+                    found = _fallen_onto(laws, falls, stands, laws.fall)
                 else:  # two fall alike: from where the later flight begins, they pass each other on a straight way
                     start = max(leg.start, other.start)
                     found = _between(laws, _from(leg, start, laws.fall), _from(other, start, laws.fall))
@@ -176,6 +183,147 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
             residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
             deepest = Passage(time, residual, leg.start)
     return deepest
+
+
+def _as_fallen(leg: Leg, start: float, fall: Fall) -> tuple[float, float, float, float]:
+    """(x, y, vx, vy) at a time, of the parabola that is the flight; of an engine of steps, of one beside it."""
+    x, y, vx, vy = (float(value.mid()) for value in _fallen(leg, start, fall))
+    late = fall.step * (fall.ahead - 0.5)
+    return x, y, vx + late * float(fall.gx), vy + late * float(fall.gy)
+
+
+def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | None:
+    """How deep a circle falls into one that stands: where it is nearest, or at the end of its flight.
+
+    Each time that the two come to overlap is looked at, up to one that is deeper than rounding.
+    """
+    start, end = max(leg.start, stands.start), min(leg.end, stands.end)
+    wide = laws.things[leg.circle].radius + laws.things[stands.circle].radius
+    if end <= start or not wide:
+        return None
+    x, y, vx, vy = _as_fallen(leg, start, fall)
+    begun = RoundFall(stands.x - x, stands.y - y, -vx, -vy, float(fall.gx) / 2, float(fall.gy) / 2, wide)
+    since, now = 0.0, begun
+    overlaps = begun.gap() <= 0.0
+    while True:
+        if overlaps and now.approach() >= 0.0:
+            out = told_falling_zero([-c for c in now.polynomial(False)]) if now.gap() < 0.0 else 0.0
+            if out is None:
+                return None
+            since, now = since + out, now.after(out)
+        if not overlaps or now.approach() >= 0.0:
+            wait = told_falling_zero(now.polynomial(overlaps))
+            if wait is None or not start + since + wait < end:
+                return None
+            since, now = since + wait, now.after(wait)
+        _, *slopes = now.polynomial(False)
+        nearest = told_falling_zero([-k * c for k, c in enumerate(slopes, 1)])  # where the gap falls no more
+        if nearest is None:
+            return None
+        enter, time = start + since, min(start + since + nearest, end)
+        since, now, overlaps = since + nearest, now.after(nearest), True
+        out = told_falling_zero([-c for c in now.polynomial(False)]) if now.gap() < 0.0 else 0.0
+        leave = math.inf if out is None or not start < enter or not start + since + out < end else start + since + out
+        found = _fallen_deep(laws, leg, stands, fall, start, time)
+        if found is not None:
+            return Passage(time, found, start, enter, leave)
+        if not start + since < end:
+            return None
+
+
+def _fallen_deep(laws: Laws, leg: Leg, stands: Leg, fall: Fall, start: float, time: float) -> Residual | None:
+    """The same, enclosed: by how much more than at the start the two overlap then; None: by no more than rounding."""
+    one, other = laws.things[leg.circle], laws.things[stands.circle]
+    gaps: list[arb] = []
+    fastest = leg.speed
+    for moment in (start, time):
+        x, y, vx, vy = _fallen(leg, moment, fall)
+        gaps.append(((stands.x - x) ** 2 + (stands.y - y) ** 2).sqrt() - one.r - other.r)
+        fastest = max(fastest, math.hypot(float(vx.mid()), float(vy.mid())))
+    first, then = gaps
+    deeper = (first.min(arb(0)) - then).mid()
+    size, wide = size_of(deeper) if deeper > 0 else 0.0, one.radius + other.radius
+    far = float(first.mid()) + wide + 2 * fastest * (time - start)
+    sizes = far + math.hypot(leg.x, leg.y) + math.hypot(stands.x, stands.y) + 2 * fastest * time
+    steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
+    room = laws.unit * steps * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / wide) + wide)) + LEAST
+    room += leg.apart + leg.turned * (time - leg.t) + stands.apart + laws.underflown(fastest, 0.0)
+    pair = (min(leg.circle, stands.circle), max(leg.circle, stands.circle))
+    return Residual("depth", pair, size, room) if size > room else None
+
+
+def _first_after(since: float, constant: float, slope: float, half: float) -> float:
+    """The first zero of constant + slope t + half t^2 after a time; infinite where there is none.
+
+    >>> _first_after(0.0, 4.0, 0.0, -1.0), _first_after(2.0, 4.0, 0.0, -1.0), _first_after(0.0, 3.0, -1.0, 0.0)
+    (2.0, inf, 3.0)
+    """
+    within = slope * slope - 4 * half * constant
+    if within < 0.0:
+        return math.inf
+    sum_of = -slope - math.copysign(math.sqrt(within), slope)
+    zeros = [sum_of / (2 * half)] if half else []
+    zeros += [2 * constant / sum_of] if sum_of else []
+    return min((zero for zero in zeros if zero > since), default=math.inf)
+
+
+def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
+    """How far into a face a circle falls that comes to it from before, between its ends by more than rounding.
+
+    Up to where it is out on the other side or beside an end, or turns back, or its flight ends. What comes beside an
+    end meets that first.
+    """
+    line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
+    radius, start, end = laws.things[leg.circle].radius, leg.start, min(leg.end, 1e300)
+    x, y, vx, vy = _as_fallen(leg, start, fall)
+    nx, ny, gx, gy = (float(value) for value in (line.nx, line.ny, fall.gx, fall.gy))
+    dx, dy = float(line.x) - x, float(line.y) - y
+    height, closing, pull = nx * dx + ny * dy, nx * vx + ny * vy, nx * gx + ny * gy
+    gap = height - radius
+    sizes = math.hypot(x, y) + line.size + radius + leg.speed * abs(leg.start)
+    blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes + leg.apart
+    if gap <= 0.0 < closing:
+        if height <= blur:
+            return None
+        wait = 0.0
+    else:  # the zero at which the gap falls
+        within = closing * closing + 2 * pull * gap
+        if within <= 0.0 or (closing <= 0.0 and pull <= 0.0):
+            return None
+        root = math.sqrt(within)
+        wait = 2 * gap / (closing + root) if closing > 0.0 else (root - closing) / pull
+    if not start + wait < end:
+        return None
+    foot, slide, bend = nx * -dy + ny * dx, nx * vy - ny * vx, (nx * gy - ny * gx) / 2
+    along = foot + (slide + bend * wait) * wait
+    fast = math.hypot(vx + gx * wait, vy + gy * wait) + leg.speed
+    blur = max(CLOSE, ROOT_UNITS * laws.unit) * (sizes + 2 * fast * (start + wait)) + leg.apart + leg.turned * wait
+    if not blur < along < line.length - blur:
+        return None
+    thick = 2 * (radius + line.thick)
+    through = _first_after(wait, gap + thick, -closing, -pull / 2) if thick else math.inf
+    beside = min(_first_after(wait, foot, slide, bend), _first_after(wait, foot - line.length, slide, bend))
+    turn = -closing / pull if pull < 0.0 < closing else math.inf
+    time = min(end, start + min(through, beside, turn))
+    if fall.step and (whole := fall.step * math.floor((time - leg.t) / fall.step) + leg.t) > start + wait:
+        time = whole
+    depths: list[arb] = []
+    for moment in (start, time):
+        px, py, ux, uy = _fallen(leg, moment, fall)
+        depths.append(line.nx * (line.x - px) + line.ny * (line.y - py) - r)
+        fast = max(fast, math.hypot(float(ux.mid()), float(uy.mid())))
+    in_it = height > 0.0 and 0.0 < foot < line.length  # else it is beside the face, however far below its line
+    deeper = ((depths[0].min(arb(0)) if in_it else arb(0)) - depths[1]).mid()
+    size = size_of(deeper) if deeper > 0 else 0.0
+    steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
+    away = math.hypot(dx, dy) + 2 * fast * (time - start)
+    room = ROOT_UNITS * laws.unit * steps * (sizes + 2 * fast * time + line.size * (1 + away / line.length)) + LEAST
+    room += leg.apart + leg.turned * (time - leg.t) if leg.apart else 0.0
+    if size <= room:
+        return None
+    leave = start + (through if thick else wait)
+    residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
+    return Passage(time, residual, start, start + wait, leave if wait > 0.0 and leave < leg.end else math.inf)
 
 
 def _legs(k: int, row: Sequence[Sequence[float]], end: float) -> Iterator[Leg]:

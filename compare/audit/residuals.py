@@ -380,10 +380,8 @@ class Laws:
             height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
             opening = -line.nears(a.vx, a.vy)
             bounced = None
-            if self.fall is not None and self.fall.step and self.fall.early:
-                gained = (line.nx * self.fall.gx + line.ny * self.fall.gy) * self.fall.step
-                bounced = opening + self.fall.early * gained
-                opening = (opening + (self.change - 1) * bounced) / self.change
+            if self.fall is not None:
+                opening, bounced = self._bounced(opening, line.nx, line.ny, self.fall)
             away = math.hypot(float(xa - line.x), float(ya - line.y))
             place = math.hypot(float(xa), float(ya))
             blur = self._blurred(a, place, time, events, instant.left(i))
@@ -405,13 +403,25 @@ class Laws:
         blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, instant.left(j))
         if not near:  # two centres in one place: no line joins them
             return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
-        far = near + speed * max(0.0, time - max(a.time, b.time))
+        one_falls = self.fall is not None and self.moving[i] != self.moving[j]
+        fast = 2 * max(speed, a.speed, b.speed) if one_falls else speed  # g t is no more than both its speeds
+        far = near + fast * max(0.0, time - max(a.time, b.time))
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
-        return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
+        bounced = None
+        if one_falls and self.fall is not None:
+            opening, bounced = self._bounced(opening, nx, ny, self.fall, 1 if self.moving[i] else -1)
+        return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched, bounced)
+
+    def _bounced(self, opening: arb, nx: arb, ny: arb, fall: Fall, sign: int = 1) -> tuple[arb, arb | None]:
+        """See `ImpactLaws.bounced`, between what falls and what stands; `sign` is -1 where the second falls."""
+        if not (fall.step and fall.early):
+            return opening, None
+        bounced = opening + sign * fall.early * (nx * fall.gx + ny * fall.gy) * fall.step
+        return (opening + (self.change - 1) * bounced) / self.change, bounced
 
     def _at_side(self, i: int, side: SideInBalls, instant: ReportedInstant, events: int) -> ImpactLaws:
         """A circle and a side of an arc: as two circles, one of which never moves, is hollow, and ends somewhere."""

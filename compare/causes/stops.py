@@ -68,7 +68,7 @@ class Stopped:
 def diagnosis_of_stop(stopped: Stopped) -> Diagnosis:
     """Why a candidate stopped: what it refuses, its budget, its width, or a zero that no width decides."""
     rows: list[Experiment] = []
-    for tried in (unable, budget, tied, width, zero):
+    for tried in (unable, budget, tied, width):
         rows += tried(stopped)
         if rows and rows[-1].suffices:
             return Diagnosis((rows[-1].cause,), tuple(rows), rows[-1].result)
@@ -109,14 +109,6 @@ def tied(stopped: Stopped) -> list[Experiment]:
     return [Experiment(CauseName["TIE"], told, None, True)]
 
 
-def zero(stopped: Stopped) -> list[Experiment]:
-    """Whether one of the numbers that lead to the event at which it stopped is proved to be exactly zero."""
-    found = exact_zero(stopped.reference, stopped.event) if stopped.widens else None
-    if found is None:
-        return []
-    return [Experiment(CauseName["ZERO"], f"exactly zero: {found}; no enclosure can decide it", None, True)]
-
-
 # -- the width of enclosures: what wider numbers decide, found by running
 
 WORK = 8
@@ -125,23 +117,40 @@ LEAST_WORK = 256
 """The same in events, where its own run is short."""
 SHORT_BITS = 512
 """Bits up to which an operation costs about the same, whatever their number."""
+FAR = 3
+"""How often the bits are doubled at once beside a number that is proved to be zero: one run says which it is."""
 SPARE_BITS = 48
 """Bits more than those that were lost by the end: the last decisions need some, and one more run confirms them."""
 
 
 def width(stopped: Stopped) -> list[Experiment]:
-    """Whether more bits go on past the stop, at which no two contacts fall on one instant; how many, where asked."""
+    """Whether more bits go on past the stop, at which no two contacts fall on one instant; how many, where asked.
+
+    Where twice the bits stop there too, and one of the numbers that lead to the event is proved to be exactly zero, one
+    run that is much wider says which of the two it is.
+    """
     if not stopped.widens:
         return []
-    own, event = stopped.engine, stopped.event
-    allowed = max(WORK * (event + 1), LEAST_WORK)
-    past = _doubled(stopped, stopped.study.until_event(event), lambda run: len(run.events) > event, allowed)
+    event, found = stopped.event, None
+    until, allowed = stopped.study.until_event(event), max(WORK * (event + 1), LEAST_WORK)
+    past = _doubled(stopped, until, lambda run: len(run.events) > event, 0)
+    if past.enough is None:
+        found = exact_zero(stopped.reference, event)
+        more = wider_of(past.tried)
+        if found is not None:
+            for _ in range(FAR - 1):
+                more = (wider_of(more) if more else None) or more
+            allowed = 0
+        past = _doubled(stopped, until, lambda run: len(run.events) > event, allowed, past.tried, more)
+    if past.enough is None and found is not None:
+        told = f"exactly zero: {found}; no enclosure can decide it: with {past.short} bits it stops there too"
+        return [Experiment(CauseName["ZERO"], told, None, True)]
     if past.enough is None:
         return [Experiment(CauseName["WIDTH"], f"with {past.short} bits it stops there too", None, False)]
     told = f"with {past.enough.bits} bits it goes on past event {event}, with {past.short} it does not"
     if stopped.bits:
         told = f"{told}; {_to_the_end(stopped)}"
-    elif own.bits is not None:
+    elif stopped.engine.bits is not None:
         told = f"{told}; --bits finds how many lead to the end"
     return [Experiment(CauseName["WIDTH"], told, None, True)]
 
@@ -151,33 +160,47 @@ class Widened:
     """What the runs of one engine with ever more bits showed.
 
     Attributes:
-        enough: the first that does what is asked, with its run; None if none of those that were tried does.
-        short: the most bits that were seen not to do.
+        tried: the widest that was seen not to do what is asked.
+        enough: the first that does, with its run; None if none of those that were tried does.
     """
 
-    short: int | None
+    tried: Engine
     enough: Engine | None = None
     run: Trajectory | None = None
 
+    @property
+    def short(self) -> int | None:
+        """The most bits that were seen not to do."""
+        return self.tried.bits
 
-def _doubled(stopped: Stopped, until: float, does: Callable[[Trajectory], bool], allowed: float) -> Widened:
+
+def _doubled(
+    stopped: Stopped,
+    until: float,
+    does: Callable[[Trajectory], bool],
+    allowed: float,
+    tried: Engine | None = None,
+    chosen: Engine | None = None,
+) -> Widened:
     """Doubles the bits until a run does what is asked, or the work is done that is allowed.
 
     Args:
         does: whether a run that is undecided does what is asked; one that is not does.
         allowed: events, of numbers of up to `SHORT_BITS` bits.
+        tried, chosen: what is known not to do, and what is tried first; the engine that stopped, and the next wider.
     """
-    short, chosen = stopped.engine.bits, wider_of(stopped.engine)
+    if tried is None:
+        tried, chosen = stopped.engine, wider_of(stopped.engine)
     while chosen is not None and chosen.bits is not None:
         run = stopped.study.whole_run(chosen, stopped.study.scene, until, stopped.progress)
         if run.stop.reason is not StopReason.UNDECIDED or does(run):
-            return Widened(short, chosen, run)
+            return Widened(tried, chosen, run)
         allowed -= (len(run.events) + 1) * (1 + chosen.bits / SHORT_BITS)
-        short = chosen.bits
+        tried = chosen
         if allowed <= 0:
             break
         chosen = wider_of(chosen)
-    return Widened(short)
+    return Widened(tried)
 
 
 def _to_the_end(stopped: Stopped) -> str:

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
-from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, time_of
-from ...exact.replay.contact import Entry, can_push
+from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, ending_of, time_of
+from ...exact.replay.contact import AtWall, Entry, can_push
+from ...exact.replay.state import Constant
 from ...exact.simulation.decider import Limits, Mark, RunLog
+from ...exact.simulation.endings import Accumulating
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
 from ...scenarios.disk import InSchema, Seal, fits, text_of
@@ -50,7 +52,7 @@ from .codec import (
 )
 
 if TYPE_CHECKING:
-    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.numbers.quantity import QuantityLike, Real
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress
 
@@ -142,6 +144,7 @@ class SavedRun(TypedDict):
     end: TimeData
     returned: bool
     set_times: list[tuple[str, Count]]
+    ending: str | tuple[Count, LinkData] | None
     reversal: tuple[Count, TimeData] | None
     entries: list[tuple[str, str, TimeData]]
     steps: list[StepData]
@@ -159,8 +162,7 @@ def saved_run(trajectory: Trajectory) -> str:
     """A run as the text of a file that `load_run` reads.
 
     Raises:
-        SceneError: for a run of another engine, for a scene or a limit that no file can hold, and for a run that ended
-            where infinitely many collisions do.
+        SceneError: for a run of another engine, and for a scene or a limit that no file can hold.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -171,11 +173,6 @@ def saved_run(trajectory: Trajectory) -> str:
     motion = trajectory.motion
     if trajectory.engine != "exact" or not isinstance(motion, ExactMotion):
         raise SceneError(f"only runs of the exact engine are saved with their log, not those of {trajectory.engine}")
-    if trajectory.ending is not None:
-        raise SceneError(
-            f"{trajectory.scene.name!r}: has infinitely many collisions, whose end no file holds yet; end the run "
-            f"before, with --events {len(trajectory.events) - 1}"
-        )
     return _text(RUN.sealed(_data(trajectory, motion)))
 
 
@@ -235,6 +232,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
         "notes": list(run.notes),
         "assumptions": [[a.event, a.question, a.proof.name, a.bound] for a in run.assumptions],
         "end": time(run.final_time),
+        "ending": _ending_data(run.ending),
         "returned": motion.returned,
         "set_times": [[set_time_data(when), part] for when, part in motion.set_times.items()],
         "reversal": None if run.reversal is None else [run.reversal.after, time(run.reversal.time)],
@@ -256,6 +254,17 @@ def _time_data(time: Any, number: NumberWriter) -> Written:
     assert isinstance(time, ExactValue)
     assert isinstance(time.formula, TimeFormula)
     return [time.instant, time.upto, source_data(time.formula.source), number(time.near)]
+
+
+def _ending_data(ending: Real | None) -> Written:
+    """A set time as text; of bounces, how many steps of the log lead to the last that is in it, and whose they are."""
+    if ending is None:
+        return None
+    assert isinstance(ending, ExactValue)
+    if isinstance(ending.formula, Constant):
+        return set_time_data(ending.formula.value)
+    assert isinstance(ending.formula, Accumulating)
+    return [ending.upto, list(ending.formula.link)]
 
 
 # -- reading
@@ -288,6 +297,14 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         [(number(t), number(x), number(y), number(vx), number(vy), upto, last) for t, x, y, vx, vy, upto, last in row]
         for row in data["knots"]
     ]
+    ending, last = data["ending"], None
+    if isinstance(ending, str):
+        ending = Constant(Quantity.of(ending))
+    elif ending is not None:
+        last, link = ending[0], link_of(ending[1])
+        if not isinstance(link, AtWall):
+            raise ValueError(f"{link} is no bounce on a wall")
+        ending = Accumulating(link)
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]
@@ -309,6 +326,7 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         ),
         plan=data["plan"],
         notes=tuple(data["notes"]),
+        ending=ending_of(log, last, ending),
     )
 
 

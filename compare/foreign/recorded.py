@@ -75,6 +75,10 @@ class Playing(Unchangeable, ABC):
                 f"{scene.name!r}: has arcs, which engine {self.name!r} does not follow; use another engine, or a chain "
                 "of segments, which is another scene"
             )
+        if scene.pockets and scene.gravity is not None:
+            raise SceneError(
+                f"{scene.name!r}: has pockets under gravity, and no recording is judged there; leave them out"
+            )
         turns = scene.reverse_at is not None or scene.reverse_after is not None
         returns = turns and until is None and events is None
         time, count = (None, None) if returns else horizon(scene, until, events)

@@ -1,4 +1,4 @@
-"""The survey: every installed engine on twelve scenes, as it comes, at its best settings, and as is advised."""
+"""The survey: every installed engine on sixteen scenes, as it comes, at its best settings, and as is advised."""
 
 from __future__ import annotations
 
@@ -37,8 +37,12 @@ SCENES: dict[str, Task] = {
     "near-tie": Task("near-tie", ()),
     "inscribed": Task("inscribed", (), events=12),
     "pinball": Task("pinball", (), events=40),
+    "barrier": Task("barrier", (), events=30),
+    "funnel": Task("funnel", (), events=30),
+    "breakout": Task("breakout", (), events=20),
+    "stadium": Task("stadium", (), events=30),
 }
-"""The twelve, and how far each is followed; `truebreak scenes` says what each shows."""
+"""The sixteen, and how far each is followed; the last four have edges. `truebreak scenes` says what each shows."""
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ..audit.audit import Audit, audit_run
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..engines import suggestion
@@ -23,7 +24,7 @@ from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine
 from .grid import OnDone, carry_out
-from .row import Row, diagnosed, divergence_of, followed, laws_of, outcomes_changed, reference_of, versions
+from .row import Row, diagnosed, divergence_of, followed, laws_brief, outcomes_changed, reference_of, versions
 from .scene_family import Perturbed, SceneFamily, family, shard_of
 from .store import Store
 
@@ -115,15 +116,16 @@ class SweepJob:
             return replace(row, verdict="refused", note=str(error))
         if found.unable:
             return replace(row, verdict="refused", note=found.run.stop.message)
-        told = divergence_of(found.alignment)
+        told, laws = divergence_of(found.alignment), None
         if self.audit and not label.startswith(PERTURBED):
-            told["laws"] = laws_of(found.run, engine)
+            laws = audit_run(found.run, engine)
+            told["laws"] = laws_brief(laws)
         if self.outcomes and told["verdict"] in ("agree", "diverged"):
             over = outcomes_changed(found, run, engine.step, self.outcomes)
             told["changed"] = list(over.changed) if over.until is None else None
         if self.causes:
             displaced = "event" in told and label.startswith(PERTURBED)
-            told |= {"cause": DISPLACED} if displaced else _why(found, label, engine)
+            told |= {"cause": DISPLACED} if displaced else _why(found, label, engine, laws)
         return replace(row, **told)
 
 
@@ -164,9 +166,9 @@ class Forecast:
         return told, horizon
 
 
-def _why(found: Followed, label: str, engine: Engine) -> dict[str, Any]:
+def _why(found: Followed, label: str, engine: Engine, laws: Audit | None) -> dict[str, Any]:
     """The cause, the margin and the engine's error, by the experiments of `compare`."""
-    candidate = diagnosed(found, label, engine)
+    candidate = diagnosed(found, label, engine, laws)
     margin = candidate.margin
     return {
         "cause": None if candidate.diagnosis is None else candidate.diagnosis.name.value,

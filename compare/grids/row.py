@@ -253,10 +253,16 @@ def followed(run: Trajectory, engine: Engine, foreseen: int | None = None) -> Fo
     return follow(run, engine, len(run.events) if whole else foreseen)
 
 
-def diagnosed(found: Followed, label: str, engine: Engine) -> Candidate:
-    """An engine that was followed, with the cause and the margin of its divergence, by the experiments of `compare`."""
+def diagnosed(found: Followed, label: str, engine: Engine, laws: Audit | None = None) -> Candidate:
+    """An engine that was followed, with the cause and the margin of its divergence, by the experiments of `compare`.
+
+    Args:
+        laws: the audit of its run, if that is known; without one no error of its own is told from another law.
+    """
     apart, stepped = not_measured(found.study.reference), engine.step is not None
-    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=stepped)
+    if laws is None and found.alignment.divergence is not None:
+        laws = audit_run(found.run, engine)
+    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=stepped, laws=laws)
     return explained(found.study, candidate, engine, None)
 
 

@@ -113,13 +113,17 @@ def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
     from ...exact.exact_engine import ExactEngine
     from ..foreign.log_engine import read_log
     from ..tangent.growth import certified_growth
+    from ..tangent.impacts import NoTangentMap
 
     recordings = [read_log(path, scene) for path in (one, other)]
     runs = [recording.trajectory() for recording in recordings]
     events = max(1, min(MOST_EVENTS, *(len(run.events) for run in runs)))
     reference = ExactEngine().run(scene, events=events)
     events = len(reference.events)
-    found = certified_growth(reference, events) if events else None
+    try:
+        found = certified_growth(reference, events) if events else None
+    except NoTangentMap:  # nearby runs part at an instant of several contacts, or at a graze
+        found = None
     audits = tuple(audited(str(path), told) for path, told in zip((one, other), recordings, strict=True))
     return Lawful(scene.name, events, None if found is None else (found.low, found.high), audits)
 

@@ -8,13 +8,12 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...floating.pocket_entries import time_to_enter
 from ...scenarios.lazy import Later
 from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
 from ..foreign.impulses import Impacts
-from .outcome import Entries, changed_outcomes
+from .outcome import Entries, changed_outcomes, wait_to_enter
 
 if TYPE_CHECKING:
     import numpy as np
@@ -203,11 +202,7 @@ def _parted(run: Trajectory) -> bool:
     if turns and run.reversal is None:
         return False
     rows = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.final.circles]
-    enters = (
-        time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
-        for pocket in run.scene.pockets
-        for x, y, vx, vy in rows
-    )
+    enters = (wait_to_enter(run.scene, pocket, row) for pocket in run.scene.pockets for row in rows)
     return Impacts(run.scene).quiet(rows, float(run.final_time)) and not any(enters)
 
 

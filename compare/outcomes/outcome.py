@@ -6,10 +6,11 @@ import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
+from ...exact.replay.round_falls import gap_quartic, told_falling_zero
 from ...floating.pocket_entries import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
@@ -18,6 +19,7 @@ from ..files.amounts import plain
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Pocket
     from ...scenarios.trajectory import Pocketing, Trajectory
     from ..alignment.align import Alignment, Span
     from ..alignment.walk import Patience
@@ -193,6 +195,7 @@ def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
     return None
 
 
+@lru_cache(maxsize=8)
 def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     """A mirror line `axis = constant` of the whole scene, with the image of every circle, wall and thing; else None.
 
@@ -314,7 +317,7 @@ class Entries:
         state = run.final[entry.circle]
         x, y, vx, vy = (float(value) for value in (state.x, state.y, state.vx, state.vy))
         pocket = next(pocket for pocket in run.scene.pockets if pocket.id == entry.pocket)
-        wait = time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
+        wait = wait_to_enter(run.scene, pocket, (x, y, vx, vy))
         if wait is None or float(run.final_time) + wait > self.patience.latest(float(entry.time)):
             return False
         here, there = self._flight(run, entry, math.inf), self._flight(other, entry)
@@ -333,6 +336,21 @@ class Entries:
             last = self._matched[entry.circle].get(last, -1)
         turned = run.reversal is not None and float(run.reversal.time) <= now
         return entry.circle, entry.pocket, last, turned
+
+
+def wait_to_enter(scene: Scene, pocket: Pocket, row: tuple[float, float, float, float]) -> float | None:
+    """The time until a centre at (x, y), with velocity (vx, vy), enters a pocket, under gravity too.
+
+    >>> from truebreak.scenarios import Circle, Pocket, Scene
+    >>> scene = Scene([Circle(0, 6)], pockets=[Pocket(0, 0, 1)], gravity=(0, -10))
+    >>> round(wait_to_enter(scene, scene.pockets[0], (0.0, 6.0, 0.0, 0.0)), 12)
+    1.0
+    """
+    dx, dy, r, (_, _, vx, vy) = row[0] - float(pocket.x), row[1] - float(pocket.y), float(pocket.r), row
+    if scene.gravity is None or dx * dx + dy * dy < r * r:
+        return time_to_enter(dx, dy, vx, vy, r)
+    gx, gy = map(float, scene.gravity)
+    return told_falling_zero(gap_quartic(dx, dy, vx, vy, -gx / 2, -gy / 2, r))
 
 
 def _meetings(run: Trajectory) -> dict[str, tuple[list[float], list[int]]]:

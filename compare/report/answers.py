@@ -632,7 +632,7 @@ COARSER = "single"
 def measurable(comparison: Comparison) -> int:
     """Over how many events of the reference the growth of errors can be measured: those that have a tangent map."""
     reference = comparison.reference
-    if motion_of(reference) is None or not reference.events:
+    if motion_of(reference) is None or not reference.events or reference.scene.moving_walls:
         return 0
     try:
         impacts(reference, len(reference.events))

@@ -14,6 +14,7 @@ from ...exact.exact_motion import motion_of
 from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
 from ..tangent.impacts import moving
+from .pseudo_orbit import in_the_frame
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -71,7 +72,8 @@ class StartDistance:
 def distance(record: OrbitRecord, certified: Trajectory) -> Distance | None:
     """The distance of an engine's run from a certified run in which each circle has the same contacts in order.
 
-    Both fly straight between contacts, so a circle is farthest at a contact of the one or of the other. Where each
+    Both fly straight between contacts, under gravity in the frame that falls, which shifts both alike: so a circle is
+    farthest at a contact of the one or of the other, and velocities are compared as they are at one moment. Where each
     contact comes in both before the circle's next one does in either, which is checked, these two moments, on the
     flights before and after it, bound all others.
 
@@ -87,7 +89,7 @@ def distance(record: OrbitRecord, certified: Trajectory) -> Distance | None:
     circle = ""
     with ball.precision(BITS + 64):
         for i in free:
-            mine = [FlightAfter(arb(f[0]), *map(arb, f)) for f in record.flights[i]]
+            mine = [_fallen(certified.scene, FlightAfter(arb(f[0]), *map(arb, f))) for f in record.flights[i]]
             theirs = flights[i][: len(mine)]
             ends: list[tuple[arb, arb]] = [(f.instant, g.instant) for f, g in zip(mine, theirs, strict=True)]
             for (a, b), (c, d) in pairwise(ends):
@@ -148,6 +150,14 @@ def _flights(certified: Trajectory, record: OrbitRecord) -> dict[int, list[Fligh
     return told
 
 
+def _fallen(scene: Scene, flight: FlightAfter) -> FlightAfter:
+    """A true flight in the frame that falls with gravity."""
+    if scene.gravity is None:
+        return flight
+    (instant, t, x, y, vx, vy), (gx, gy) = flight, map(ball.constant, scene.gravity)
+    return FlightAfter(instant, t, x - gx * t * t / 2, y - gy * t * t / 2, vx - gx * t, vy - gy * t)
+
+
 def _upper(value: arb) -> float:
     """A double at or above the size of every number in a ball."""
     if value.is_zero():
@@ -198,23 +208,40 @@ class Blocked:
 
 
 def units(scene: Scene, record: OrbitRecord) -> tuple[float, float]:
-    """What lengths and velocities are measured by: the mean diameter, and the root of the mean square at the start."""
+    """What lengths and velocities are measured by: the mean diameter, and the root of the mean square at the start.
+
+    Under gravity that is of all velocities that contacts leave.
+    """
     sizes = [float(c.r) for k, c in enumerate(scene.circles) if float(c.r) > 0 and k not in scene.ends]
-    squares = [flights[0][3] ** 2 + flights[0][4] ** 2 for flights in record.flights.values()]
+    falls = scene.gravity is not None  # then what starts at rest does not stay so
+    known = [flight for flights in record.flights.values() for flight in (flights if falls else flights[:1])]
+    squares = [vx**2 + vy**2 for *_, vx, vy in known]
     return (2 * sum(sizes) / len(sizes) if sizes else 1.0), sqrt(sum(squares) / len(squares)) or 1.0
 
 
-def drift(scene: Scene, record: OrbitRecord) -> float:
-    """The largest relative change of the energy along an engine's run."""
+def drift(scene: Scene, record: OrbitRecord) -> float | None:
+    """The largest relative change of the energy along an engine's run, the potential with it; None where none is kept.
+
+    Its share is of the largest kinetic energy that is told, or without gravity of that at the start.
+    """
+    if not scene.elastic or scene.moving_walls:
+        return None
     masses = {i: 1 / float(scene.circles[i].inverse_mass) for i in moving(scene)}
-    now = {i: masses[i] * hypot(*flights[0][3:]) ** 2 for i, flights in record.flights.items()}
+    gx, gy = (0.0, 0.0) if scene.gravity is None else map(float, scene.gravity)
+    kinetic = {i: [masses[i] * hypot(*f[3:]) ** 2 for f in flights] for i, flights in record.flights.items()}
+    energy = {
+        i: [own - 2 * masses[i] * (gx * f[1] + gy * f[2]) for own, f in zip(kinetic[i], flights, strict=True)]
+        for i, flights in record.flights.items()
+    }
+    now = {i: of[0] for i, of in energy.items()}
     done, start, worst = dict.fromkeys(now, 0), sum(now.values()), 0.0
     for link in record.links:
         for i in (i for i in link if i in now):
             done[i] += 1
-            now[i] = masses[i] * hypot(*record.flights[i][done[i]][3:]) ** 2
+            now[i] = energy[i][done[i]]
         worst = max(worst, abs(sum(now.values()) - start))
-    return worst / start if start else 0.0
+    whole = start if scene.gravity is None else sum(max(own) for own in kinetic.values())
+    return worst / whole if whole else 0.0
 
 
 def margin(scene: Scene, record: OrbitRecord, contact: int) -> float | None:
@@ -223,13 +250,15 @@ def margin(scene: Scene, record: OrbitRecord, contact: int) -> float | None:
     circles, time = scene.circles, record.times[contact]
     if j >= len(circles):
         return None
+    if scene.gravity is not None and not {i, j} <= record.flights.keys():  # what stands does not, in the frame
+        return None
     rows: list[tuple[float, float, float, float]] = []
     for k in (i, j):
         if k not in record.flights:
             rows.append((float(circles[k].x), float(circles[k].y), 0.0, 0.0))
             continue
         turn = sum(k in link for link in record.links[:contact])
-        t, x, y, vx, vy = record.flights[k][turn]
+        t, x, y, vx, vy = in_the_frame(scene, record.flights[k][turn])
         rows.append((x + vx * (time - t), y + vy * (time - t), vx, vy))
     dx, dy, vx, vy = (b - a for a, b in zip(*rows, strict=True))
     speed = hypot(vx, vy)
@@ -264,11 +293,12 @@ def not_closed(scene: Scene, record: OrbitRecord, found: Refined) -> Blocked:
     # length speed times time.
     length, speed = units(scene, record)
     lost = drift(scene, record)
-    if lost / 2 * max(speed * record.times[-1] / length, 1.0) > DRIFT_SHARE * reach:
+    if lost is not None and lost / 2 * max(speed * record.times[-1] / length, 1.0) > DRIFT_SHARE * reach:
         message = f"the engine's energy drifts by {lost:.2g} of itself, which no true orbit does; {told}"
         return Blocked(Obstacle.DRIFT, None, message)
-    growing = f"the energy drifts by {lost:.2g} only: errors grow in directions in which nothing draws them back"
-    return Blocked(Obstacle.GROWING, None, f"{told}, though {growing}")
+    growing = "errors grow in directions in which nothing draws them back"
+    though = "" if lost is None else f"though the energy drifts by {lost:.2g} only: "
+    return Blocked(Obstacle.GROWING, None, f"{told}, {though}{growing}")
 
 
 def _shallow(scene: Scene, record: OrbitRecord, contact: int, depth: float, why: str) -> Blocked:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb
 
+from ...exact.laws.formulas import fall_speed
 from ...exact.numbers import ball
 from ...exact.replay.contact import Flight, Touch, is_arc, is_flat, places_of, touch_of
 from ...exact.replay.parts import PartsNear
@@ -39,7 +40,8 @@ class OrbitRecord:
         links: the contacts, one after the other; those of one instant in the order of their impulses.
         events: for each contact the event that it belongs to.
         times: for each contact its time.
-        flights: for each circle that can move, by its index, how it flew at the start and after each of its contacts.
+        flights: for each circle that can move, by its index, how it flew at the start and after each of its contacts:
+            where it truly was, and how fast.
     """
 
     links: tuple[Indices, ...]
@@ -87,6 +89,19 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
         owners += [event.index] * len(mine)
         times += [time] * len(mine)
     return OrbitRecord(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
+
+
+def in_the_frame(scene: Scene, flight: DoubleFlight) -> DoubleFlight:
+    """A flight as it is in the frame that falls with gravity, in which all that move fly straight; to rounding.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> in_the_frame(Scene([Circle(0, 9)], gravity=(0, -2)), (3.0, 0.0, 0.0, 1.0, -6.0))
+    (3.0, 0.0, 9.0, 1.0, 0.0)
+    """
+    if scene.gravity is None:
+        return flight
+    (t, x, y, vx, vy), (gx, gy) = flight, map(float, scene.gravity)
+    return t, x - gx / 2 * t * t, y - gy / 2 * t * t, vx - gx * t, vy - gy * t
 
 
 def _part(
@@ -155,7 +170,8 @@ class FixedOrder:
     """The map of each segment, in balls at flint's working precision.
 
     Args:
-        scene: what runs, as engines see it; of its start only walls, fixed circles, radii and masses count.
+        scene: what runs, as engines see it; of its start only walls, fixed circles, radii and masses count. Under
+            gravity nodes are in the frame that falls.
         chain: the segments.
     """
 
@@ -178,7 +194,8 @@ class FixedOrder:
         for place, (i, j) in enumerate(segment.links):
             link = touch_of(self.scene, i, j)
             # what is within an arc may fly away from it first; where it does not come to it, the instant is no number
-            meets = (is_arc(link) and link.hollow) or link.approach(state) < 0
+            thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0  # it falls back, however it flies
+            meets = thrown or link.hollow or link.approach(state) < 0
             state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)
@@ -218,10 +235,12 @@ def _impact(state: ReplayState[arb], link: Touch) -> Impact:
     i = link.circles[0]
     flight = state.bodies[i].flight
     if is_flat(link):
-        line = state.line(link.circle, link.wall)
-        return Impact(
-            state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero
-        )
+        line, vx, vy = state.line(link.circle, link.wall), flight.vx, flight.vy
+        if state.falling is not None:  # the true velocity, relative to the wall
+            ux, uy = state.drifts.get(link.wall, (state.zero, state.zero))
+            vx = fall_speed(vx, state.falling.hx, state.instant) - ux
+            vy = fall_speed(vy, state.falling.hy, state.instant) - uy
+        return Impact(state.instant, i, None, line.nx, line.ny, vx, vy, line.length, state.zero, state.zero)
     (a, b), (dx, dy) = link.ends(state), state.span(link)
     vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
     if is_arc(link):  # as a circle that nothing moves, beyond those of the scene

@@ -29,7 +29,17 @@ from .obstacle import (
     start_distance,
     units,
 )
-from .pseudo_orbit import FIRST_BITS, FixedOrder, Node, OrbitRecord, Refined, recorded, refined, segments
+from .pseudo_orbit import (
+    FIRST_BITS,
+    FixedOrder,
+    Node,
+    OrbitRecord,
+    Refined,
+    in_the_frame,
+    recorded,
+    refined,
+    segments,
+)
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -74,7 +84,8 @@ class Shadow:
         divergence: where the engine diverges from the certified history of the scene's own start; None if it does not.
         proof: the shadow; None if none was found.
         blocked: why not.
-        drift: the largest relative change of the energy along the engine's run; None if the search never began.
+        drift: the largest relative change of the energy along the engine's run; None if the law keeps none, with a
+            restitution below 1 or walls that move, or if the search never began.
         refinement: how the search went; None if it never began.
     """
 
@@ -109,12 +120,11 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
-    if not scene.elastic:
-        raise SceneError(f"{scene.name!r}: has a restitution below 1, of which no shadow is looked for yet")
-    if scene.moving_walls:
-        raise SceneError(f"{scene.name!r}: has walls that move, of which no shadow is looked for yet")
-    if scene.gravity is not None:
-        raise SceneError(f"{scene.name!r}: has gravity, of which no shadow is looked for yet")
+    if scene.surfaces.pegs or (scene.gravity is not None and (scene.arcs or scene.pockets)):
+        raise SceneError(
+            f"{scene.name!r}: has gravity and something round and fixed, of which no shadow is looked for; "
+            "leave one of them out"
+        )
     if other := scene.other_walls:
         raise SceneError(f"{scene.name!r}: has a wall of kind {other[0].kind!r}, of which there is no shadow")
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)
@@ -125,6 +135,10 @@ def shadow(
     count = len(truth.events) if events is None else events
     run = uninterrupted(run_guarded(chosen, scene, events=count + MORE_EVENTS, progress=progress))
     check_trajectory(run, scene, chosen.name, chosen.bits)
+    if scene.gravity is not None and chosen.step is not None:
+        raise SceneError(
+            f"{scene.name!r}: engine {name!r} falls by steps, which is no flight of the law; no shadow is looked for"
+        )
     if not run.events:
         raise SceneError(
             f"{scene.name!r}: engine {name!r} has no event ({run.stop.message}); there is nothing to shadow"
@@ -200,7 +214,7 @@ class _Search:
             time = segment.begin if segment is not None else self.chain[-1].end
             node: list[float] = []
             for i, flights in self.record.flights.items():
-                t, x, y, vx, vy = flights[done[i]]
+                t, x, y, vx, vy = in_the_frame(self.seen, flights[done[i]])
                 node += [x + vx * (time - t), y + vy * (time - t), vx, vy]
             nodes.append(node)
             for i in (i for link in (segment.links if segment else ()) for i in link if i in done):

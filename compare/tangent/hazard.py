@@ -115,6 +115,7 @@ class Course:
         for k, wall in enumerate(scene.walls):
             normal = np.array([float(part) for part in wall.normal])
             self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
+        self._paces = np.array([(float(wall.vx), float(wall.vy)) for wall in scene.walls]).reshape(-1, 2)
 
     def fly(self, time: float) -> None:
         """Goes on to the time of the next event, in flight."""
@@ -123,15 +124,16 @@ class Course:
         self.places += wait * self.speeds
         self.places += wait * wait / 2 * self.pulls
         self.speeds += wait * self.pulls
+        self._walls[:, :2] += wait * self._paces
         self.time = time
 
     def push(self, impact: Impact) -> list[tuple[int, NDArray[np.float64]]]:
         """Carries an impact out: each circle that takes part, and the change of its velocity."""
         a, b, dx, dy, vx, vy, reach, wa, wb = as_doubles(impact)
         if b is None:
-            ux, uy = self.speeds[a]
-            after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
-            changes = [(a, self.share * (after - self.speeds[a]))]
+            came = np.array((vx, vy)) if self._paces.any() else self.speeds[a]  # relative to a wall that moves
+            after = np.array(wall_bounce(came[0], came[1], dx, dy, reach * reach))
+            changes = [(a, self.share * (after - came))]
         else:
             impulse = self.share * np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
             changes = [(a, -wa * impulse), (b, wb * impulse)]
@@ -175,13 +177,7 @@ class Course:
         circles = self._circles(i, [*partners, *(end for thing in things for end in thing.ends)])
         walls = self._walls_of(i, sorted(at), unknown)
         arcs = self._sides_of(i, {side for thing in things for side in thing.sides}) if self._sides else []
-        kinds = [circles, walls, *arcs]
-        found = Others(
-            np.concatenate([kind.places for kind in kinds]),
-            np.concatenate([kind.waits for kind in kinds]),
-            np.concatenate([kind.rates for kind in kinds]),
-            np.concatenate([kind.normals for kind in kinds]),
-        )
+        found = Others(*map(np.concatenate, zip(circles, walls, *arcs, strict=True)))
         self._known[self._event, i] = found
         return found
 
@@ -294,7 +290,8 @@ class Course:
 
     def _walls_of(self, i: int, at: Sequence[int], unknown: int) -> Others:
         """The walls and faces in its way, but for those that it is at, and the nearest where that is not known."""
-        (x0, y0, nx, ny), (x, y), (ux, uy), (gx, gy) = self._walls.T, self.places[i], self.speeds[i], self.pulls[i]
+        (x0, y0, nx, ny), (x, y), (gx, gy) = self._walls.T, self.places[i], self.pulls[i]
+        ux, uy = (self.speeds[i] - self._paces).T
         gap, r = wall_gap(x, y, x0, y0, nx, ny, 0.0), self._radii[i]
         side = np.where((gap < 0) & ~self._is_face, -1.0, 1.0)
         gap = side * gap - r

@@ -122,6 +122,7 @@ def _apex(motion: ExactMotion, link: AtWall, instant: int) -> arb:
     vx, vy = (known_ball(number, BITS) for number in knot[3:5])
     nx, ny = (ball.constant(part) for part in scene.walls[link.wall].normal)
     gx, gy = (ball.constant(part) for part in scene.gravity)
+    vx, vy = (v - ball.constant(u) for v, u in ((vx, scene.walls[link.wall].vx), (vy, scene.walls[link.wall].vy)))
     return -wall_approach(vx, vy, nx, ny) / wall_approach(gx, gy, nx, ny)  # in the falling frame: n.(v + g t) = 0
 
 
@@ -178,8 +179,8 @@ class Impact(NamedTuple):
         time: of the impact.
         a, b: the circles by index; for a wall b is None.
         dx, dy: from a's centre to b's; for a wall its normal, of any length.
-        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a. Under gravity it is the true
-            one, at the impact.
+        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a, less the wall's own. Under
+            gravity it is the true one, at the impact.
         reach: r_a + r_b; for a wall |n|.
         wa, wb: inverse masses; for a wall 0.
         wall: which of the walls, or faces, of `Scene.surfaces` it is at; None for circles, or where that is not known.
@@ -213,17 +214,16 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if walls move or are of kinds of their own, if circles go out of play, touch at time 0 and go on
-            touching, if a restitution is 0, or if there are arcs under gravity.
+        NoTangentMap: if walls are of kinds of their own, if circles go out of play, touch at time 0 and go on
+            touching, if a restitution is 0, or if there are arcs or pockets under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
-    if scene.moving_walls:
-        raise NoTangentMap("the scene has walls that move, of which there is no tangent map yet")
     if other := scene.other_walls:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
-    if scene.gravity is not None and scene.arcs:
-        raise NoTangentMap("the scene has gravity and arcs, of which there is no tangent map yet")
+    if scene.gravity is not None and (scene.arcs or scene.pockets):
+        told = "arcs" if scene.arcs else "pockets"
+        raise NoTangentMap(f"the scene has gravity and {told}, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces
@@ -237,8 +237,9 @@ def check_start(scene: Scene) -> None:
             side = scene.arc_sides[j - beyond]
             closing = side.r * ((a.x - side.x) * a.vx + (a.y - side.y) * a.vy)
         elif j >= len(scene.circles):
-            nx, ny = scene.walls[j - len(scene.circles)].normal
-            closing = nx * a.vx + ny * a.vy
+            wall = scene.walls[j - len(scene.circles)]
+            nx, ny = wall.normal
+            closing = nx * (a.vx - wall.vx) + ny * (a.vy - wall.vy)
         else:
             b = scene.circles[j]
             closing = (b.x - a.x) * (b.vx - a.vx) + (b.y - a.y) * (b.vy - a.vy)
@@ -426,19 +427,20 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         i, j, *_ = link
         ux, uy = speeds[i]
         if is_flat(link):
-            line = state.line(link.circle, link.wall)
+            line, (wx, wy) = state.line(link.circle, link.wall), state.drifts.get(link.wall, (state.zero, state.zero))
+            ux, uy = ux - wx, uy - wy
             yield Impact(
                 state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero, link.wall
             )
             if not together:
                 left = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
-                speeds[i] = _damped(ux, left[0], state.share), _damped(uy, left[1], state.share)
+                speeds[i] = _damped(ux, left[0], state.share) + wx, _damped(uy, left[1], state.share) + wy
             continue
         if is_arc(link):
             j = state.n + link.arc  # a circle that nothing moves, beyond those of the scene
             speeds[j] = state.zero, state.zero
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
-        reach = -state.reach(a, b) if is_arc(link) and link.hollow else state.reach(a, b)
+        reach = -state.reach(a, b) if link.hollow else state.reach(a, b)
         if is_pair(link) and j in state.scene.ends:
             _check_corner(state, link, dx, dy)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
@@ -501,7 +503,7 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     if scene.segments:
         raise NoTangentMap("of segments only runs of the exact engine distinguish faces from ends")
     place = {str(c.id): k for k, c in enumerate(scene.circles)}
-    walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
+    walls = {str(w.id): (float(w.normal[0]), float(w.normal[1]), float(w.vx), float(w.vy)) for w in scene.walls}
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
     speeds = [(float(c.vx), float(c.vy)) for c in scene.circles]
     since = [0.0] * len(speeds)
@@ -518,10 +520,11 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
             i = place[first]
             ux, uy = speeds[i]
             if second in walls:
-                nx, ny = walls[second]
+                nx, ny, wx, wy = walls[second]
+                ux, uy = ux - wx, uy - wy
                 mine.append(Impact(time, i, None, nx, ny, ux, uy, (nx * nx + ny * ny) ** 0.5, 0.0, 0.0))
                 left = wall_bounce(ux, uy, nx, ny, nx * nx + ny * ny)
-                speeds[i] = _damped(ux, left[0], share), _damped(uy, left[1], share)
+                speeds[i] = _damped(ux, left[0], share) + wx, _damped(uy, left[1], share) + wy
                 continue
             j = place[second]
             dx, dy = (float(value) for value in after[j, :2] - after[i, :2])

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.surfaces import parts_of
 from ..foreign.guard import run_guarded
 from ..study import finer_by, series_steps
-from ..tangent.growth import Displacements
+from ..tangent.growth import Displacements, push_together
 from ..tangent.impacts import NoTangentMap, moving, rounds
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
-    from ...scenarios.things import Arc
+    from ...scenarios.things import Arc, Wall
     from ...scenarios.trajectory import Contact, Trajectory
     from ..tangent.impacts import Impact
 
@@ -154,78 +155,6 @@ def _late(reference: Trajectory, run: Trajectory, name: str) -> float | None:
 
 
 # ----------------------------------------
-# What contacts of one circle that push together do to displacements: the derivative of one round of impulses.
-
-
-@dataclass(frozen=True)
-class Pushed:
-    """A round of impulses upon displaced circles.
-
-    Attributes:
-        columns: shape (circles, 4, k), the displacements after it.
-        waits: shape (contacts, k): by how much each displacement delays each contact.
-    """
-
-    columns: NDArray[np.float64]
-    waits: NDArray[np.float64]
-
-
-def push_together(
-    columns: NDArray[np.float64], row: Mapping[int, int], weights: NDArray[np.float64], struck: Sequence[Impact]
-) -> Pushed | None:
-    """Displacements after a round in which contacts push together, each at its own displaced time.
-
-    With J v for the speeds at which the contacts open, and W for the inverse masses, the round adds W J' s to the
-    velocities, where J W J' s = -2 J v. Its derivative, to the first order: J turns with the lines of centres, as
-    they are when each contact comes, and v changes with its displacement; a contact that comes later by tau leaves
-    what it pushes tau times the change of velocity behind. One contact alone gives `pair_tangent`.
-
-    Args:
-        columns: shape (circles, 4, k), displacements at the instant, of the circles that can move.
-        row: the row of each of those circles, by index.
-        weights: inverse masses, by row.
-        struck: the contacts, all with the velocities that the round finds.
-
-    Returns:
-        None where the impulses are not unique: then they have no derivative.
-    """
-    count, errors = len(weights), columns.shape[2]
-    lines, turned = np.zeros((len(struck), count, 2)), np.zeros((len(struck), 2, errors))
-    opening, waits = np.zeros(len(struck)), np.zeros((len(struck), errors))
-    for k, hit in enumerate(struck):
-        a, b, reach = row.get(hit.a), None if hit.b is None else row.get(hit.b), float(hit.reach)
-        normal, speed = np.array([float(hit.dx), float(hit.dy)]) / reach, np.array([float(hit.vx), float(hit.vy)])
-        between = np.zeros((2, errors))
-        for place, side in ((a, 1.0 if hit.b is None else -1.0), (b, 1.0)):
-            if place is not None:
-                lines[k, place] += side * normal
-                between += side * columns[place, :2]
-        opening[k] = normal @ speed
-        waits[k] = -(normal @ between) / opening[k]
-        if hit.b is not None:
-            turned[k] = (between + speed[:, None] * waits[k]) / reach
-    system = np.einsum("kmx,m,lmx->kl", lines, weights, lines)
-    if np.linalg.matrix_rank(system) < len(struck):
-        return None
-    strengths = -2 * np.linalg.solve(system, opening)
-    kicks = np.einsum("m,kmx,k->kmx", weights, lines, strengths)
-    aside = np.zeros((count, 2, errors))
-    faster = np.einsum("kmx,mxe->ke", lines, columns[:, 2:])
-    for k, hit in enumerate(struck):
-        for name, side in ((hit.a, -1.0), (hit.b, 1.0)):
-            place = None if name is None or hit.b is None else row.get(name)
-            if place is not None:
-                aside[place] += side * weights[place] * strengths[k] * turned[k]
-                faster[k] += side * kicks[:, place].sum(axis=0) @ turned[k] / 2
-        faster[k] += np.array([float(hit.vx), float(hit.vy)]) @ turned[k]
-    stronger = np.linalg.solve(system, -2 * faster - np.einsum("kmx,mxe->ke", lines, aside))
-    after = columns.copy()
-    after[:, 2:] += aside + np.einsum("m,kmx,ke->mxe", weights, lines, stronger)
-    after[:, :2] -= np.einsum("kmx,ke->mxe", kicks, waits)
-    return Pushed(after, waits)
-
-
-# ----------------------------------------
 # What has become of an engine's local errors at each event of the true run: carried along by the tangent map.
 
 
@@ -246,8 +175,12 @@ class GrownErrors:
             them faces; then the sides of arcs. Places are in this order.
         places: of circles and walls, by name; of a segment, polygon or arc see `met`.
         parts: of these, by name.
-        position, velocity: shape (circles, 2), where each is at the last event, and how it flies since its own last.
+        position, velocity: shape (circles, 2), where each is at the last event, and how fast, in true coordinates;
+            of those that take part in it, as they come to it, until it is gone through.
         since: the time of each circle's last event.
+        pull: gravity; `falls`, shape (circles, 2), of each circle.
+        walls: (x0, y0, x1, y1) of each, where positions are; `paces` are their velocities.
+        level: of each wall, whether gravity pulls along it.
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
@@ -259,11 +192,16 @@ class GrownErrors:
         self.places = {name: k if k < own else k + more for k, name in enumerate(ids[: own + walls])}
         start = np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in scene.circles])
         self.position, self.velocity = start[:, :2].copy(), start[:, 2:].copy()
-        self._left, self._after, self._read = start[:, :2].copy(), start.copy(), -1
+        self._left, self._sped = start[:, :2].copy(), start[:, 2:].copy()
+        self._after, self._read = start.copy(), -1
         self.radii = np.array([float(c.r) for c in scene.circles])
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self.since = np.zeros(self.count)
-        self.walls = [tuple(float(v) for v in (w.x0, w.y0, w.x1, w.y1)) for w in scene.walls]
+        self.pull = (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
+        self.falls = np.outer(self.weights > 0, self.pull)
+        self.walls = self._begun = [tuple(float(v) for v in (w.x0, w.y0, w.x1, w.y1)) for w in scene.walls]
+        self.paces = [(float(w.vx), float(w.vy)) for w in scene.walls]
+        self.level = [self._is_level(wall) for wall in scene.walls]
         self.first_side = self.count + len(self.walls)
         self.sides = [side for arc in run.scene.arcs for side in NearSide.both(arc)]
         sizes = local.input_unit * np.abs(start)
@@ -271,6 +209,11 @@ class GrownErrors:
         movable = sizes[list(self._row)].reshape(-1)
         self._carried = Displacements(scene, np.diag(movable).reshape(len(self._row), 4, -1))
         self._rounds = _rounds(run)
+
+    def _is_level(self, wall: Wall) -> bool:
+        """Whether gravity pulls along a wall, exactly."""
+        (nx, ny), (gx, gy) = wall.normal, self.scene.gravity or (ZERO, ZERO)
+        return (nx * gx + ny * gy).sign() == 0
 
     def take(self, run: Trajectory) -> None:
         """Goes on along a longer run, whose beginning is the one so far."""
@@ -282,8 +225,9 @@ class GrownErrors:
             event = self.run.events[index]
             met = {k for contact in event.contacts for name in contact if (k := self._circle(name)) is not None}
             time = float(event.time)
-            self._after[:, :2] = self._left + (time - self.since)[:, None] * self.velocity
-            self._after[:, 2:] = self.velocity
+            late = (time - self.since)[:, None]
+            self._after[:, :2] = self._left + late * (self._sped + late / 2 * self.falls)
+            self._after[:, 2:] = self._sped + late * self.falls
             for k in met:
                 c = self.run.circle(self.run.scene.ids[k], event.time)
                 self._after[k] = float(c.x), float(c.y), float(c.vx), float(c.vy)
@@ -294,11 +238,21 @@ class GrownErrors:
         """Adds what flying to an event and predicting it may cost; positions are those at the event from then on."""
         event = self.run.events[index]
         state, time = self._read_off(index), float(event.time)
-        self.position = state[:, :2].copy()
+        self.stand_at(time, state[:, :2].copy())
         for contact, pair in zip(event.contacts, self.met(index), strict=True):
             size = self.local.unit * self._size(pair, time)
             for k in self.movers(contact):
                 self._add(k, np.array([[size, 0.0, 0.0, 0.0], [0.0, size, 0.0, 0.0]]))
+
+    def stand_at(self, time: float, position: NDArray[np.float64]) -> None:
+        """Takes all to a time on their flights, where positions are known to be these."""
+        self.position = position
+        self.velocity = self._sped + (time - self.since)[:, None] * self.falls
+        if self.scene.moving_walls:
+            self.walls = [
+                (x0 + ux * time, y0 + uy * time, x1 + ux * time, y1 + uy * time)
+                for (x0, y0, x1, y1), (ux, uy) in zip(self._begun, self.paces, strict=True)
+            ]
 
     def go_through(self, index: int) -> None:
         """Carries all errors through an event, and adds what its impulses may cost.
@@ -322,6 +276,7 @@ class GrownErrors:
                 self._add(k, np.array([[0.0, 0.0, rounding, 0.0], [0.0, 0.0, 0.0, rounding]]))
         for k in [k for contact in event.contacts for k in self.movers(contact)]:
             self.velocity[k], self.since[k], self._left[k] = after[k], float(event.time), state[k, :2]
+            self._sped[k] = after[k]
 
     def _through(self, struck: Sequence[Impact], index: int) -> None:
         """Carries all errors through a round; contacts that share a circle push together, some later than others."""
@@ -330,7 +285,9 @@ class GrownErrors:
             self._carried.through(struck)
             return
         self._carried.fly(float(struck[0].time))
-        pushed = push_together(self._carried.columns, self._row, self.weights[list(self._row)], struck)
+        turn = 1 + float(self.scene.restitution)
+        weights = self.weights[list(self._row)]
+        pushed = push_together(self._carried.columns, self._row, weights, struck, turn, self.pull)
         if pushed is None:
             raise NoTangentMap(f"event {index}: the impulses of contacts that push together are not unique", index)
         self._carried.columns = pushed.columns
@@ -401,13 +358,16 @@ class GrownErrors:
         found = [0.0]
         for k in [k for k in pair if k < self.count]:
             speed = float(np.linalg.norm(self.velocity[k]))
-            way = speed * (time - float(self.since[k]))
+            late = time - float(self.since[k])
+            way = speed * late + math.hypot(*self.falls[k]) * late * late
             found += [float(np.abs(self.position[k]).max()) + way, float(self.radii[k]), speed * time]
         if pair[1] >= self.first_side:
             side = self.sides[pair[1] - self.first_side]
             found += map(abs, (side.x, side.y, side.r))
         elif pair[1] >= self.count:
-            found += map(abs, self.walls[pair[1] - self.count])
+            wall = pair[1] - self.count
+            found += map(abs, self.walls[wall])
+            found += (abs(pace) * time for pace in self.paces[wall])
         return sum(sorted(found)[-2:])
 
     def movers(self, contact: Contact) -> list[int]:
@@ -442,6 +402,22 @@ def _rounds(run: Trajectory) -> Sequence[Sequence[Sequence[Impact]]]:
 TIGHT = 2.0**-36
 """A margin in doubles is off by some 2**-50 of the scene's measures; one of less than this share of them is taken from
 the exact run instead."""
+
+
+class Apex(NamedTuple):
+    """Where a circle that gravity pulls away from a wall is nearest to it.
+
+    Attributes:
+        wait: how long after the event; below 0 before it.
+        gap: how far it is from the wall then; below 0 where it meets it.
+        room: by how much errors can move that.
+        sooner: for how long before and after the two are not farther than that from it.
+    """
+
+    wait: float
+    gap: float
+    room: float
+    sooner: float
 
 
 @dataclass(frozen=True)
@@ -528,7 +504,11 @@ class Nearby:
 
     def speed(self, i: int, j: int) -> float:
         """How fast the two move against each other."""
-        v = self.grown.velocity[i] if self.is_line(j) else self.relative(i, j)[1]
+        v = (
+            self.grown.velocity[i] - self.grown.paces[j - self.grown.count]
+            if self.is_line(j)
+            else self.relative(i, j)[1]
+        )
         return float(np.hypot(*v))
 
     def apart(self, columns: NDArray[np.float64], i: int, j: int) -> float:
@@ -560,7 +540,13 @@ class Nearby:
             gap, closing = self.wall(i, j)
             if j in self.faces and gap < -self.scale * TIGHT:  # behind it, or beside
                 return None
-            return max(gap, 0.0) / closing if closing > 0 else None
+            gap, pull = max(gap, 0.0), self.pull(i, j)
+            if not pull:
+                return gap / closing if closing > 0 else None
+            square = closing * closing - 2 * pull * gap
+            if square < 0 or (closing <= 0 and pull > 0):
+                return None
+            return 2 * gap / (closing + math.sqrt(square)) if closing > 0 else (closing - math.sqrt(square)) / pull
         d, v = self.relative(i, j)
         reach, side = self.reach(i, j), self.side_of(j)
         b, square = float(d @ v), float(v @ v)
@@ -579,8 +565,27 @@ class Nearby:
     def wall(self, i: int, j: int) -> tuple[float, float]:
         """The gap between a circle and a wall, and the speed at which it closes."""
         nx, ny, side, height = self.side(i, j)
-        vx, vy = self.grown.velocity[i]
+        vx, vy = self.grown.velocity[i] - self.grown.paces[j - self.grown.count]
         return side * height - float(self.grown.radii[i]), -side * float(nx * vx + ny * vy)
+
+    def pull(self, i: int, j: int) -> float:
+        """How fast gravity makes the gap between a circle and a wall grow ever faster: below 0 towards the wall."""
+        if self.grown.level[j - self.grown.count]:
+            return 0.0
+        nx, ny, side, _ = self.side(i, j)
+        gx, gy = self.grown.falls[i]
+        return side * float(nx * gx + ny * gy)
+
+    def apex(self, columns: NDArray[np.float64], i: int, j: int) -> Apex | None:
+        """Where a circle that gravity pulls away from a wall is nearest to it; None of one that it does not."""
+        pull = self.pull(i, j)
+        if pull <= 0:
+            return None
+        gap, closing = self.wall(i, j)
+        nx, ny, _, _ = self.side(i, j)
+        aside = np.array([nx, ny]) @ self.between(columns, i, j, closing / pull)
+        room = float(np.abs(aside).sum()) + self.rounding
+        return Apex(closing / pull, gap - closing * closing / (2 * pull), room, math.sqrt(2 * room / pull))
 
     def side(self, i: int, j: int) -> tuple[float, float, float, float]:
         """The unit normal of a wall, the side on which a circle is, and its height above it."""
@@ -656,7 +661,7 @@ class Nearby:
         """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
         if self.is_line(j):
             nx, ny, side, _ = self.side(i, j)
-            closing = self.wall(i, j)[1]
+            closing = self.wall(i, j)[1] - self.pull(i, j) * (meeting - time)
             if not closing:
                 return np.full(columns.shape[2], math.inf)
             normal = np.array([side * nx, side * ny])
@@ -670,10 +675,15 @@ class Nearby:
     def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:
         """What curvature adds to the delay of the meeting of two round things: all errors across it, to second order.
 
-        Where the two fly head on, errors across their way delay it by nothing to the first order.
+        Where the two fly head on, errors across their way delay it by nothing to the first order. At a wall it is that
+        those of the velocity change how fast it comes, and the bend of a flight that falls.
         """
         if self.is_line(j):
-            return 0.0
+            closing = abs(self.wall(i, j)[1])
+            nx, ny, *_ = self.side(i, j)
+            turned = float(np.abs(np.array([nx, ny]) @ columns[i][2:]).sum())
+            late = self.apart(columns, i, j) / closing if closing else 0.0
+            return late * (turned + abs(self.pull(i, j)) * late) / closing if closing else 0.0
         d, v = self.relative(i, j)
         reach = self.reach(i, j)
         closing = abs(float(d @ v)) / math.sqrt(float(d @ d))

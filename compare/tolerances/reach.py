@@ -123,8 +123,9 @@ class ErrorWalk:
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         scene = run.scene
         beyond = {
-            "walls of other kinds": bool(scene.other_walls), "a restitution below 1": not scene.elastic,
-            "walls that move": bool(scene.moving_walls), "gravity": scene.gravity is not None,
+            "walls of other kinds": bool(scene.other_walls), "restitution 0": scene.restitution.sign() == 0,
+            "gravity and something round and fixed": bool(scene.surfaces.pegs or (scene.gravity and scene.arcs)),
+            "gravity, and the engine falls by steps": scene.gravity is not None and local.order is not None,
         }  # fmt: skip
         for what in (name for name, there in beyond.items() if there):
             told = f"{scene.name!r}: has {what}, where what rounding may do is not bounded yet"
@@ -254,7 +255,10 @@ class ErrorWalk:
         if own is None and (found := self._on_part(index, columns, body, other, time)) is not None:
             return found
         if self.near.is_line(other):
-            return None if own is None else self._order(index, columns, body, other, time, own)
+            turning = _turning(self, index, columns, body, other, time, own is None)
+            if own is None or turning is not None:
+                return turning
+            return self._order(index, columns, body, other, time, own)
         side = self.near.side_of(other)
         d, v = self.near.relative(body, other)
         square, reach = float(v @ v), self.near.reach(body, other)
@@ -283,7 +287,7 @@ class ErrorWalk:
         while index and float(events[index - 1].time) > first - self.local.lateness:
             index -= 1
         time = max(first, float(events[index - 1].time)) if index else first
-        return self._told(index, time, i, j, "whether {} passes {}", gap, room)
+        return self._told(index, time, i, j, "whether {} passes {}", gap, room, in_doubles=self.near.is_line(j))
 
     def _on_part(self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float) -> OutOfReach | None:
         """That a circle meets a face between its ends, or an end beside its faces: the normal turns otherwise there."""
@@ -349,10 +353,16 @@ class ErrorWalk:
         margin: float,
         room: float,
         first: Pairing | None = None,
+        in_doubles: bool = False,
     ) -> OutOfReach | None:
-        """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
+        """The decision, if its margin does not exceed what errors can move it by.
+
+        Args:
+            first: what comes before.
+            in_doubles: whether the margin is known in doubles alone, as which part of a thing is met always is.
+        """
         flown = float(np.hypot(*self.grown.velocity.T).max()) * time
-        if {self.names[i], self.names[j]} & self.grown.parts.keys():  # which part is told by doubles alone
+        if in_doubles or {self.names[i], self.names[j]} & self.grown.parts.keys():
             room = max(room, TIGHT * self.near.scale + FLOWN * flown)
         elif abs(margin) < TIGHT * self.near.scale + FLOWN * flown:
             own = self._pairing(i, j)
@@ -380,9 +390,12 @@ class ErrorWalk:
         if run.reversal is not None and not quiet:
             return None
         columns = grown.at(end)
+        grown.stand_at(end, grown.position)
         grown.position[: len(run.scene.circles)] = run.at(run.final_time).array()[:, :2]
         for i in range(grown.count) if quiet else ():
             for j in range(grown.count, grown.first_side):
+                if self.near.pull(i, j):  # it turns back, or comes for certain
+                    continue
                 moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
                 if grown.weights[i] and abs(moved) <= turned:
                     return self._earliest(_drift(self, end, i, j, abs(moved), turned), end, quiet)
@@ -401,6 +414,9 @@ class ErrorWalk:
         )
         passing = (self._passing(columns, i, j, time, quiet) for i, j in pairs)
         found.extend(passed for passed in passing if passed is not None)
+        walls = ((i, j) for i in range(count) for j in range(count, self.grown.first_side) if weights[i])
+        turning = (_turned(self, columns, i, j, time, quiet) for i, j in walls)
+        found.extend(turned for turned in turning if turned is not None)
         return min(found, key=lambda one: one.event, default=None)
 
     def _passing(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
@@ -430,6 +446,33 @@ def _tied(walk: ErrorWalk, index: int) -> bool:
 def _meeting(walk: ErrorWalk, index: int, body: int) -> Pairing:
     """Whom a circle meets at an event."""
     return walk._pairing(*next(pair for pair in walk.grown.met(index) if body in pair))
+
+
+def _turning(
+    walk: ErrorWalk, index: int, columns: NDArray[np.float64], i: int, j: int, time: float, meets: bool
+) -> OutOfReach | None:
+    """Of a wall that gravity pulls a circle away from: that it reaches it, or has turned back before it."""
+    apex = walk.near.apex(columns, i, j)
+    if apex is None:
+        return None
+    if meets:
+        words = "whether {} reaches {}"
+        return walk._told(index, time, i, j, words, -apex.gap, apex.room, in_doubles=True)
+    if not float(walk.grown.since[i]) < time + apex.wait or apex.wait >= apex.sooner or apex.gap < -apex.room:
+        return None
+    return walk._passed(index, i, j, apex.gap, apex.room, time + apex.wait - apex.sooner)
+
+
+def _turned(
+    walk: ErrorWalk, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool
+) -> OutOfReach | None:
+    """That a circle has turned back before a wall by the end, which gravity pulls it away from."""
+    apex = walk.near.apex(columns, i, j)
+    if apex is None or end + apex.wait <= float(walk.grown.since[i]):
+        return None
+    if apex.wait >= apex.sooner and not quiet:
+        return None
+    return walk._passed(len(walk.run.events), i, j, apex.gap, apex.room, end + apex.wait - apex.sooner)
 
 
 def _drift(walk: ErrorWalk, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
@@ -502,6 +545,7 @@ def number_off(
         places: whether the engine tells where circles are.
     """
     name, run = candidate.engine, candidate.trajectory
+    gravity = reference.scene.gravity or (0, 0)
     latest = latest_so_far(run.events)
     for pair in _pairs(reference, candidate):
         event = reference.events[pair.mine]
@@ -521,10 +565,12 @@ def number_off(
         then = latest[pair.theirs].time
         true, told = reference.circle(pair.body, event.time), run.circle(pair.body, then)
         lag = float(then) - time
+        hx, hy = (lag * float(part) / 2 for part in gravity)  # both at one time, if need be by the law's flight
         apart = math.hypot(
-            float(told.x) - lag * float(told.vx) - float(true.x), float(told.y) - lag * float(told.vy) - float(true.y)
+            float(told.x) - lag * (float(told.vx) - hx) - float(true.x),
+            float(told.y) - lag * (float(told.vy) - hy) - float(true.y),
         )
-        turned = math.hypot(float(told.vx) - float(true.vx), float(told.vy) - float(true.vy))
+        turned = math.hypot(float(told.vx) - 2 * hx - float(true.vx), float(told.vy) - 2 * hy - float(true.vy))
         size, speed = math.hypot(float(true.x), float(true.y)), math.hypot(float(true.vx), float(true.vy))
         rooms = [("place", apart, demand.room(size), "asked for")]
         if reference.scene.reverse_after == pair.mine + 1:

@@ -13,14 +13,15 @@ from fractions import Fraction
 from random import Random
 
 from ...exact.exact_engine import ExactEngine
+from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import Segment
-from ...scenarios.things import Circle, Wall
-from ...scenarios.trajectory import OnProgress, Progress, StopReason
+from ...scenarios.things import Arc, Circle, Wall
+from ...scenarios.trajectory import CircleState, OnProgress, Progress, StopReason
 
-THINGS = ("disc", "wall", "segment")
+THINGS = ("disc", "wall", "segment", "arc")
 """What the disc may meet; a vector has its place here as `thing`."""
 
 KINDS = ("hit", "miss", "near hit", "near miss", "graze", "touching", "scale")
@@ -42,6 +43,9 @@ TRIPLES = ((3, 4, 5), (4, 3, 5), (5, 12, 13), (12, 5, 13), (8, 15, 17), (15, 8, 
 Numbers = tuple[float, float, float, float, float]
 """x, y, r, vx, vy of a disc; x0, y0, x1, y1 and 0 of a wall; x0, y0, x1, y1, r of a segment."""
 
+ArcNumbers = tuple[float, float, float, float, float, float, float]
+"""x, y, r, x0, y0, x1, y1 of an arc; of a full circle both points are its middle."""
+
 
 @dataclass(frozen=True)
 class MeetingQuestion:
@@ -58,7 +62,7 @@ class MeetingQuestion:
     thing: str
     kind: str
     disc: Numbers
-    other: Numbers
+    other: Numbers | ArcNumbers
     level: int | None = None
 
     @property
@@ -68,14 +72,21 @@ class MeetingQuestion:
         Raises:
             SceneError: where they overlap.
         """
-        disc, discs, walls, segments = Circle(*self.disc, id="disc"), list[Circle](), list[Wall](), list[Segment]()
+        discs, walls, segments = [Circle(*self.disc, id="disc")], list[Wall](), list[Segment]()
         if self.thing == "disc":
-            discs.append(Circle(*self.other, id="other"))
+            discs.append(Circle(*self.other[:5], id="other"))
         elif self.thing == "wall":
             walls.append(Wall(*self.other[:4], id="other"))
-        else:
+        elif self.thing == "segment":
             segments.append(Segment(*self.other[:4], id="other", r=self.other[4]))
-        return Scene([disc, *discs], walls, segments=segments, events=1)
+        return Scene(discs, walls, segments=segments, arcs=[self.arc] if self.thing == "arc" else [], events=1)
+
+    @property
+    def arc(self) -> Arc:
+        """The arc, where `thing` is one."""
+        x, y, r, *points = self.other
+        full = points == [x, y, x, y]
+        return Arc(x, y, r, id="other", full=True) if full else Arc(x, y, r, *points, id="other")
 
 
 @dataclass(frozen=True)
@@ -88,7 +99,7 @@ class Vector:
         time: the double nearest to the time of it; 0 where they do not meet.
         rest: the time less that double, as the nearest double: both together have some 106 bits.
         digits: the time in `DIGITS` decimals; "" where they do not meet.
-        part: `face` or `end`, of a segment that is met.
+        part: `face` or `end`, of a segment that is met; `outside`, `inside` or `end`, of an arc.
     """
 
     question: MeetingQuestion
@@ -120,18 +131,27 @@ def answered(question: MeetingQuestion) -> Vector:
     return Vector(question, True, time, rest, event.time.digits(DIGITS), _part(question, run.after(0)["disc"]))
 
 
-def _part(question: MeetingQuestion, state: object) -> str:
-    """Which part of a segment the disc has met: an end, where its centre lies beyond the segment's two points."""
-    if question.thing != "segment":
-        return ""
-    x0, y0, x1, y1, _ = (Fraction(value) for value in question.other)
-    along, length = (x1 - x0, y1 - y0), (x1 - x0) ** 2 + (y1 - y0) ** 2
-    x, y = (getattr(state, key) for key in ("x", "y"))
+def _part(question: MeetingQuestion, state: CircleState) -> str:
+    """Which part of a segment or arc the disc has met: an end, where its centre lies beyond its two points."""
     bits = 400
-    foot = (x.ball(bits) - Quantity.of(x0).ball(bits)) * Quantity.of(along[0]).ball(bits)
-    foot += (y.ball(bits) - Quantity.of(y0).ball(bits)) * Quantity.of(along[1]).ball(bits)
-    inside = foot > 0 and foot < Quantity.of(length).ball(bits)
-    return "face" if inside else "end"
+    x, y = state.x.ball(bits), state.y.ball(bits)
+    if question.thing == "segment":
+        x0, y0, x1, y1 = (Fraction(value) for value in question.other[:4])
+        along, length = (x1 - x0, y1 - y0), (x1 - x0) ** 2 + (y1 - y0) ** 2
+        foot = (x - Quantity.of(x0).ball(bits)) * Quantity.of(along[0]).ball(bits)
+        foot += (y - Quantity.of(y0).ball(bits)) * Quantity.of(along[1]).ball(bits)
+        inside = foot > 0 and foot < Quantity.of(length).ball(bits)
+        return "face" if inside else "end"
+    if question.thing == "arc":
+        arc = question.arc
+        dx, dy, r = x - arc.x.ball(bits), y - arc.y.ball(bits), arc.r.ball(bits)
+        nx, ny, h = (value.ball(bits) for value in arc.chord)
+        with ball.precision(bits):
+            far = ball.root(dx * dx + dy * dy)
+            if not arc.full and not nx * dx + ny * dy > h * far:
+                return "end"
+            return "inside" if far < r else "outside"
+    return ""
 
 
 # -- what is drawn
@@ -154,8 +174,8 @@ def questions(seed: int = 1) -> Iterator[MeetingQuestion]:
 def vectors(count: int, seed: int = 1, progress: OnProgress | None = None) -> Iterator[Vector]:
     """So many vectors of a seed; questions whose two things overlap are left out.
 
-    >>> [(v.question.thing, v.question.kind, v.meets) for v in vectors(3)]
-    [('disc', 'hit', True), ('wall', 'hit', True), ('segment', 'hit', True)]
+    >>> [(v.question.thing, v.question.kind, v.meets) for v in vectors(4)][2:]
+    [('segment', 'hit', True), ('arc', 'hit', True)]
     """
     made = 0
     for question in questions(seed):
@@ -232,7 +252,9 @@ def _short(draw: Random) -> tuple[float, float, float]:
     return draw.randrange(1, 17) / 8, draw.randrange(40, 200) / 4, draw.randrange(1, 32) / 8
 
 
-def _scaled(draw: Random, kind: str, disc: Numbers, other: Numbers, moves: bool) -> tuple[Numbers, Numbers, int | None]:
+def _scaled(
+    draw: Random, kind: str, disc: Numbers, other: Numbers | ArcNumbers, moves: bool
+) -> tuple[Numbers, Numbers | ArcNumbers, int | None]:
     """Lengths, and speeds, times powers of two, for the kind that tries that."""
     if kind != "scale":
         return disc, other, None
@@ -304,9 +326,80 @@ def _one_segment(draw: Random, kind: str) -> MeetingQuestion:
     return MeetingQuestion("segment", kind, disc, other, found.level if scale is None else scale)
 
 
+def _one_arc(draw: Random, kind: str) -> MeetingQuestion:
+    """An arc that is met from outside, from within, or at an end."""
+    where = draw.choice(("outside", "inside", "end"))
+    if where == "inside" and kind not in ("near miss", "graze"):  # what is within cannot pass
+        disc, other, level = _within_arc(draw, kind)
+    else:
+        found = _pass(draw, kind)
+        p, q, reach, level = found.p, found.q, found.reach, found.level
+        if where == "outside":
+            r = reach * draw.choice((1, 2, 3, 5, 6, 7)) / 8  # not as wide as the disc
+            rho, other = reach - r, (0.0, 0.0, r, *_range(draw, -p, -q, wide=kind not in ("hit", "scale")))
+        else:
+            rho, other = reach, _arc_from_origin(draw, found.side * q, -found.side * p)
+        disc = found.dx, found.dy, rho, found.vx, found.vy
+    disc, other, scale = _scaled(draw, kind, disc, other, moves=False)
+    return MeetingQuestion("arc", kind, disc, other, level if scale is None else scale)
+
+
+def _range(draw: Random, p: float, q: float, *, wide: bool) -> tuple[float, float, float, float]:
+    """Two points about the origin between which, counter-clockwise, are all directions at up to 64 degrees from (p, q).
+
+    With `wide` all at up to a right angle, and more. Now and then the full circle.
+    """
+    if draw.random() < 0.3:
+        return 0.0, 0.0, 0.0, 0.0
+    if wide or draw.random() < 0.5:  # all but what is nearest to -(p, q)
+        return -2.0 * p + q, -2.0 * q - p, -2.0 * p - q, -2.0 * q + p
+    return p + 3.0 * q, q - 3.0 * p, p - 3.0 * q, q + 3.0 * p
+
+
+def _within_arc(draw: Random, kind: str) -> tuple[Numbers, ArcNumbers, int | None]:
+    """A disc inside of an arc, which it meets from within, or which it leaves by the opening."""
+    p, q, h = _turned(draw)
+    unit, speed = draw.randrange(1, 17) / 8, draw.randrange(1, 32) / 8
+    side, level = draw.choice((1, -1)), None
+    by, ahead = unit * draw.randrange(0, 28) / 32, unit * draw.randrange(-9, 10) / 32
+    turn = 0.0
+    if kind == "near hit":  # it almost flies along the arc, up to the end of so short a chord
+        level = draw.choice(LEVELS)
+        by, ahead = unit * (1 - math.ldexp(1.0, -level)), 0.0
+    elif kind == "touching":
+        by, ahead = unit, 0.0
+        speed, turn = draw.randrange(-8, 9) / 8, draw.choice((-1, 1)) * draw.randrange(1, 9) / 8
+    elif kind == "miss":
+        speed = -speed
+        ahead = -abs(ahead)
+    by *= side
+    rho = unit * h * draw.randrange(1, 8) / 8
+    if kind == "miss":  # an opening that it leaves by
+        points = p + 3.0 * q, q - 3.0 * p, p - 3.0 * q, q + 3.0 * p
+    elif kind == "touching":
+        points = _range(draw, -by * q, by * p, wide=True)
+    else:
+        points = _range(draw, p, q, wide=level is not None)
+    disc = ahead * p - by * q, ahead * q + by * p, rho, speed * p - turn * q, speed * q + turn * p
+    return disc, (0.0, 0.0, unit * h + rho, *points), level
+
+
+def _arc_from_origin(draw: Random, ax: float, ay: float) -> ArcNumbers:
+    """A half-circle with an end at the origin, on the side of the line through it to which (ax, ay) points."""
+    c, s, h = draw.choice(TRIPLES)
+    s *= draw.choice((1, -1))
+    times = draw.randrange(1, 65, 2) / 16
+    x, y = times * (ax * c - ay * s), times * (ax * s + ay * c)  # a middle whose distance is a double
+    begins, ends = (0.0, 0.0), (2.0 * x, 2.0 * y)
+    if y * ax - x * ay < 0.0:  # it would begin on the other side
+        begins, ends = ends, begins
+    return x, y, times * h * math.isqrt(round(ax * ax + ay * ay)), *begins, *ends
+
+
 DRAWS: dict[str, Callable[[Random, str], MeetingQuestion]] = {
     "disc": _two_discs,
     "wall": _one_wall,
     "segment": _one_segment,
+    "arc": _one_arc,
 }
 """How each of `THINGS` is drawn."""

@@ -142,12 +142,14 @@ class _Cast:
 
     @staticmethod
     def of(question: MeetingQuestion) -> _Cast:
+        if question.thing == "arc":
+            raise SceneError("physics libraries have no arcs")
         x, y, r, vx, vy = question.disc
         if question.thing == "disc":
             vx, vy = vx - question.other[3], vy - question.other[4]
             far = math.hypot(question.other[0] - x, question.other[1] - y) + question.other[2]
         else:
-            x0, y0, x1, y1, thick = question.other
+            x0, y0, x1, y1, thick = question.other[:5]
             far = max(math.hypot(x0 - x, y0 - y), math.hypot(x1 - x, y1 - y)) + thick
         speed = math.hypot(vx, vy)
         time = 2 * (far + r) / speed if speed else 1.0

@@ -10,11 +10,14 @@ from ...scenarios.lazy import VERSION
 from ..writing import check_folder, write_whole
 from .first_meetings import KINDS, THINGS, Vector
 
-FORMAT = "truebreak-vectors-1"
+FORMAT = "truebreak-vectors-2"
 """What the JSON says that it is."""
 
 SOURCES = ("score.c", "formulas.c")
 """Programs in C that are written beside the arrays: the scorer, and three formulas to be scored."""
+
+MOST_NUMBERS = 7
+"""How many numbers the largest thing has; the others are filled up with 0 in C."""
 
 ABOUT = "single first meetings with certified answers: every number of a question is a double, to be taken as it is"
 
@@ -54,8 +57,10 @@ def vectors_header(vectors: Sequence[Vector], command: str) -> Iterator[str]:
     yield f"/* Made by `{command}` (truebreak {VERSION}): {ABOUT}. */\n"
     yield "#ifndef TRUEBREAK_VECTORS_H\n#define TRUEBREAK_VECTORS_H\n\n"
     yield "/* thing: what is met. a: the disc's x, y, r, vx, vy. b: a disc's x, y, r, vx, vy; a wall's x0, y0, x1,\n"
-    yield " * y1, 0; a segment's x0, y0, x1, y1, r. time: the double nearest to when they meet; rest: beyond it. */\n"
-    yield "struct truebreak_vector { int thing, kind, meets; double a[5], b[5], time, rest; };\n\n"
+    yield " * y1; a segment's x0, y0, x1, y1, r; an arc's x, y, r, x0, y0, x1, y1: what lies, counter-clockwise,\n"
+    yield " * from the direction of (x0, y0) to that of (x1, y1), seen from its middle; all, where both are that.\n"
+    yield " * time: the double nearest to when they meet; rest: beyond it. */\n"
+    yield f"struct truebreak_vector {{ int thing, kind, meets; double a[5], b[{MOST_NUMBERS}], time, rest; }};\n\n"
     yield f"enum {{ {', '.join(f'TRUEBREAK_{name.upper()}' for name in THINGS)}, TRUEBREAK_THINGS }};\n"
     yield f"enum {{ TRUEBREAK_KINDS = {len(KINDS)}, TRUEBREAK_VECTORS = {len(vectors)} }};\n"
     for name, words in (("things", THINGS), ("kinds", KINDS)):
@@ -64,7 +69,8 @@ def vectors_header(vectors: Sequence[Vector], command: str) -> Iterator[str]:
     yield "static const struct truebreak_vector truebreak_vectors[TRUEBREAK_VECTORS] = {\n"
     for vector in vectors:
         asked = vector.question
-        disc, other = (", ".join(float(n).hex() for n in numbers) for numbers in (asked.disc, asked.other))
+        padded = *asked.other, *[0.0] * (MOST_NUMBERS - len(asked.other))
+        disc, other = (", ".join(float(n).hex() for n in numbers) for numbers in (asked.disc, padded))
         head = f"{THINGS.index(asked.thing)}, {KINDS.index(asked.kind)}, {int(vector.meets)}"
         yield f"  {{{head}, {{{disc}}}, {{{other}}}, {vector.time.hex()}, {vector.rest.hex()}}},\n"
     yield "};\n\n#endif\n"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol
 
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
@@ -21,8 +21,9 @@ from ..log_symmetry import LogSymmetry, Retrace
 from ..numbers import ball
 from ..numbers.ball import Known, LeavesField, NestedNumbers, field_ball, field_sign, field_text
 from ..numbers.system import Undecided
-from ..question import Decision, Moment, Question
+from ..question import BeforeTime, Decision, Moment, Question, Sooner
 from ..replay.contact import Body, Entry, Link
+from ..replay.landings import ExactMoment, exact_moment, order_exactly
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
 from ..simulation.endings import Accumulating, Rows, true_rows
@@ -123,6 +124,7 @@ RUNGS: tuple[str, ...] = (
     "cascade:InField",
     "cascade:ByWayBack",
     "cascade:ByForm",
+    "cascade:InFractions",
     "cascade:RootsAndBits",
 )
 """From the cheapest up, by module and class: each class makes a rung for one run. A new one is its file, and one line
@@ -223,6 +225,37 @@ class InField:
         else:
             sign = sign_of_root_sum(*(state.numbers.element(part) for part in parts))
         return Decision(sign, "field", _kind(state, bodies) if sign == 0 else TieProof.CONSTRUCTION)
+
+
+class InFractions:
+    """Which of two meetings is first, by the polynomials of which they are zeros, where these are of fractions.
+
+    Under gravity, where square roots do not give the zeros of quartics: no zero of a question is guessed from bits, but
+    the two polynomials have a common divisor with a zero between the bounds of both.
+    """
+
+    def __init__(self, grounds: Grounds) -> None:
+        self._state = grounds.state
+
+    def __call__(self, question: Question) -> Decision | None:
+        """The sign, where both times are zeros of such polynomials, or one is and the other is a fraction."""
+        field = self._state.field
+        if field is None or not field.stands or not isinstance(question, (Sooner, BeforeTime)):
+            return None
+        sooner = isinstance(question, Sooner)
+        moments = (question.first, question.second) if sooner else (question.moment,)
+        if any(moment.graze or not self._is_exact(moment.link) for moment in moments):
+            return None
+        found = [known for moment in moments if (known := exact_moment(field, moment.link)) is not None]
+        if not sooner and question.time is not None and (time := question.time.rational) is not None:
+            found.append(ExactMoment(fmpq_poly([-time, 1]), time - 1, time + 1))
+        if len(found) < 2:
+            return None
+        return Decision(order_exactly(*found), "field", TieProof.RATIONAL)
+
+    def _is_exact(self, link: Link) -> bool:
+        """Whether the circles of a contact that fall are exact: one that stands is as it was."""
+        return all(self._state.exact[i] for i in link.circles if i not in self._state.balls.pegs)
 
 
 def _kind(state: RefinableState, bodies: tuple[int, ...]) -> TieProof:

@@ -277,12 +277,12 @@ class CertifiedMeetings:
             self._precision.rise(why)
 
     def _settled_fall(self, arrival: Arrival[arb], link: Round) -> Arrival[arb] | None:
-        """As `settled`, of a circle that falls onto something round: more bits, and no proof of a graze."""
+        """As `settled`, of a circle that falls onto something round: more bits, unless fractions tell of a graze."""
         spent, predictor = 0, self.predictor
         assert isinstance(predictor, PegPredictor)
         while True:
             found = predictor.in_full(link)
-            if found is None:
+            if found is None or (not spent and not isinstance(found, arb) and predictor.misses_exactly(link)):
                 return None
             if isinstance(found, arb):
                 low, high = ball.double_bounds(found)

@@ -13,8 +13,8 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
-from ..replay.contact import AtArc, AtWall, Body, Link, Pair, Round, is_flat, name_of
-from ..replay.landings import Landing, landing
+from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_flat, name_of
+from ..replay.landings import Landing, landing, never_lands
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
@@ -275,7 +275,7 @@ class PegPredictor(FallingPredictor):
             low, high = self.bounds(time := flight.t + found)
             if low <= a.until:
                 self.queue.push(low, high, time, link)
-                a.until = min(a.until, high)
+                a.until = min(a.until, high) if link.pushes else a.until
         elif found is not None:
             self.plan["unclear in doubles"] += 1
             self.unsure(link)
@@ -287,6 +287,16 @@ class PegPredictor(FallingPredictor):
         state.sync(link.circles)
         found = landing(state.balls, link, inf)
         return state.balls.faller(link).flight.t + found if isinstance(found, arb) else found
+
+    def off_rim(self, link: Entry) -> bool:
+        """Nothing is plain before it is asked: doubles are of the frame that falls."""
+        return False
+
+    def misses_exactly(self, link: Round) -> bool:
+        """Whether a circle whose flight is of fractions surely does not fall onto something round, but may graze it."""
+        state = self.refinable
+        faller = state.balls.faller(link).index
+        return state.field is not None and state.exact[faller] and never_lands(state.field, link)
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""

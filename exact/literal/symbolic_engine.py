@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
+from math import ceil, log
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from sympy import Expr, Integer, Poly, Rational, Symbol
-from sympy.core.evalf import PrecisionExhausted
+from sympy import Expr, Integer, Poly, Symbol
 
 from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_ends
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import ends_of, sides_of
-from ...scenarios.things import Arc, Circle, Wall
+from ...scenarios.things import Arc, Circle, Squeeze, Wall
 from ...scenarios.trajectory import (
     Contact,
     Event,
@@ -46,7 +47,7 @@ from .symbolic_contacts import (
     fall_times,
     touch_times,
 )
-from .symbolic_sign import SymbolicUndecided, normal, quantity, root, sign
+from .symbolic_sign import SymbolicUndecided, above, below, normal, quantity, root, sign, smallest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -200,6 +201,7 @@ class _Run:
     came: dict[Indices, tuple[Disc, ...]] = field(default_factory=dict)
     plan: dict[str, int] = field(default_factory=lambda: {"predictions": 0, "moves": 0})
     whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
+    ending: Any = None
 
     def __post_init__(self) -> None:
         scene = self.scene
@@ -252,6 +254,7 @@ class _Run:
             motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now, self.g),
             reversal=self.reversal,
             plan=self.plan,
+            ending=None if self.ending is None else quantity(self.ending),
         )
 
     def _played(self) -> Stop:
@@ -276,17 +279,26 @@ class _Run:
         del self.events[events:], self.legs[legs:], self.starts[legs:]
 
     def _run(self) -> Stop:
+        endings = _Endings(self)
         while True:
             touching = self._touching()
+            ended = endings.crushed(touching) if sign(self.now) else None
+            if ended is not None:
+                self.now = self.starts[-1]
+                return ended
             outcome = collide(touching, self.scene.tie_policy, self.draw, self.e)
             if outcome.first:
                 self._record(outcome)
-                if len(self.events) == self.limit:
+            resting = self._resting(touching.after({i: (d.vx, d.vy) for i, d in enumerate(self.discs)}))
+            if outcome.first:
+                ended = None if resting else endings.after(outcome.impulses)
+                if ended is not None:
+                    return ended
+                if len(self.events) == self.limit and not resting:
                     return _stop(StopReason.EVENTS, str(self.limit))
                 if self.reversal is None and len(self.events) == self.scene.reverse_after:
                     self._reverse()
                     continue
-            resting = self._resting(touching.after({i: (d.vx, d.vy) for i, d in enumerate(self.discs)}))
             if resting:
                 return _stop(StopReason.REST, resting)
             if self._reversal_due() and sign(self.now - self._reverse_at) == 0:
@@ -309,7 +321,7 @@ class _Run:
         moments = [hit for pair in self.pairs if (hit := self._hit(pair, pair in touching)) is not None]
         if self._reversal_due():
             moments.append(self._reverse_at)
-        soonest = _smallest(moments)
+        soonest = smallest(moments)
         end = self.until.sympy() if self.until is not None else None
         if self.quartics:
             at_end = end is not None and (soonest is None or sign(soonest - end) > 0)
@@ -335,7 +347,7 @@ class _Run:
             self.plan["predictions"] += 1
             own = pair in self.kinds
             times = self._by_kind(pair) if own else self._touches_to_come(self.discs[i], b, touches)
-            found = _smallest(times)
+            found = smallest(times)
             self.hits[pair] = None if found is None else normal(self.now + found)
         elif touches and not (pair[1] >= len(self.discs) and self._still_to_come(pair)):
             self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
@@ -529,8 +541,8 @@ def _refuse_quartics(run: _Run, end: Any) -> None:
         a, b = run.discs[i], run.discs[j]
         x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
         gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
-        low: Any = Poly([_below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
-        last = None if end is None else -_below(run.now - end)
+        low: Any = Poly([below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
+        last = None if end is None else -below(run.now - end)
         if low.eval(0) <= 0 or low.count_roots(0, last):
             raise SymbolicUndecided(
                 f"whether and when {run.names[i]} falls onto {run.names[j]} is told by a zero of a quartic, and "
@@ -538,25 +550,145 @@ def _refuse_quartics(run: _Run, end: Any) -> None:
             )
 
 
-def _below(number: Any) -> Any:
-    """A fraction at or just below a number: itself, where it is one.
+# -- Where infinitely many hits end a run. When that is looked for is what all engines agree on; that a circle meets
+# nothing else until then is proved by bounds of this engine's own, in fractions.
 
-    Raises:
-        SymbolicUndecided: where SymPy does not give sixty digits of it.
-    """
-    if number.is_Rational:
-        return number
-    try:
-        near = Rational(number.evalf(60, strict=True))
-    except PrecisionExhausted:
-        raise SymbolicUndecided("a number cancels by more digits than SymPy follows") from None
-    return near - abs(near) / 10**40
+SHRUNK = 20
+"""Bounces on a wall are told until their speed is 2**-SHRUNK of the first one's."""
+
+SQUEEZED = 31
+"""Bounces between two walls that close are told while more than one part in SQUEEZED + 1 of their time is left."""
 
 
-def _smallest(times: Sequence[Any]) -> Any:
-    """The smallest number, by proved signs; None of none."""
-    found = None
-    for time in times:
-        if found is None or sign(time - found) < 0:
-            found = time
-    return found
+class _Endings:
+    """Looks for them, event by event."""
+
+    def __init__(self, run: _Run) -> None:
+        self.run = run
+        e, self.rows, self.since = float(run.scene.restitution), dict[int, tuple[int, int]](), dict[int, float]()
+        self.enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 and run.scene.gravity is not None else None
+        self.closing = {squeeze.circle: squeeze for squeeze in run.scene.closing}
+
+    def crushed(self, touching: Touching) -> Stop | None:
+        """Whether a circle touches both of two walls that close."""
+        count, pairs = len(self.run.discs), set(touching.pairs)
+        told = (s for s in self.closing.values() if pairs.issuperset((s.circle, count + wall) for wall in s.walls))
+        return next((self._crush(squeeze) for squeeze in told), None)
+
+    def after(self, impulses: Sequence[Indices]) -> Stop | None:
+        """Notes the impulses of an event; what ends the run, if infinitely many of them do."""
+        run, count = self.run, len(self.run.discs)
+        shares = Counter(k for pair in impulses for k in pair if k < count)
+        bounced: list[Indices] = []
+        for pair in impulses:
+            if pair[1] >= count and shares[pair[0]] == 1:
+                bounced.append(pair)
+                continue
+            for k in pair:
+                self.rows.pop(k, None)
+                self.since.pop(k, None)
+        for i, k in bounced:
+            wall, number = self.rows.get(i, (k, 0))
+            self.rows[i] = (k, number + 1 if wall == k else 1)
+            last = self.enough is not None and self.rows[i][1] > self.enough
+            wait = self._wait(i, k) if last else None
+            if wait is not None and self._meets_nothing(i, k - count, wait):
+                run.ending = normal(run.now + wait)
+                told = f"{' and '.join(_contact(run, (i, k)))} by {float(quantity(run.ending)):.12g}"
+                return _stop(StopReason.ACCUMULATION, told)
+        return next((stop for pair in bounced if (stop := self._squeezed(*pair)) is not None), None)
+
+    def _wait(self, i: int, k: int) -> Any:
+        """How long a circle that leaves a wall to which it is pulled will bounce there; None if it is not pulled."""
+        run, line = self.run, self.run.lines[k - len(self.run.discs)]
+        disc, ux, uy = line.seen(run.discs[i]), line.x1 - line.x0, line.y1 - line.y0
+        side = sign(normal(ux * (disc.y - line.y0) - uy * (disc.x - line.x0)))
+        rate, pull = side * (ux * disc.vy - uy * disc.vx), side * (ux * run.g[1] - uy * run.g[0])
+        return normal(-2 * rate / (pull * (1 - run.e))) if sign(normal(pull)) < 0 else None
+
+    def _meets_nothing(self, i: int, own: int, wait: Any) -> bool:
+        """Whether a circle surely meets nothing but one wall for so long: no way of any is long enough."""
+        run = self.run
+        movers: list[Any] = [disc for disc in self.run.discs if disc.m is not None]
+        if len(movers) > 1 and run.scene.moving_walls:
+            return False
+        pull, wait = _length(*run.g), above(wait)
+        energy = sum((above(d.m * (d.vx**2 + d.vy**2)) for d in movers), ZERO)
+        swing = above(root(energy)) + pull * above(root(above(sum((d.m for d in movers), ZERO)))) * wait
+        disc, line = run.discs[i], run.lines[own]
+        pace = _length(disc.vx - line.ux, disc.vy - line.uy) + _length(line.ux, line.uy)
+        way = (pace + pull * wait) * wait
+        for j, other in enumerate(run.discs):
+            its = ZERO if other.m is None else swing * above(1 / root(other.m)) * wait
+            room = above(disc.r + other.r) + way + its
+            if j != i and below((disc.x - other.x) ** 2 + (disc.y - other.y) ** 2) <= room**2:
+                return False
+        heights = ((line, abs(_height(line, disc))) for k, line in enumerate(run.lines) if k != own)
+        return all(below(h) > above(disc.r) + way + _length(line.ux, line.uy) * wait for line, h in heights)
+
+    def _squeezed(self, i: int, k: int) -> Stop | None:
+        """Whether a circle that has bounced on a wall surely bounces between two that close until it has no room."""
+        run, squeeze, count = self.run, self.closing.get(i), len(self.run.discs)
+        if squeeze is None or k - count not in squeeze.walls:
+            self.since.pop(i, None)
+            return None
+        now = float(quantity(run.now))
+        first = self.since.setdefault(i, now)
+        soon = (float(squeeze.time) - now) * SQUEEZED <= now - first
+        within = run.until is None or run.until >= squeeze.time
+        return self._crush(squeeze) if soon and within and self._is_alone(squeeze) else None
+
+    def _is_alone(self, squeeze: Squeeze) -> bool:
+        """Whether, of those between two walls, none can meet another, or a third wall, by when they leave no room."""
+        run, walls = self.run, [self.run.lines[wall] for wall in squeeze.walls]
+        wait, own = above(squeeze.time.sympy() - run.now), run.discs[squeeze.circle]
+        ux, uy = _direction(walls[0])
+        sides = [sign(_height(line, own)) for line in walls]
+        among = {
+            i: d for i, d in enumerate(run.discs) if d.m is None or [sign(_height(line, d)) for line in walls] == sides
+        }
+        movers = {i: disc for i, disc in among.items() if disc.m is not None}
+        if any(self.closing[i].time < squeeze.time for i in movers):
+            return False
+        fall = above(abs(normal(ux * run.g[0] + uy * run.g[1]))) * wait / 2
+        drift = dict.fromkeys(among, ZERO)
+        drift |= {i: (above(abs(normal(ux * d.vx + uy * d.vy))) + fall) * wait for i, d in movers.items()}
+        for i, j in combinations(among, 2):
+            a, b = among[i], among[j]
+            apart = below(abs(normal(ux * (a.x - b.x) + uy * (a.y - b.y))))
+            if (i in movers or j in movers) and apart <= above(a.r + b.r) + drift[i] + drift[j]:
+                return False
+        room = above(sum((abs(_height(line, own)) for line in walls), ZERO))
+        for number, line in enumerate(run.lines):
+            wx, wy = _direction(line)
+            along, across = above(abs(normal(ux * wy - uy * wx))), above(abs(normal(ux * wx + uy * wy)))
+            moved = room * across + _length(line.ux, line.uy) * wait
+            if number not in squeeze.walls and any(
+                below(abs(_height(line, d))) <= above(d.r) + drift[i] * along + moved for i, d in movers.items()
+            ):
+                return False
+        return True
+
+    def _crush(self, squeeze: Squeeze) -> Stop:
+        run, count = self.run, len(self.run.discs)
+        run.ending = squeeze.time.sympy()
+        who, (one, other) = run.names[squeeze.circle], (run.names[count + wall] for wall in squeeze.walls)
+        return _stop(StopReason.CRUSHED, f"{who} between {one} and {other} at {float(squeeze.time):.12g}")
+
+
+def _direction(line: Line) -> tuple[Any, Any]:
+    """Along a wall, of length 1."""
+    ux, uy = line.x1 - line.x0, line.y1 - line.y0
+    length = root(normal(ux**2 + uy**2))
+    return normal(ux / length), normal(uy / length)
+
+
+def _height(line: Line, disc: Disc) -> Any:
+    """The height of a circle's centre over a wall, below 0 on its other side."""
+    ux, uy = _direction(line)
+    return normal(ux * (disc.y - line.y0) - uy * (disc.x - line.x0))
+
+
+def _length(x: Any, y: Any) -> Any:
+    """A fraction at or above the length of a vector."""
+    return above(root(normal(x**2 + y**2)))

@@ -9,10 +9,12 @@ Nothing here is shared with the number systems of the exact engine, whose oracle
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from mpmath.ctx_iv import MPIntervalContext
 from sympy import QQ, Add, Expr, Mul, Pow, Rational, Symbol, ring, sqrt, sqrtdenest
+from sympy.core.evalf import PrecisionExhausted
 
 from ...scenarios.numbers.quantity import Quantity
 
@@ -275,6 +277,35 @@ class Roots:
         if not constant:
             raise ZeroDivisionError("division by a number that is exactly zero")
         return over.mul_ground(1 / constant)
+
+
+def above(number: Any) -> Any:
+    """A fraction at or just above a number."""
+    return -below(-number)
+
+
+def below(number: Any) -> Any:
+    """A fraction at or just below a number: itself, where it is one.
+
+    Raises:
+        SymbolicUndecided: where SymPy does not give sixty digits of it.
+    """
+    if number.is_Rational:
+        return number
+    try:
+        near = Rational(number.evalf(60, strict=True))
+    except PrecisionExhausted:
+        raise SymbolicUndecided("a number cancels by more digits than SymPy follows") from None
+    return near - abs(near) / 10**40
+
+
+def smallest(times: Sequence[Any]) -> Any:
+    """The smallest number, by proved signs; None of none."""
+    found = None
+    for time in times:
+        if found is None or sign(time - found) < 0:
+            found = time
+    return found
 
 
 def _level_of_root(part: Any) -> int:

@@ -164,7 +164,7 @@ class BallState(ReplayState[arb]):
             return t, *self._head_on(dx, dy, vx, vy, reach), None
         square = vx * vx + vy * vy
         root = self.root(square * (reach * reach) - cross * cross)
-        if is_arc(link) and link.hollow:
+        if link.hollow:
             root = -root
         return t, *pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy), root
 

@@ -140,6 +140,7 @@ Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
 # - its gap is a polynomial of the time: `flat`, of degree 1, which falls for good or never, and touches without
 #   approach only along a whole flight; else of degree 2, |d|^2 - R^2, whose discriminant tells a hit, the earlier
 #   zero, from a graze and a miss;
+# - whether it is `hollow`, met from within: its gap falls as |d| grows, and the later zero counts;
 # - whether it `pushes`; what does not is no obstacle, but reckoned like one: a flight may begin inside of it;
 # - `rank`: its place among contacts of one circle;
 # - what remains of the gap after a contact: its zero at the instant is never looked for again, as contacts at gap
@@ -178,7 +179,7 @@ class Pair(NamedTuple):
     b: int
 
     pushes = True
-    flat = False
+    flat = hollow = False
     rank = 0
     gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 
@@ -213,6 +214,7 @@ class AtWall(NamedTuple):
 
     pushes = True
     flat = True
+    hollow = False
     rank = 1
 
     @property
@@ -324,8 +326,7 @@ class Entry(NamedTuple):
     pocket: int
     kind: str = "pocket"
 
-    pushes = False
-    flat = False
+    pushes = flat = hollow = False
     rank = 2
     gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 

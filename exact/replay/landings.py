@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from math import inf
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
-from flint import arb, fmpq
+from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.numbers.quantity import Quantity
-from ..laws.formulas import arc_range, pair_gap
-from ..numbers.ball import bits_in_use, sign_of
+from ..laws.formulas import arc_range, pair_approach, pair_gap
+from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, sign_of
 from ..numbers.system import M, N
-from .contact import AtArc, Round, can_push, is_arc
+from .contact import AtArc, Link, Round, can_push, is_arc, is_flat, is_pair
 from .round_falls import (
     EXACT_WEIGHTS,
     GREATEST,
@@ -26,7 +26,9 @@ from .round_falls import (
     bits_of,
     doubles_of,
     falling_zero,
+    falling_zero_exactly,
     falling_zero_in_balls,
+    halved,
     horner,
     horner_slope,
     last_zero,
@@ -81,7 +83,7 @@ Landing: TypeAlias = arb | Unclear | None
 def gap_of(link: Round, fall: RoundFall[N], stood: bool) -> tuple[N, ...]:
     """The gap of a contact as a polynomial of the time: above 0 where they are apart (see `RoundFall.polynomial`)."""
     found = fall.polynomial(stood)
-    return tuple(-value for value in found) if is_arc(link) and link.hollow else found
+    return tuple(-value for value in found) if link.hollow else found
 
 
 class Unsharp(ZeroDivisionError):
@@ -114,7 +116,7 @@ def landing(state: Flights[arb], link: Round, end: float) -> Landing:
     at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
     fall = at_clock if late is None else at_clock.after(late)
     gap = gap_of(link, fall, stood)
-    hollow = is_arc(link) and link.hollow
+    hollow = link.hollow
 
     def value(s: arb) -> arb:
         x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
@@ -176,12 +178,11 @@ def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], b
     mids, exact = doubles_of(c)
     if c[0] < 0 and falling_zero([-value for value in mids], exact, end) is None:
         return  # it never rises
-    if c[0] > 0:
-        first = falling_zero(mids, exact, end)
-        if first is None:
-            return
-        if isinstance(first, Isolated):
-            yield first
+    first = falling_zero(mids, exact, end) if c[0] > 0 else Unclear(0.0)
+    if first is None:
+        return
+    if isinstance(first, Isolated):
+        yield first
     # Beyond all zeros at which it falls: with a leading coefficient above 0 those lie before the last zero of the
     # derivative, whose coefficients have the same signs as those of the powers from the first on, and smaller ratios.
     last = last_zero(mids, exact)
@@ -206,7 +207,8 @@ def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], b
             if changes == 0 or (changes == 1 and signs[0] == -1):
                 continue
             if changes == 1:
-                yield Isolated(low, high)
+                if isinstance(first, Unclear) or not _holds(low, high, first):
+                    yield Isolated(low, high)
                 continue
         if beyond(low, high):
             continue
@@ -225,6 +227,94 @@ def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], b
         stack.append((low, at, left, depth + 1))
 
 
+def _holds(low: fmpq, high: fmpq, zero: Isolated) -> bool:
+    """Whether what is between two fractions holds the ends of another zero, which is then its own."""
+    one, other = (fmpq(*end.as_integer_ratio()) if isinstance(end, float) else end for end in zero)
+    return bool(low <= one) and bool(other <= high)
+
+
+# -- The same in fractions, where the gap of a contact is a polynomial of them: by its factors, and common divisors.
+
+
+class ExactMoment(NamedTuple):
+    """A zero of a polynomial of the time with fractions for coefficients: it has no double zero, and this one alone
+    between two times."""
+
+    factor: fmpq_poly
+    low: fmpq
+    high: fmpq
+
+
+def gap_in_fractions(state: Flights[FieldNumber], link: Link) -> tuple[fmpq, list[fmpq]] | None:
+    """The clock of a contact, and its gap as a polynomial of the time from then on; None where these are no fractions,
+    or where the gap is not above zero as the flight begins, nor zero and divided out."""
+    try:
+        if is_flat(link):
+            flight = state.bodies[link.circle].flight
+            if state.falling is None or state.scene.gravity is None or link.wall in state.drifts:
+                return None
+            fall = state.fall(state.falling, link)
+            clock, found = flight.t, [fall.gap, fall.approach, fall.half]
+            found = found[1:] if fall.gap == 0 else found  # as after a bounce
+        elif state.on_peg(link):
+            clock = state.faller(link).flight.t
+            found = [*gap_of(link, state.peg_fall(link), state.stood(link))]
+        else:
+            clock, dx, dy, vx, vy, reach = state.relation(link)
+            along = pair_approach(dx, dy, vx, vy)
+            found = [pair_gap(dx, dy, reach), along + along, vx * vx + vy * vy]
+    except LeavesField:
+        return None
+    while len(found) > 1 and found[-1] == 0:
+        found.pop()
+    fractions = [value for value in (clock, *found) if isinstance(value, fmpq)]
+    if len(fractions) <= len(found) or not fractions[1] > 0:
+        return None
+    return fractions[0], fractions[1:]
+
+
+def never_lands(state: Flights[FieldNumber], link: Round) -> bool:
+    """Whether the gap of a contact is known as a polynomial of fractions that never falls through zero: two that miss
+    each other, or graze, which its factors tell."""
+    known = gap_in_fractions(state, link)
+    return known is not None and isinstance(falling_zero_exactly(known[1]), bool)
+
+
+def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:
+    """When a contact that is certain to come does, as a zero of a polynomial of fractions; None where it is none.
+
+    Of part of an arc, where that need not be the first zero, nothing is said.
+    """
+    if not is_flat(link) and is_arc(link) and not state.scene.arc_sides[link.arc].full:
+        return None
+    known = gap_in_fractions(state, link)
+    found = False if known is None else falling_zero_exactly(known[1])
+    if known is None or isinstance(found, bool):
+        return None
+    clock = known[0]
+    return ExactMoment(found.factor(fmpq_poly([-clock, 1])), found.low + clock, found.high + clock)
+
+
+def order_exactly(one: ExactMoment, other: ExactMoment) -> int:
+    """Whether a zero comes before (negative), with (zero) or after (positive) another: with it where a common divisor
+    of their polynomials has a zero between the bounds of both.
+
+    >>> two, same = fmpq_poly([-2, 0, 1]), fmpq_poly([-6, -2, 3, 1])
+    >>> order_exactly(ExactMoment(two, fmpq(1), fmpq(3)), ExactMoment(same, fmpq(0), fmpq(2)))
+    0
+    >>> order_exactly(ExactMoment(two, fmpq(1), fmpq(3)), ExactMoment(fmpq_poly([-2, 1]), fmpq(1), fmpq(5)))
+    -1
+    """
+    common = one.factor.gcd(other.factor)
+    while True:
+        low, high = max(one.low, other.low), min(one.high, other.high)
+        if not low < high:
+            return -1 if one.high <= other.low else 1
+        if common.degree() > 0 and common(low) * common(high) < 0:
+            return 0
+        one, other = (ExactMoment(each.factor, *halved(each.factor, each.low, each.high)) for each in (one, other))
+
+
 # -- The same in numbers that answer at once.
 
 SHARPENINGS = 8
@@ -241,10 +331,12 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
     the state's own numbers. Two that rounding has put into each other collide at once where they approach, and
     else meet again as if they touched.
     """
-    fall, stood, hollow = state.peg_fall(link), state.stood(link), is_arc(link) and link.hollow
+    fall, stood, hollow = state.peg_fall(link), state.stood(link), link.hollow
     still, approach = fall.gap(), fall.approach()
     if hollow:
         still, approach = -still, -approach
+    if stood and is_pair(link) and approach < state.zero:  # a push that rounding has left without effect
+        return state.zero
     if not stood and not still > state.zero and _is_put_into(state, link, fall):
         if approach < state.zero and can_push(link):
             return state.zero

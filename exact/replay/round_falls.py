@@ -17,7 +17,19 @@ from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
 from ..numbers.system import N
-from .contact import AtArc, Body, Gravity, Link, Relation, Round, is_arc, is_flat, is_pair, touching_at_start
+from .contact import (
+    AtArc,
+    Body,
+    Gravity,
+    Link,
+    Relation,
+    Round,
+    is_arc,
+    is_flat,
+    is_pair,
+    rims_at_start,
+    touching_at_start,
+)
 
 # -- A disc that falls, d from its centre to that of something round and fixed, v the velocity of d, h half of gravity:
 # after a time s their centres are d + v s - h s^2 apart, and the gap is a quartic. It is positive as the flight begins,
@@ -425,7 +437,7 @@ def falling_zero_exactly(c: Sequence[fmpq]) -> ExactZero | bool:
             break
         if touched[0] > high:
             break
-        (low, high), touched = _halved(odd, low, high), _halved(even, *touched)
+        (low, high), touched = halved(odd, low, high), halved(even, *touched)
     return ExactZero(odd, low, high, grazes)
 
 
@@ -447,7 +459,7 @@ def told_falling_zero(c: Sequence[float]) -> float | None:
         return None
     low, high = exact.low, exact.high
     for _ in range(60):
-        low, high = _halved(exact.factor, low, high)
+        low, high = halved(exact.factor, low, high)
     middle = (low + high) / 2
     return int(middle.p) / int(middle.q)
 
@@ -468,7 +480,7 @@ def _sign(value: fmpq) -> int:
     return (value > 0) - (value < 0)
 
 
-def _halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
+def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     """Half of an interval, or a little more, with the zero at which a polynomial changes sign there."""
     before = _sign(poly(low))
     for share in SPLITS:
@@ -613,7 +625,7 @@ class RoundFalls(Generic[N]):
         last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
         begun = links if at == last else frozenset[Link]()
         if last == 0:
-            begun = begun.union(touching_at_start(self.scene))
+            begun = begun.union(touching_at_start(self.scene), rims_at_start(self.scene))
         if link in begun or not is_arc(link):
             return link in begun
         return any(is_arc(other) and self._is_as_far(link, other) for other in begun)

@@ -24,7 +24,7 @@ from ..laws.formulas import (
     wall_bounce,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch
+from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch, can_push
 from .round_falls import RoundFalls
 from .wall_flights import WallFlights
 
@@ -344,6 +344,8 @@ class ReplayState(Flights[N]):
         self.steps_done += 1
         if type(step) is Go:
             self.go(step.source, step.bodies)
+            if self.stands and isinstance(step.source, tuple) and not can_push(step.source):
+                self.note_stood((step.source,))
         elif type(step) is Kick:
             self.kick(step.links)
             if self.stands:

@@ -25,7 +25,7 @@ from ..laws.formulas import (
 )
 from ..numbers.system import M, Undecided
 from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Question, Within
-from ..replay.contact import AtArc, AtWall, Body, Gravity, Link, Pair, Round
+from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round
 from ..replay.landings import arc_chord
 from ..replay.state import ReplayState
 from ..replay.wall_flights import SeenWall, along_of, fall_of
@@ -216,7 +216,8 @@ def predict_falls(
     gone: Collection[int],
     walls: Callable[[Sequence[Body[M]], Collection[Link]], None],
 ) -> None:
-    """As `Predictor.predict`, where circles stand under gravity: walls first, then those, then circles that fall."""
+    """As `Predictor.predict`, where something round stands under gravity: walls and arcs first, then circles that stand
+    and rims, then circles that fall."""
     pegs = predictor.scene.pegs
     moved = [a for a in moved if a.index not in gone]
     walls([a for a in moved if a.index not in pegs], standing)
@@ -233,6 +234,8 @@ def predict_falls(
         for b in others:
             if b.index in pegs:
                 predictor.land(a, Pair(*sorted((a.index, b.index))), standing)
+        for k in range(len(predictor.scene.pockets)):
+            predictor.land(a, Entry(a.index, k), standing)
         predictor.pairs(a, movers, standing)
         predicted += len(others)
     if moved:

@@ -8,6 +8,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast, overload
 
 from flint import arb, arb_mat
@@ -382,7 +383,7 @@ class RunLog:
     """A scene and the log of its run: enough to compute every number of the run again.
 
     Attributes:
-        scene: the scene.
+        given: the scene; `scene` is as engines see it.
         steps: the log.
         lost: how many bits of its precision the run lost, at most, in the time of an event.
         centred: whether that was with the deviations in a set (see `CentredState`).
@@ -392,12 +393,17 @@ class RunLog:
     events: PackedRecords | None = None
 
     def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
-        self.scene = scene.surfaces
+        self.given = scene
         self.steps = steps
         self.lost = lost
         self.centred = centred
         self._reached: dict[tuple[int, int], CentredState] = {}
         self._too_deep: list[frozenset[int]] = []
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with its faces, ends and arcs."""
+        return self.given.surfaces
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""

@@ -251,6 +251,10 @@ class Endings:
             dx, dy, r = x - ball.constant(side.x), y - ball.constant(side.y), ball.constant(side.r)
             if r > 0 and not abs((dx * dx + dy * dy).sqrt() - r) > radii[i] + way:
                 return False
+        for pocket in self.scene.pockets:
+            dx, dy = x - ball.constant(pocket.x), y - ball.constant(pocket.y)
+            if not abs((dx * dx + dy * dy).sqrt() - ball.constant(pocket.r)) > way:
+                return False
         for k, wall in enumerate(self.scene.walls):
             if k != link.wall:
                 nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))

@@ -284,7 +284,7 @@ class Resolver(Generic[N, K]):
             return False  # whatever falls along something round leaves it, or ends the run (see `Endings`)
         if self.decider.ask(RelativeSpeed(link)) == 0:
             return True
-        if is_arc(link) and link.hollow:
+        if link.hollow:
             who = name_of(self.scene, link)
             raise Undecided(
                 f"{who} touch from within, and the flight is along the arc, which no straight one can follow"
@@ -331,6 +331,12 @@ class Resolver(Generic[N, K]):
             if (self._moves_in(link, link in rims, done) if link.circle in done.moved else link in arriving)
         ]
         done.entries += found
+        if self.scene.gravity is not None:  # a parabola may leave, and enter again: it is looked at anew from here
+            for link in found:
+                if link.circle not in done.moved and done.number > 0:
+                    self.decider.do(Go(link, (link.circle,)))
+                    done.moved.add(link.circle)
+                    done.standing[link] = -1
         if self.scene.capture:
             for i in dict.fromkeys(link.circle for link in found):
                 self._capture(next(link for link in found if link.circle == i), done)

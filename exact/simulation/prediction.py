@@ -657,7 +657,7 @@ def earliest_possible(state: ReplayState[M], link: Link, bounds: Callable[[M], t
         speed = -link.approach(state)
     else:
         _, dx, dy, vx, vy, reach = state.relation(link)
-        reach = -reach if is_arc(link) and link.hollow else reach
+        reach = -reach if link.hollow else reach
         gap = gap / (state.root(dx * dx + dy * dy) + reach)
         speed = state.root(vx * vx + vy * vy)
     least_gap, top_speed = bounds(gap)[0], bounds(speed)[1]

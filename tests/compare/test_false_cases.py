@@ -18,6 +18,7 @@ from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.cli.progress import of_comparison
 from truebreak.compare.foreign.guard import wider_of
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
+from truebreak.compare.study import Study
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
 from truebreak.scenarios.files import load_scene
@@ -256,6 +257,30 @@ def test_at_a_proved_tie_wider_numbers_are_tried_once(monkeypatch: pytest.Monkey
     assert found.diagnosis.name is CauseName.TIE
     assert "with 106 bits it stops there too" in found.diagnosis.finding
     assert set(tried) == {53}  # wider ones than 106 are not asked for
+
+
+def test_at_a_proved_zero_one_much_wider_run_is_all_that_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[int | None] = []
+    true = Study.whole_run
+    monkeypatch.setattr(
+        Study, "whole_run", lambda self, engine, *rest: ran.append(engine.bits) or true(self, engine, *rest)
+    )
+    found = compare(catalogue.build("grazing"), ["interval"]).candidates[0]
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.ZERO
+    assert "graze" in found.diagnosis.finding
+    assert "with 848 bits it stops there too" in found.diagnosis.finding
+    assert ran == [106, 848]
+
+
+def test_a_zero_that_is_there_is_not_blamed_for_what_wider_numbers_decide() -> None:
+    """Two fly along a wall, which is exactly zero, and one of them misses a third by less than 106 bits can tell."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(4, "2 + 1/2**150")], [Wall(0, -5, 1, -5)], until=20)
+    assert stops.exact_zero(engine("exact").run(scene), 0) is not None
+    found = compare(scene, ["interval"]).candidates[0]
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.WIDTH
+    assert "with 848 bits it goes on past event 0, with 106 it does not" in found.diagnosis.finding
 
 
 def test_a_stop_beside_a_tie_is_not_called_one() -> None:

@@ -7,7 +7,9 @@ import math
 from fractions import Fraction
 from random import Random
 
+import edge_campaign
 import pytest
+import segment_referee
 from arc_referee import ArcReferee
 from arc_scenes import scene_of
 from flint import arb
@@ -81,6 +83,20 @@ def test_scenes_agree_with_the_referee():
     assert {seed: told for seed, scene in scenes if (told := differs(scene))} == {}
     stops = [ExactEngine().run(scene, until=UNTIL, events=EVENTS).stop.message for _, scene in scenes]
     assert sum(AT_END in message or ALONG in message for message in stops) <= 3  # refused by name: no more than that
+
+
+def test_scenes_with_older_ingredients_agree_with_the_referee(monkeypatch):
+    """The beginning of the campaign `edge_campaign.py --arcs`; a referee that forgets to turn is seen."""
+    monkeypatch.setattr(segment_referee, "DIGITS", edge_campaign.FINE[0])
+    monkeypatch.setattr(segment_referee, "SAME", edge_campaign.FINE[1])
+    rows = [row for seed in range(30) if (row := edge_campaign.verdict(seed, edge_campaign.BOWS)) is not None]
+    assert len(rows) > 20
+    assert [row for row in rows if row["outcome"] not in ("ok", "no normal", "undecided")] == []
+    assert sum(row["outcome"] == "ok" for row in rows) > 20
+    monkeypatch.setattr(edge_campaign.OlderReferee, "turn_at", property(lambda self: None, lambda self, _: None), False)
+    drawn = ((seed, edge_campaign.scene_of(seed, edge_campaign.BOWS)) for seed in range(150))
+    turned = [seed for seed, aged in drawn if aged is not None and aged.scene.reverse_at is not None]
+    assert any(edge_campaign.verdict(seed, edge_campaign.BOWS)["outcome"] == "failure" for seed in turned)
 
 
 def _outer_zero(monkeypatch):

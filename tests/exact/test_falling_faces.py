@@ -11,7 +11,6 @@ import pytest
 from face_referee import FaceReferee, NotForThis, TieMet
 from mpmath import mpf, workdps
 
-from truebreak.compare.audit.audit import audit_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.simulation import arc_meetings
@@ -307,11 +306,3 @@ def test_the_engine_without_faces_that_fall_refuses_by_one_line() -> None:
 def test_no_run_is_turned_back_where_something_has_ends() -> None:
     with pytest.raises(SceneError, match="segment 'bar' is there, and no run is turned back there; leave reverse_at"):
         Scene([Circle(0, 6)], segments=[BAR], gravity=(0, -10), reverse_at=3)
-
-
-def test_what_does_not_know_faces_under_gravity_says_so_in_one_line() -> None:
-    scene = Scene([Circle(0, 6, id="ball")], [FLOOR], segments=[BAR], gravity=(0, -10))
-    audit = audit_run(DoubleEngine().run(scene, events=3), DoubleEngine())
-    assert audit.kept is None
-    assert "what is round and fixed is not audited yet under gravity" in str(audit.sentence)
-    assert "\n" not in str(audit.sentence)

@@ -15,16 +15,13 @@ from mpmath import mpf, workdps
 
 from truebreak.compare.adapters.box2d import Box2DEngine
 from truebreak.compare.audit.audit import audit_run
+from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.deadline import Clock
 from truebreak.compare.grids.row import energy_drift, energy_gained
 from truebreak.compare.report.documents import trajectory_json
 from truebreak.compare.report.floats import floats_csv
 from truebreak.compare.report.listing import print_trajectory
 from truebreak.compare.report.player import played
-from truebreak.compare.shadowing.shadows import shadow
-from truebreak.compare.tangent.impacts import check_start
-from truebreak.compare.tolerances.errors_grown import local_error
-from truebreak.compare.tolerances.reach import reach_of
 from truebreak.compare.validation import unsupported
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
@@ -405,13 +402,8 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "cannot be turned back, as walls go on; leave reverse_at out"),
         (lambda: scene.with_changes(reverse_after=1), "leave reverse_after out"),
-        (lambda: shadow(scene), "walls that move"),
-        (lambda: check_start(scene), "walls that move"),
+        (lambda: chaos(scene, events=4), "walls that move, and exponents are those of a scene that stays as it is"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
-        (
-            lambda: reach_of(ExactEngine().run(scene, events=2), local_error(DoubleEngine(), None, 53)),
-            "walls that move",
-        ),
     ):
         with pytest.raises(Exception, match=told) as error:
             build()

@@ -8,17 +8,18 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from flint import fmpq, fmpq_poly
 from mpmath import mpf, workdps
 from peg_referee import NotForThis, PegReferee, TieMet
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal import symbolic_engine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
-from truebreak.exact.replay import round_falls, state
+from truebreak.exact.replay import landings, round_falls, state
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Segment, Trajectory, Wall
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall
 from truebreak.scenarios.errors import NoClosedForm
-from truebreak.scenarios.trajectory import StopReason
+from truebreak.scenarios.trajectory import StopReason, TieProof
 
 FLOOR = Wall(0, -2, 1, -2, id="floor")
 SIDES = [Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")]
@@ -188,20 +189,91 @@ def test_a_ball_beside_the_axis_leaves_it_soon() -> None:
     assert 8 < len(run.events) < 30
 
 
-def test_a_graze_is_undecided_and_says_which_and_why() -> None:
+def test_a_touch_without_approach_is_undecided_and_says_which_and_why() -> None:
     # thrown so that the top of its way is where it touches: |d| = R there, and d.v = 0
     peg = Circle(-2, 2, "1/2", m="oo", id="peg")
-    scene = Scene([Circle(-2, 3, "1/2", vx=4, vy=0, id="ball"), peg], gravity=(0, -1))
+    scene = Scene([Circle(-2, 3, "1/2", vx=4, vy=0, id="ball"), peg], [], gravity=(0, -1))
     run = ExactEngine(max_bits=2000).run(scene, events=5)
     assert run.stop.reason is StopReason.UNDECIDED
     assert "ball and peg" in run.stop.message
     assert "neither approach nor part" in run.stop.message
-    peg = Circle(1, "3/2", "1/2", m="oo", id="peg")
-    passing = Scene([Circle(0, 0, "1/2", vx=1, vy=1, id="ball"), peg], gravity=(0, -1))
-    run = ExactEngine(max_bits=2000).run(passing, events=5)
+
+
+def passing(off: str) -> Scene:
+    """A ball whose way has its top below a peg, which it grazes there; the peg is so much higher."""
+    peg = Circle(1, f"3/2+({off})", "1/2", m="oo", id="peg")
+    return Scene([Circle(0, 0, "1/2", vx=1, vy=1, id="ball"), peg], gravity=(0, -1))
+
+
+def test_a_graze_is_told_by_factors_where_coefficients_are_fractions() -> None:
+    counts = [len(ExactEngine(max_bits=2000).run(passing(o), events=5).events) for o in ("0", "10**-30", "-10**-30")]
+    assert counts == [0, 0, 1]
+    run = ExactEngine(max_bits=2000).run(passing("0"), events=5)
+    assert run.stop.reason is StopReason.QUIET
+
+
+def test_a_graze_of_other_numbers_is_undecided_and_says_why() -> None:
+    scene = passing("0")
+    root = Quantity.of("sqrt(2)")
+    wide = [Circle(c.x * root, c.y * root, c.r * root, c.vx * root, c.vy * root, c.m, id=c.id) for c in scene.circles]
+    run = ExactEngine(max_bits=2000).run(Scene(wide, gravity=(0, -root)), events=5)
     assert run.stop.reason is StopReason.UNDECIDED
     assert "ball and peg hit, graze or miss" in run.stop.message
     assert "zero of a quartic, which no field holds" in run.stop.message
+
+
+def at_once(off: str, kind: str) -> Scene:
+    """A ball that falls onto the top of a peg by 3 in sqrt(3); another that meets something then, or a little later."""
+    circles = [Circle(0, 4, "1/2", id="A"), Circle(0, 0, "1/2", m="oo", id="p")]
+    if kind == "wall":
+        circles.append(Circle(10, f"5/2+({off})", "1/2", vx=1, id="B"))
+    else:  # beside the top of another
+        circles += [Circle(10, f"19/5+({off})", "1/2", id="B"), Circle("10-3/5", 0, "1/2", m="oo", id="q")]
+    return Scene(circles, [Wall(0, -1, 1, -1, id="floor")], gravity=(0, -2))
+
+
+@pytest.mark.parametrize("kind", ["wall", "peg"])
+def test_a_tie_of_zeros_of_fractions_is_told_by_their_common_divisor(kind: str) -> None:
+    runs = {off: ExactEngine(max_bits=2000).run(at_once(off, kind), events=1) for off in ("0", "10**-30", "-10**-30")}
+    other = {"wall": ("B", "floor"), "peg": ("B", "q")}[kind]
+    assert [[*map(tuple, run.events[0].contacts)] for run in runs.values()] == [
+        [("A", "p"), other], [("A", "p")], [other]
+    ]  # fmt: skip
+    (tie,) = runs["0"].events[0].ties
+    assert tie.proof is TieProof.RATIONAL
+    with workdps(40):
+        assert abs(mpf(runs["0"].events[0].time.digits(35)) ** 2 - 3) < mpf(10) ** -30
+
+
+def test_a_horizon_at_a_zero_of_fractions_is_told() -> None:
+    ball = [Circle(0, 5, "1/2", id="A"), Circle(0, 0, "1/2", m="oo", id="p")]
+    scene = Scene(ball, gravity=(0, -2))
+    assert [len(ExactEngine(max_bits=2000).run(scene, until=t).events) for t in ("2", "2-10**-30")] == [1, 0]
+
+
+def drawn_zeros(rng: random.Random) -> tuple[list[int], fmpq_poly]:
+    """Squares of zeros, and a polynomial that has their square roots, times a fraction, and one positive zero each."""
+    squares = rng.sample(range(1, 9), rng.randint(1, 2))
+    poly = fmpq_poly([rng.randint(1, 9)])
+    for square in squares:
+        poly *= fmpq_poly([-square, 0, 1])
+    return squares, poly * fmpq_poly([rng.randint(1, 5), 1])
+
+
+def test_common_divisors_order_zeros_as_they_are() -> None:
+    """Square roots of whole numbers, as far apart as they are, or the same; a shared zero elsewhere is none."""
+    rng, met = random.Random(7), Counter[tuple[int, bool]]()
+    for _ in range(400):
+        (mine, one), (theirs, two) = drawn_zeros(rng), drawn_zeros(rng)
+        a, b = rng.choice(mine), rng.choice(theirs)
+        ends = [
+            (fmpq(int(10**3 * square**0.5) - 3, 10**3), fmpq(int(10**3 * square**0.5) + 5, 10**3)) for square in (a, b)
+        ]
+        found = landings.order_exactly(landings.ExactMoment(one, *ends[0]), landings.ExactMoment(two, *ends[1]))
+        assert found == (a > b) - (a < b)
+        met[found, one.gcd(two).degree() > 0] += 1
+    assert all(met[sign, shared] > 5 for sign in (-1, 1) for shared in (True, False))
+    assert met[0, True] > 5
 
 
 def test_a_tie_without_proof_is_undecided_and_says_why() -> None:

@@ -17,7 +17,7 @@ from truebreak.exact.replay.contact import AtWall, Pair, part_at
 from truebreak.exact.simulation import cells
 from truebreak.exact.simulation.prediction import Predictor
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, surfaces
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall, catalogue, surfaces
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 SEEDS = range(150)
@@ -128,6 +128,17 @@ def test_intervals_never_say_what_is_not_so(seed):
         exact, wide = (engine.run(scene, until=UNTIL, events=6) for engine in (ExactEngine(), IntervalEngine()))
         told = [event.contacts for event in wide.events]
         assert told == [event.contacts for event in exact.events][: len(told)]
+
+
+@pytest.mark.parametrize(("name", "least"), [("wind-tree", 40), ("barrier", 40), ("mushroom", 15)])
+def test_intervals_pass_what_is_no_meeting_on_either_side_of_the_zero(name, least):
+    """A point on the line of a face beyond its end, or on the end of a face whose line it is through."""
+    scene = catalogue.build(name)
+    exact, wide = (engine.run(scene, events=100) for engine in (ExactEngine(), IntervalEngine()))
+    assert least <= len(wide.events) < 100
+    for true, told in zip(exact.events, wide.events, strict=False):
+        assert told.contacts == true.contacts
+        assert told.time.low <= float(true.time) <= told.time.high
 
 
 def test_sympy_agrees_by_its_own_way():

@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from truebreak.exact import ExactEngine
 from truebreak.floating import pymunk_engine
 from truebreak.floating.pymunk_engine import PymunkEngine
 from truebreak.scenarios import Circle, Contact, Scene, StopReason, Trajectory, Wall
@@ -216,6 +217,42 @@ def test_the_same_run_gives_the_same_history() -> None:
 def test_a_longer_run_begins_with_the_shorter() -> None:
     short, long = (PymunkEngine().run(gas(6), until=until) for until in ("50/3", 40))
     assert long.events[: len(short.events)] == short.events
+
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+
+def test_under_gravity_walls_reach_as_far_as_a_circle_comes_however_long_it_takes() -> None:
+    scene = Scene([Circle(0, 6, vx=1000)], [FLOOR], gravity=(0, -10))
+    run, short = (PymunkEngine(dt=1 / 64).run(scene, until=until) for until in (500, 30))
+    assert (run.stop.reason, run.final["c1"].x) == (StopReason.HORIZON, 500_000)
+    assert 245 < len(run.events) < 251  # every second time unit, the first after one
+    assert abs(run.final["c1"].y - 6) < 0.1
+    assert run.events[: len(short.events)] == short.events
+
+
+def test_a_ball_that_comes_down_after_a_long_time_meets_a_wall_that_was_out_of_reach() -> None:
+    thrown = Scene([Circle(0, 1, vx=3000, vy=2000)], [FLOOR], gravity=(0, -10))
+    run = PymunkEngine(dt=1 / 64).run(thrown, until=410)
+    assert collided(run) == [("c1", "floor")]
+    assert abs(run.events[0].time - 400) < 1
+
+
+def test_walls_that_move_are_met_however_late() -> None:
+    walls = [Wall(0, 0, 0, 1, id="left"), Wall(9, 0, 9, 1, id="right", vx=1)]
+    run = PymunkEngine(dt=1 / 64).run(Scene([Circle(3, 0, vx=5, vy=1)], walls), until=300)
+    exact = ExactEngine().run(Scene([Circle(3, 0, vx=5, vy=1)], walls), until=300)
+    assert collided(run) == collided(exact)
+    assert abs(run.final["c1"].x - float(exact.final["c1"].x)) < 1
+    assert run.final["c1"].y == 300
+
+
+def test_a_run_under_gravity_with_no_limit_on_its_time_ends_once_nothing_comes() -> None:
+    run = PymunkEngine(dt=1 / 64).run(Scene([Circle(0, 6, vx=1)], [Wall(9, 0, 9, 1)], gravity=(0, -10)))
+    assert len(run.events) == 1
+    assert run.stop.reason is StopReason.BUDGET
+    assert 64 <= run.final_time - run.events[0].time <= 68  # seen within a stretch of 256 steps
+    assert "give until" in run.stop.message
 
 
 def test_a_wall_stops_circles_on_both_of_its_sides() -> None:

@@ -167,7 +167,7 @@ def survey(
     page: str | None,
     as_json: bool,
 ) -> int:
-    """Run every installed engine over twelve scenes. Which reproduces the certified history, and what suits what?
+    """Run every installed engine over sixteen scenes. Which reproduces the certified history, and what suits what?
 
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is shown; then at the
     cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.

@@ -26,9 +26,9 @@ from ..progress import DONE
 def vectors(count: int, seed: int, out: str | None, engines: str | None, verbose: bool, as_json: bool) -> int:
     """Write first meetings with certified answers; score engines.
 
-    A vector is a disc, what it may meet (a disc, a wall, or a segment with its ends), whether they meet, and when. All
-    numbers of a question are doubles. There are hits, misses, grazes, hits and misses by 2**-k, discs that touch at the
-    start, and lengths and times of extreme size.
+    A vector is a disc, what it may meet (a disc, a wall, a segment or an arc with its ends), whether they meet, and
+    when. All numbers of a question are doubles. There are hits, misses, grazes, hits and misses by 2**-k, discs that
+    touch at the start, and lengths and times of extreme size.
 
     With --out a program in C scores your own function: cc -O2 -o score score.c yours.c -lm && ./score
     """

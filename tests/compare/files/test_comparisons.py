@@ -17,7 +17,7 @@ from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
 from truebreak.compare.report.schema import schema
 from truebreak.compare.saved_comparisons import comparison_of, saved_comparison
-from truebreak.scenarios import SceneError, catalogue
+from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.disk import digest
 
 
@@ -35,6 +35,11 @@ def there_and_back() -> Comparison:
     return compare(catalogue.build("gas:n=3").with_changes(reverse_after=4), ["double"])
 
 
+def closing() -> Comparison:
+    walls = [Wall(0, 0, 0, 1, id="left"), Wall(9, 0, 9, 1, id="right", vx=-2)]
+    return compare(Scene([Circle(3, 0, vx=1, id="ball")], walls), ["double", "pymunk"])
+
+
 CASES = {
     "near-tie": lambda: of("near-tie:k=40", "double", "interval", events=4),
     "gas": lambda: of("gas:n=3", "single", "quad", "pymunk:dt=1/64", events=18),
@@ -42,6 +47,11 @@ CASES = {
     "patterns": lambda: of("lee", "pymunk", "double"),
     "there and back": there_and_back,
     "a log": with_a_log,
+    "bounces to an end": lambda: of("bounce", "double", "pymunk"),
+    "walls that close": closing,
+    "pegs under gravity": lambda: of("plinko", "double", events=20),
+    "segments under gravity": lambda: of("platforms", "double", "pymunk", events=20),
+    "arcs, and an engine that has none": lambda: of("stadium", "double", "pymunk", events=20),
 }
 
 
@@ -56,6 +66,8 @@ def test_a_comparison_is_had_again(kind: str, way: str) -> None:
     for mine, its in zip(again.reference.events, found.reference.events, strict=True):
         assert mine.time.digits(200) == its.time.digits(200)
         assert mine.time.text() == its.time.text()
+    mine, its = again.reference.ending, found.reference.ending
+    assert (mine is None and its is None) or mine.digits(200) == its.digits(200)
     for mine, its in zip(again.candidates, found.candidates, strict=True):
         end = float(its.trajectory.final_time)
         times = [end * k / 5 for k in range(5)]

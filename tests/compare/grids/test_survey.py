@@ -28,11 +28,12 @@ from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 
 
-def test_it_has_twelve_scenes_and_every_engine_but_those_that_none_would_use() -> None:
-    assert len(SCENES) == 12
+def test_it_has_sixteen_scenes_and_every_engine_but_those_that_none_would_use() -> None:
+    assert len(SCENES) == 16
     assert {one.name for one in SURVEYED} == set(ENGINES) - {"exact", "sympy", "rounded"}
-    for task in SCENES.values():
-        build(task.scene)
+    drawn = [build(task.scene) for task in SCENES.values()]
+    for kind in ("segments", "polygons", "arcs"):
+        assert any(getattr(scene, kind) for scene in drawn), kind
 
 
 def test_every_setting_is_one_of_the_engine() -> None:

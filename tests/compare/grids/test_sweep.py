@@ -122,10 +122,19 @@ def test_outcomes_are_compared_over_the_whole_run() -> None:
     assert row.changed
 
 
-def test_causes_are_those_of_a_comparison() -> None:
-    (row,) = rows_of(SweepJob(0, "near-tie:k=40", {}, ("double",), None, (), True))
-    assert row.cause == "input rounding"
+@pytest.mark.parametrize("audit", [True, False])
+@pytest.mark.parametrize(
+    ("spec", "cause"),
+    [("near-tie:k=40", "input rounding"), ("gas:seed=14", "arithmetic rounding"), ("lorentz", "arithmetic in flights")],
+)
+def test_causes_are_those_of_a_comparison(spec: str, cause: str, audit: bool) -> None:
+    """With the audit of the run: without one, what its own steps miss may be another law."""
+    (row,) = rows_of(SweepJob(0, spec, {}, ("double",), None, (), True, audit=audit))
+    found = compare(catalogue.build(spec), ["double"])["double"]
+    assert found.diagnosis is not None and found.diagnosis.name.value == cause
+    assert row.cause == cause
     assert row.margin is not None
+    assert (row.laws is None) is not audit
 
 
 def test_what_cannot_be_run_is_a_row() -> None:

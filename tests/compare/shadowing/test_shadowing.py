@@ -43,6 +43,11 @@ SHADOWED = [
     ("pinball:r=0", "double", 40, 1e-12),
     ("hexagon", "double", 120, 1e-12),
     ("two-in-a-box", "double", 150, 1e-11),
+    ("wedge:slope=2", "single", 60, 1e-3),
+    ("falling-line", "single", 80, 1e-3),
+    ("gas-under-gravity", "single", 120, 1e-2),
+    ("cooling:n=6", "double", 120, 1e-11),
+    ("piston", "single", 80, 1e-3),
 ]
 
 
@@ -200,8 +205,9 @@ def test_where_long_segments_do_not_close_short_ones_are_tried(monkeypatch: pyte
     assert tried == [3, 24]
 
 
-def test_the_map_of_a_fixed_order_has_the_tangent_of_its_differences() -> None:
-    scene = catalogue.build("gas:n=3,mixed=yes")
+@pytest.mark.parametrize("spec", ["gas:n=3,mixed=yes", "gas-under-gravity:n=3", "cooling:n=3", "piston:n=3", "lifted"])
+def test_the_map_of_a_fixed_order_has_the_tangent_of_its_differences(spec: str) -> None:
+    scene = LIFTED if spec == "lifted" else catalogue.build(spec)
     record = recorded(engine("double").run(scene, events=12), 12)
     chain = segments(record)
     assert [s.begin for s in chain[1:]] == [s.end for s in chain[:-1]]
@@ -217,6 +223,61 @@ def test_the_map_of_a_fixed_order_has_the_tangent_of_its_differences() -> None:
                 slope = [float((a - b) / step) for a, b in zip(order.image(k, near)[0], image, strict=True)]
                 assert tangent[:, column] == pytest.approx(slope, rel=1e-9, abs=1e-9)
             node = [value.mid() for value in image]
+
+
+LIFTED = Scene(
+    [Circle(0, 3, vx="1/3", id="a"), Circle("1/4", 6, id="b")],
+    [Wall(0, 0, 5, 1, vy="1/2", id="floor"), Wall(-3, 0, -3, 1, id="l"), Wall(3, 0, 3, 1, vx="1/9", id="r")],
+    gravity=(0, -2),
+    restitution="9/10",
+)
+"""Two discs on a slope that rises, between walls that part."""
+
+
+class OtherLaw(Declared):
+    """An engine whose scene differs from the one that it is given."""
+
+    name = "other-law"
+    scene_keys = engine("double").scene_keys
+
+    def __init__(self, changes: dict[str, Any]) -> None:
+        self.changes = changes
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        other = scene.with_changes(**self.changes)
+        return replace(engine("double").run(other, **limits), scene=scene, engine=self.name)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"restitution": "89/100"}, {"gravity": (0, "-21/10")}, {"gravity": ("1/20", -2)}, {"walls": None}],
+    ids=["restitution", "gravity", "its direction", "walls"],
+)
+def test_the_shadow_of_a_run_under_another_law_is_far_or_there_is_none(changes: dict[str, Any]) -> None:
+    if "walls" in changes:
+        slow = Wall(0, 0, 5, 1, vy="9/20", id="floor")
+        changes = {"walls": [slow, *LIFTED.walls[1:]]}
+    near = shadow(LIFTED, "double", events=24).proof
+    far = shadow(LIFTED, OtherLaw(changes), events=24).proof
+    assert near is not None and near.run_distance.position < 1e-11
+    assert far is None or far.run_distance.position > 1e-3
+
+
+def test_what_falls_by_steps_and_what_stands_under_gravity_is_refused_in_one_line() -> None:
+    with pytest.raises(SceneError, match="falls by steps, which is no flight of the law"):
+        shadow(LIFTED, "pymunk:dt=1/64", events=4)
+    with pytest.raises(SceneError, match="gravity and something round and fixed"):
+        shadow(catalogue.build("galton"), "double", events=4)
+
+
+def test_the_energy_of_a_run_under_gravity_counts_its_fall_and_one_that_no_law_keeps_has_no_drift() -> None:
+    falls = catalogue.build("falling-line")
+    told = shadow(falls, "double", events=40)
+    assert told.drift is not None and told.drift < 1e-13
+    stronger = OtherLaw({"gravity": tuple(2 * part for part in falls.gravity or ())})
+    lost = shadow(falls, stronger, events=10)
+    assert lost.drift is not None and lost.drift > 1e-2
+    assert shadow(LIFTED, "double", events=8).drift is None
 
 
 def test_nodes_that_are_an_orbit_stay() -> None:

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from truebreak.compare.tangent.growth import Displacements, unit_displacements
+from truebreak.compare.tangent.growth import Displacements, push_together, unit_displacements
 from truebreak.compare.tangent.impacts import Impact, NoTangentMap, rounds
-from truebreak.compare.tolerances.errors_grown import push_together
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Scene, catalogue
 

@@ -72,6 +72,45 @@ def side_meeting(
     return time, along / (Decimal(square.numerator) / square.denominator)
 
 
+def decimal(number: Fraction) -> Decimal:
+    return Decimal(number.numerator) / Decimal(number.denominator)
+
+
+def arc_meetings(question: MeetingQuestion) -> list[tuple[Decimal, str]]:
+    """When a disc meets the sides and the ends of an arc; the range by the directions of its ends, one turn after the
+    other, and not by a chord."""
+    x, y, r, vx, vy = map(Fraction, question.disc)
+    cx, cy, radius, x0, y0, x1, y1 = map(Fraction, question.other)
+    dx, dy = x - cx, y - cy
+    first, second = (x0 - cx, y0 - cy), (x1 - cx, y1 - cy)
+    full = first == second == (0, 0)
+    turn = first[0] * second[1] - first[1] * second[0]
+
+    def within(time: Decimal) -> bool:
+        px, py = decimal(dx) + decimal(vx) * time, decimal(dy) + decimal(vy) * time
+        after = decimal(first[0]) * py - decimal(first[1]) * px > 0
+        before = px * decimal(second[1]) - py * decimal(second[0]) > 0
+        return full or (after if turn == 0 else after and before if turn > 0 else after or before)
+
+    found: list[tuple[Decimal, str]] = []
+    away = dx * dx + dy * dy
+    if away >= (radius + r) ** 2 and (time := round_meeting(dx, dy, vx, vy, radius + r)) is not None and within(time):
+        found.append((time, "outside"))
+    a, b, c = vx * vx + vy * vy, dx * vx + dy * vy, away - (radius - r) ** 2
+    if radius > r and b * b > a * c:
+        time = (root(b * b - a * c) - decimal(b)) / decimal(a)
+        if time >= 0 and within(time):
+            found.append((time, "inside"))
+    for px, py in () if full else (first, second):
+        share = decimal(radius) / root(px * px + py * py)
+        ex, ey = decimal(dx) - share * decimal(px), decimal(dy) - share * decimal(py)
+        mine, inner = decimal(a), ex * decimal(vx) + ey * decimal(vy)
+        rest = ex * ex + ey * ey - decimal(r) ** 2
+        if inner < 0 and inner * inner > mine * rest:
+            found.append((rest / (-inner + (inner * inner - mine * rest).sqrt()), "end"))
+    return found
+
+
 def referee(question: MeetingQuestion) -> tuple[Decimal, str] | None:
     """When the two meet, and on which part."""
     x, y, r, vx, vy = map(Fraction, question.disc)
@@ -84,6 +123,8 @@ def referee(question: MeetingQuestion) -> tuple[Decimal, str] | None:
         line = (b[0], b[1], b[2], b[3]) if left else (b[2], b[3], b[0], b[1])
         met = side_meeting(x, y, r, vx, vy, line)
         return None if met is None else (met[0], "")
+    if question.thing == "arc":
+        return min(arc_meetings(question), default=None)
     found: list[tuple[Decimal, str]] = []
     for line in ((b[0], b[1], b[2], b[3]), (b[2], b[3], b[0], b[1])):
         met = side_meeting(x, y, r + b[4], vx, vy, line)
@@ -115,7 +156,7 @@ def objections(vector: Vector) -> str | None:
 
 
 def test_every_answer_is_what_rational_numbers_and_one_root_give() -> None:
-    made = [*vectors(420, seed=11)]
+    made = [*vectors(560, seed=11)]
     against = [(vector.question, told) for vector in made if (told := objections(vector)) is not None]
     assert not against, against[:3]
 
@@ -132,11 +173,12 @@ def test_a_hundred_thousand_answers() -> None:
         lambda v: replace(v, meets=not v.meets, digits=v.digits or "1"),
         lambda v: replace(v, digits=str(Decimal(v.digits or 1) * (1 + Decimal(10) ** -37))),
         lambda v: replace(v, rest=v.rest + math.ulp(v.time) * 2**-50),
-        lambda v: replace(v, part={"face": "end", "end": "face"}.get(v.part, v.part)),
+        lambda v: replace(v, part={"face": "end", "outside": "inside", "inside": "end"}.get(v.part, "face")),
     ],
 )
-def test_the_referee_finds_a_false_answer(planted: Any) -> None:
-    hit = next(v for v in vectors(30, seed=3) if v.part and v.time)
+@pytest.mark.parametrize("part", ["face", "outside", "inside", "end"])
+def test_the_referee_finds_a_false_answer(planted: Any, part: str) -> None:
+    hit = next(v for v in vectors(60, seed=3) if v.part == part and v.time)
     assert objections(hit) is None
     with localcontext() as context:
         context.prec = 60
@@ -144,7 +186,7 @@ def test_the_referee_finds_a_false_answer(planted: Any) -> None:
 
 
 def test_every_kind_is_drawn_and_means_what_it_says() -> None:
-    count = Counter((v.question.thing, v.question.kind, v.meets) for v in vectors(420, seed=5))
+    count = Counter((v.question.thing, v.question.kind, v.meets) for v in vectors(560, seed=5))
     for thing in THINGS:
         for kind in KINDS:
             meets, misses = count[thing, kind, True], count[thing, kind, False]
@@ -158,10 +200,17 @@ def test_every_kind_is_drawn_and_means_what_it_says() -> None:
                 assert misses, (thing, kind)
 
 
+def test_every_part_is_met_in_every_kind_that_can() -> None:
+    met = {(v.question.kind, v.part) for v in vectors(840, seed=5) if v.question.thing == "arc" and v.meets}
+    assert met == {
+        (kind, part) for kind in ("hit", "near hit", "touching", "scale") for part in ("outside", "inside", "end")
+    }
+
+
 def test_grazes_need_more_than_doubles() -> None:
     """They are exact: doubles and the quadratic formula take some for hits, some for misses."""
     false = 0
-    for question in islice(questions(1), 4200):
+    for question in islice(questions(1), 5600):
         if question.kind == "graze" and question.thing == "disc":
             x, y, r, vx, vy = question.disc
             dx, dy, ux, uy = (
@@ -188,19 +237,20 @@ def test_the_sample_that_is_kept_is_current() -> None:
 
 
 def test_json_and_c_hold_the_same(tmp_path: Path) -> None:
-    made = [*vectors(63, seed=4)]
-    written = write_vectors(tmp_path, made, "truebreak vectors --count 63 --seed 4")
+    made = [*vectors(84, seed=4)]
+    written = write_vectors(tmp_path, made, "truebreak vectors --count 84 --seed 4")
     assert [path.name for path in written] == ["vectors.json", "vectors.h", *SOURCES]
     kept = json.loads(written[0].read_text("utf-8"))
-    assert kept["format"] == "truebreak-vectors-1"
+    assert kept["format"] == "truebreak-vectors-2"
     lines = [line for line in written[1].read_text("utf-8").splitlines() if line.startswith("  {")]
-    assert len(kept["vectors"]) == len(lines) == 63
+    assert len(kept["vectors"]) == len(lines) == 84
     for vector, row, line in zip(made, kept["vectors"], lines, strict=True):
         assert (tuple(row["disc"]), tuple(row["other"])) == (vector.question.disc, vector.question.other)
         assert row["meets"] == vector.meets
         assert row.get("time", 0.0) == vector.time
         numbers = [float.fromhex(word.strip(" {}")) for word in line.strip(" {},").split(",")[3:]]
-        assert numbers == [*vector.question.disc, *vector.question.other, vector.time, vector.rest]
+        padded = [*vector.question.other, *[0.0] * (7 - len(vector.question.other))]
+        assert numbers == [*vector.question.disc, *padded, vector.time, vector.rest]
 
 
 def compiled(folder: Path, source: str, *options: str) -> Path:
@@ -214,25 +264,25 @@ def compiled(folder: Path, source: str, *options: str) -> Path:
 @pytest.mark.parametrize("formula", [1, 2, 3])
 def test_the_scorer_in_c_counts_as_python_does(tmp_path: Path, formula: int) -> None:
     """A formula that misses is counted as such; one in place of it that is always right has nothing against it."""
-    made = [*vectors(210, seed=6)]
+    made = [*vectors(280, seed=6)]
     write_vectors(tmp_path, made, "truebreak vectors")
     run = subprocess.run(
         [compiled(tmp_path, "formulas.c", f"-DFORMULA={formula}")], capture_output=True, text=True, check=False
     )
     rows = run.stdout.splitlines()
-    assert len(rows) == 1 + 21 + 1 + 1
+    assert len(rows) == 1 + 28 + 1 + 1
     assert rows[-1].endswith("ns a query")
     _, count, meet, false, missed, *_ = rows[-2].split()
-    assert (int(count), int(meet)) == (210, sum(v.meets for v in made))
+    assert (int(count), int(meet)) == (280, sum(v.meets for v in made))
     assert run.returncode == int(int(false) + int(missed) > 0)
     sums = [row[20:].split()[:4] for row in rows[1:-2]]
-    assert [sum(int(row[k]) for row in sums) for k in range(4)] == [210, int(meet), int(false), int(missed)]
+    assert [sum(int(row[k]) for row in sums) for k in range(4)] == [280, int(meet), int(false), int(missed)]
 
 
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler")
 def test_the_scorer_finds_what_is_false(tmp_path: Path) -> None:
     """Answers read off the vectors have no error; with one hit made up, one left out and one late, it says which."""
-    made = [*vectors(42, seed=8)]
+    made = [*vectors(56, seed=8)]
     write_vectors(tmp_path, made, "truebreak vectors")
     hits = [k for k, v in enumerate(made) if v.meets and v.time]
     miss = next(k for k, v in enumerate(made) if not v.meets)
@@ -264,7 +314,7 @@ def test_the_scorer_finds_what_is_false(tmp_path: Path) -> None:
 
 
 def test_scores_of_answers_that_are_false_somewhere() -> None:
-    made = [*vectors(42, seed=9)]
+    made = [*vectors(56, seed=9)]
     hit, miss = next(v for v in made if v.meets and v.time), next(v for v in made if not v.meets)
 
     def query(question: MeetingQuestion) -> float | None:
@@ -277,7 +327,7 @@ def test_scores_of_answers_that_are_false_somewhere() -> None:
     assert (whole.false_hits, whole.missed, whole.refused) == (1, 1, 0)
     assert whole.worst is not None
     assert whole.worst <= 2**-53
-    assert sum(row.vectors for row in each) == whole.vectors == 42
+    assert sum(row.vectors for row in each) == whole.vectors == 56
     assert error_of(hit, hit.time * 1.5) == pytest.approx(0.5)
     assert error_of(hit, math.nan) == math.inf
 
@@ -285,7 +335,7 @@ def test_scores_of_answers_that_are_false_somewhere() -> None:
 @pytest.mark.parametrize(("name", "worst"), [("exact", 2**-53), ("quad", 2**-53), ("double", 1e-9), ("single", 1.0)])
 def test_our_engines(name: str, worst: float) -> None:
     """Of ordinary size: exact and quad are right to the nearest double; double is, but for errors of near hits."""
-    made = [v for v in vectors(210) if v.question.kind != "scale"]
+    made = [v for v in vectors(280) if v.question.kind != "scale"]
     whole = scores(made, query_named(name))[-1]
     assert whole.worst is not None
     assert whole.worst <= worst
@@ -297,7 +347,7 @@ def test_our_engines(name: str, worst: float) -> None:
 
 def test_pymunk_takes_grazes_and_partings_for_hits() -> None:
     """Its query asks for overlap of shapes that are swept, whatever way they fly."""
-    rows = {(row.thing, row.kind): row for row in scores([*vectors(210)], query_named("pymunk.segment_query"))}
+    rows = {(row.thing, row.kind): row for row in scores([*vectors(280)], query_named("pymunk.segment_query"))}
     assert rows["disc", "hit"].missed == rows["disc", "hit"].false_hits == rows["disc", "miss"].false_hits == 0
     assert (rows["disc", "hit"].worst or 1.0) < 1e-10
     assert rows["disc", "touching"].false_hits > 0
@@ -306,7 +356,7 @@ def test_pymunk_takes_grazes_and_partings_for_hits() -> None:
 
 @pytest.mark.skipif(find_spec("Box2D") is None, reason="Box2D is not installed")
 def test_box2d_is_right_to_within_its_slop() -> None:
-    rows = {(row.thing, row.kind): row for row in scores([*vectors(210)], query_named("box2d.time_of_impact"))}
+    rows = {(row.thing, row.kind): row for row in scores([*vectors(280)], query_named("box2d.time_of_impact"))}
     hit = rows["disc", "hit"]
     assert (hit.refused, hit.missed, hit.false_hits) == (0, 0, 0)
     assert 1e-7 < (hit.worst or 0.0) < 0.1

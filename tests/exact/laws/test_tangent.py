@@ -13,6 +13,7 @@ from law_proofs import functions
 from truebreak.compare.tangent import growth
 from truebreak.compare.tangent import impacts as impacts_of
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
+from truebreak.compare.tangent.hazard import Course
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_motion import ExactMotion
@@ -139,6 +140,42 @@ def test_the_map_is_the_difference_of_two_exact_runs_over_300_events(scene: Scen
     assert len(run.events) == 300
     assert np.abs(mapped - exact).max() <= 0.01 * np.abs(exact).max()
     assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+MOVING = Scene(
+    [Circle(0, 3, vx="1/3", id="a"), Circle("1/4", 6, id="b")],
+    [Wall(0, 0, 5, 1, vy="1/2", id="floor"), Wall(-3, 0, -3, 1, id="l"), Wall(3, 0, 3, 1, vx="1/9", id="r")],
+    gravity=(0, -2),
+    restitution="9/10",
+    name="a slope that rises between walls that part",
+)
+
+
+@pytest.mark.parametrize("scene", [MOVING, catalogue.build("piston:n=4")], ids=lambda scene: scene.name)
+def test_so_it_is_among_walls_that_move(scene: Scene) -> None:
+    run, exact, mapped = difference(scene.with_changes(until=None, events=None), 40)
+    assert len(run.events) == 40
+    assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("lift", ["0", "1/4", "-1/3"])
+@pytest.mark.parametrize("pull", [None, (0, -2)])
+def test_what_would_be_met_instead_comes_when_the_law_says(lift: str, pull: tuple[int, int] | None) -> None:
+    floor, right = Wall(0, 0, 5, 1, vy=lift, id="floor"), Wall(6, 0, 6, 1, vx="-1/5", id="right")
+    ball = Circle(0, 9, vx=3, vy=-1, id="ball")
+    run, alone = (
+        ExactEngine().run(Scene([ball], walls, gravity=pull), events=1) for walls in ([floor, right], [floor])
+    )
+    assert [pair.second for event in run.events for pair in event.contacts] == ["right"]
+    ((impact,),) = impacts(run, 1)
+    course = Course(run.scene)
+    course.fly(float(impact.time))
+    others = course.instead([impact], 0)
+    late = float(alone.events[0].time) - float(run.events[0].time)
+    assert others.waits.tolist() == pytest.approx([late], rel=1e-12)
+    course.push(impact)
+    after = run.after(0)["ball"]
+    assert course.speeds[0].tolist() == pytest.approx([float(after.vx), float(after.vy)], rel=1e-12)
 
 
 @pytest.mark.parametrize(("index", "coordinate"), [(0, 3), (1, 1), (1, 2), (2, 0), (2, 3)])

@@ -210,3 +210,43 @@ def test_two_points_never_collide(engine: Any) -> None:
 def test_they_agree_on_points_among_discs_and_walls() -> None:
     circles = [Circle(0, 0, vx=1, vy="1/3", **POINT), Circle(5, 2), Circle(3, 4, vy="-1/2", **POINT)]
     check(Scene(circles, [Wall(0, 5, 1, 5), Wall(9, 0, 9, 1), Wall(0, -2, 1, -2), Wall(-1, 0, -1, 1)]), 5)
+
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+CLOSING = Wall(0, 0, 0, 1, id="left"), Wall(9, 0, 9, 1, id="right", vx=-2)
+
+
+def falling(*circles: Circle, walls: tuple[Wall, ...] = (FLOOR,), e: str = "1/16") -> Scene:
+    return Scene([Circle(0, 6, id="ball"), *circles], walls, gravity=(0, -10), restitution=e)
+
+
+ENDING = {
+    "on a floor": (falling(e="1/2"), StopReason.ACCUMULATION),
+    "at an instant with roots": (
+        falling(walls=(Wall(0, "-sqrt(2)", 1, "-sqrt(2)"),), e="1/8"),
+        StopReason.ACCUMULATION,
+    ),
+    "on a slope": (falling(walls=(Wall(0, 0, 2, 1),)), StopReason.ACCUMULATION),
+    "on a floor that rises": (falling(walls=(Wall(0, 0, 1, 0, vy="1/2"),)), StopReason.ACCUMULATION),
+    "with another far away": (falling(Circle(900, 6, vx=1)), StopReason.ACCUMULATION),
+    "not while another may come": (falling(Circle("21/10", 6)), None),
+    "not onto another wall": (falling(walls=(FLOOR, Wall("11/10", 0, "11/10", 1))), None),
+    "between two walls": (Scene([Circle(3, 0, vx=1)], CLOSING), StopReason.CRUSHED),
+    "over a third wall": (Scene([Circle(3, 0, vx=1)], [*CLOSING, Wall(0, -2, 1, -2)]), StopReason.CRUSHED),
+    "with none beside": (Scene([Circle(3, 0, vx=1), Circle(4, 90, vx=1)], CLOSING), StopReason.CRUSHED),
+    "at once": (Scene([Circle(0, 0)], [Wall(-2, 0, -2, 1, vx=1), Wall(2, 0, 2, 1, vx=-1)]), StopReason.CRUSHED),
+}
+
+
+@pytest.mark.parametrize("name", ENDING)
+def test_infinitely_many_hits_end_both_at_one_instant(name: str) -> None:
+    scene, reason = ENDING[name]
+    exact, literal = (engine.run(scene, events=120) for engine in (ExactEngine(), SymbolicEngine()))
+    if reason is not None:
+        assert exact.stop.reason is reason
+    assert_same_history(exact, literal)
+    if exact.stop.reason is not StopReason.EVENTS:
+        assert literal.stop.message == exact.stop.message
+    if reason in (StopReason.ACCUMULATION, StopReason.CRUSHED):
+        assert_equal(exact.ending, literal.ending)
