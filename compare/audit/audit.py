@@ -7,19 +7,18 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
 from .fits import NEAR, BounceRatios, Drift, Fit, Sample, bounces_of, description_of, descriptions, drifts, sampled
 from .passages import Passage, passages, passes_between
-from .residuals import AUDIT_BITS, KINDS, Laws, Residual
+from .residuals import AUDIT_BITS, KINDS, Laws, Residual, allowances
 from .transcript import Transcript
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
-    from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
 
 
@@ -31,10 +30,6 @@ LEAST_UNIT = 2.0**-200
 
 FITTED = 20_000
 """Impacts, and flights, by which a description is found."""
-
-ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
-"""What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
-speed below which nothing bounces, a share of each impulse, the speed that is lost in a unit of time."""
 
 
 @dataclass(frozen=True)
@@ -161,22 +156,6 @@ def unit_of(engine: Engine, transcript: Transcript) -> float:
     """The unit by which an engine's steps are audited: of its bits, but not below that of the states it reports."""
     declared = 0.0 if engine.bits is None else 2.0**-engine.bits
     return max(declared, LEAST_UNIT if transcript.wide else TOLD)
-
-
-def allowances(engine: Any, scene: Scene) -> dict[str, float]:
-    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`.
-
-    Lengths and speeds are in the scene's units; one whose own follow the scene has a method `allows` of the scene.
-    """
-    told: Any = getattr(engine, "allows", None)
-    told = told(scene) if callable(told) else told
-    if not isinstance(told, Mapping):
-        return {}
-    found: dict[str, float] = {}
-    for key, value in told.items():
-        if key in ALLOWANCES and isinstance(value, int | float) and value > 0:
-            found[key] = float(value)
-    return found
 
 
 def audit_run(run: Trajectory, engine: Engine) -> Audit:
@@ -323,9 +302,15 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     allows = allowances(engine, run.scene)
     measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
     with ball.precision(AUDIT_BITS):
-        laws = Laws(run.scene, unit, engine.rounds_input, step, transcript.fall)
+        laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide, step, transcript.fall)
+        begun = _Notes(laws.scene.ids, {})
+        for found in laws.begun(transcript):
+            begun.take(found, 0, 0.0)
         fits = _described_steps(laws, measures, {"impulse"})
         bounced = None if run.scene.elastic else bounces_of(transcript, laws)
+    if begun.first:
+        counts = dict(begun.counts)
+        return Audit(False, "", measures.impacts, measures.flights, begun.violations, counts, {}, unit, bounces=bounced)
     law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
     law = law and not _of_iterations(run, engine, measures, unit)
     unseen = transcript.fall is not None and not transcript.fall.step and 2 * transcript.fall.size * step

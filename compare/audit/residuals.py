@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import arb
 
@@ -77,6 +77,27 @@ KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal",
 """The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
 energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; one whose
 impulse is below rounding, which breaks no law."""
+
+
+ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
+"""What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
+speed below which nothing bounces, a share of each impulse, the speed that is lost in a unit of time."""
+
+
+def allowances(engine: Any, scene: Scene) -> dict[str, float]:
+    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`.
+
+    Lengths and speeds are in the scene's units; one whose own follow the scene has a method `allows` of the scene.
+    """
+    told: Any = getattr(engine, "allows", None)
+    told = told(scene) if callable(told) else told
+    if not isinstance(told, Mapping):
+        return {}
+    found: dict[str, float] = {}
+    for key, value in told.items():
+        if key in ALLOWANCES and isinstance(value, int | float) and value > 0:
+            found[key] = float(value)
+    return found
 
 
 class Thing(NamedTuple):
@@ -315,6 +336,8 @@ class Laws:
     def begun(self, transcript: Transcript) -> Iterator[Residual]:
         """Where the run begins, beside the scene's start."""
         for k, (row, circle) in enumerate(zip(transcript.first(), self.scene.circles, strict=True)):
+            if self.step is not None and self.moving[k] and row.time != 0.0:
+                continue
             for ends in ((row.x, row.y, circle.x, circle.y), (row.vx, row.vy, circle.vx, circle.vy)):
                 x, y = ends[0] - ball.constant(ends[2]), ends[1] - ball.constant(ends[3])
                 size = math.hypot(float(ends[2]), float(ends[3]))

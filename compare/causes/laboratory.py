@@ -14,7 +14,7 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span
 from ..alignment.instants import DOUBLE_BITS, Kind
-from ..audit.audit import allowances
+from ..audit.residuals import allowances
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE

@@ -280,6 +280,25 @@ def test_what_stands_elsewhere_than_the_scene_says_is_found(by: str, name: str) 
             assert any(met in violation.bodies for violation in found.violations), (text, found.sentence)
 
 
+@pytest.mark.parametrize("name", ["double", "pymunk"])
+@pytest.mark.parametrize("gravity", [None, (0, -1)])
+def test_a_circle_that_an_engine_reports_elsewhere_from_the_start_is_found(name: str, gravity: Any) -> None:
+    """It says itself where the circle is, so that nothing passes through it; the scene says something else."""
+    scene = Scene(
+        [Circle(0, 3, "1/2", vy=-1, id="a"), Circle("1/10", 0, "1/2", m="oo", id="peg")],
+        [Wall(0, -3, 1, -3, id="floor")],
+        gravity=gravity,
+    )
+
+    def aside(scene: Scene) -> Any:
+        return [scene.circles[0], Circle(1000, 0, "1/2", m="oo", id="peg")]
+
+    own = audited(Otherwise(engine(name), "circles", lambda scene: scene.circles), scene, 3)
+    assert own.kept is True
+    found = audited(Otherwise(engine(name), "circles", aside), scene, 3)
+    assert found.kept is False and found.finding.count("peg begins 1e+03 from where") == 1, found.finding
+
+
 def test_a_disc_that_falls_through_a_face_or_a_peg_is_found_when_it_comes_to_it_the_second_time() -> None:
     """Beside a platform it rises above its line and falls on it; straight up past a peg it falls back on it."""
     bar = Segment(-2, 0, 2, 0, id="bar")
