@@ -140,11 +140,18 @@ class FallingReferee(OlderReferee):
                 ux, uy = self.paces.get(other, still)
                 speeds.append(sum((nx * (d.vx - ux) + ny * (d.vy - uy) for d, nx, ny in arms), mpf(0)))
             coming = [k for k, u in enumerate(speeds) if u < -sharp.SAME]
+            if any(
+                abs(u) < sharp.SAME and self._on_a_line(arms) for (_, arms), u in zip(contacts, speeds, strict=True)
+            ):
+                raise NotForThis("a point along a line, of which its velocity does not say on which side it is")
             if not coming:
                 return Happened(self.now, first, {name for name, _ in contacts}, rounds)
             first = first or {contacts[k][0] for k in coming}
             self.push([contacts[k][1] for k in coming], [speeds[k] for k in coming])
         raise AssertionError("no end")
+
+    def _on_a_line(self, arms: list[tuple[Disc, mpf, mpf]]) -> bool:
+        return len(arms) == 1 and arms[0][0].r == 0 and self.e == 0
 
     def next_instant(self) -> tuple[mpf, bool] | None:
         """The time until something comes that may change something, and whether that is a point at a point."""
@@ -325,7 +332,7 @@ FALLING = Campaign(
     {"boxed": boxed, "pegs": pegboard, **edges.BASES},
     INGREDIENTS,
     FallingReferee,
-    (("restitution", "reversal"), ("motion", "reversal"), ("capture", "gravity"), ("gravity", "pocket")),
+    (("restitution", "reversal"), ("motion", "reversal"), ("capture", "gravity")),
     ("REST", "ACCUMULATION", "CRUSHED"),
     (240, mpf(10) ** -110),
     {"gravity": 0.6, "motion": 0.3, "restitution": 0.3},
