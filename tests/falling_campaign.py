@@ -263,7 +263,7 @@ def pegboard(seed: int) -> Scene | None:
         circles.append(Circle(*place, r, _some(rng, -4, 4), _some(rng, -4, 4), m, id=f"b{k}"))
     for k in range(rng.randint(1, 6)):
         r = rng.choice(("1/2", "1/10", "0", "1", "sqrt(3)/3"))
-        circles.append(Circle(_some(rng, -5, 5), _some(rng, -6, 5), r, m="oo", id=f"p{k}", point=r == "0"))
+        circles.append(Circle(_some(rng, -5, 5), _some(rng, -6, 5), r, m="oo", id=f"peg{k}", point=r == "0"))
     walls = [Wall(-7, 0, -7, -1, id="left"), Wall(7, 0, 7, 1, id="right"), Wall(0, -8, 1, -8, id="floor")]
     try:
         return Scene(circles, walls[: rng.choice((2, 3, 3))])
