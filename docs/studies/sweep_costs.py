@@ -139,7 +139,7 @@ def filled(path: str, rows: int) -> list[str]:
         store.add(k, asked.key(k), mine, 0.01)
     store.keep()
     store.close()
-    return ["gas:n=3", "--vary", f"seed=1..{scenes}", "--engines", "double,single", "--events", "60"]
+    return ["gas:n=3", "--vary", f"seed=1..{scenes}", "--engines", "double,single", "--events", "60", "--yes"]
 
 
 MEASURED = """

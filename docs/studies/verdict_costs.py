@@ -19,7 +19,8 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from os import environ
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from typing import Any
 from speed_ratios import processor_time
 
 from truebreak.compare import compare
+from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.deadline import uninterrupted
 from truebreak.compare.engines import engine, suggestion
@@ -36,6 +38,7 @@ from truebreak.compare.grids.computer import computer, timed
 from truebreak.compare.grids.executors import RARELY
 from truebreak.compare.grids.family_sweep import SweepJob
 from truebreak.compare.grids.grid import carry_out
+from truebreak.compare.grids.row import diagnosed, followed
 from truebreak.compare.grids.setting_search import advise
 from truebreak.compare.grids.store import Store
 from truebreak.compare.report.charts import Curve, plot
@@ -199,12 +202,23 @@ def stressed() -> Subject:
     return Subject("stress near-ties", 3, command, base)
 
 
+def caused(spec: str) -> Subject:
+    """The causes of a divergence of doubles, its run and its audit apart, in reference runs alone."""
+    scene, double = catalogue.build(spec), engine("double")
+    found = followed(uninterrupted(engine("exact").run(scene)), double)
+    laws = audit_run(found.run, double)
+    command = lambda: diagnosed(replace(found, study=copy(found.study)), "double", double, laws)  # noqa: E731
+    return Subject(f"causes of double's divergence, {spec}", 10, command, runs(scene, []))
+
+
 SUBJECTS: dict[str, Callable[[], Subject]] = {
     **{f"compare-{name}": lambda name=name: comparison(name) for name in catalogue.names()},
     "compare-gas": lambda: comparison("gas", 8, 0.0),
     "compare-rack-5": lambda: comparison("rack:rows=5", 6, 0.0),
     "check-cold": lambda: checked(True),
     "check-warm": lambda: checked(False),
+    "causes": lambda: caused("gas"),
+    "causes-under-gravity": lambda: caused("gas-under-gravity"),
     "sweep-audit": lambda: swept(True),
     "sweep-no-audit": lambda: swept(False),
     "shadow": lambda: shadowed(1_000),
