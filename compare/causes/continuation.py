@@ -23,6 +23,7 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import AtWall, Flight, Touch, can_push, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...floating.knots import SteppedFall
+from ...scenarios.lazy import kept
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Fall, ReportedInstant, Transcript
 from ..audit.transcript import ReportedFlight as OwnRow
@@ -64,7 +65,7 @@ class Link:
     steps: tuple[Step, ...]
     single: Touch | None
 
-    @property
+    @kept
     def turns(self) -> bool:
         """Whether it is the reversal."""
         return isinstance(self.steps[-1], Flip)
@@ -549,8 +550,9 @@ class Continuation:
                     for k, defect in stretch.of(kinds).items():
                         own = flying[k] if stretch.links else flown(flying[k], stretch.after[k][0])
                         flying[k] = plus(own, defect, scale)
-            if not all(flying[k][1].is_finite() for k in stretch.bodies):
-                return None
+            for k in stretch.bodies:
+                if not flying[k][1].is_finite():
+                    return None
             if not place:
                 first = dict(flying)
             for k in stretch.bodies if stretch.changes else ():

@@ -148,8 +148,9 @@ def _off_falling_wall(state: ReplayState[arb], link: AtWall, row: Row, here: boo
     wait = arb(0) if here else wall_wait(fall, state.sides.pull(link.circle, link.wall))
     if wait is None:  # it does not come there
         wait = arb("nan")
-    share = arb(1) if state.share is None else state.share
-    change = 2 * share * fall_speed(fall.approach, fall.half, wait) / line.nn
+    change = 2 * fall_speed(fall.approach, fall.half, wait) / line.nn
+    if state.share is not None:
+        change = change * state.share
     return (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - change * line.nx, vy - change * line.ny)
 
 
@@ -197,11 +198,11 @@ def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: 
         here: where they are now, along their line of centres, however long it is.
     """
     if is_flat(link):
+        if state.falling is not None:
+            return {link.circle: _off_falling_wall(state, link, rows[link.circle], here)}
         t, x, y, vx, vy = rows[link.circle]
         line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
         wait = t - t
-        if state.falling is not None:
-            return {link.circle: _off_falling_wall(state, link, rows[link.circle], here)}
         if not here:
             gap = wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, r * line.length)
             wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))

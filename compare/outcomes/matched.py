@@ -76,7 +76,7 @@ def matched_history(
             last = max(theirs)
             inside[last] = replace(candidate.events[last], contacts=contacts, impulses=impulses)
     inside = dict(sorted(inside.items()))
-    events = tuple(replace(event, index=place) for place, event in enumerate(inside.values()))
+    events = tuple(e if e.index == place else replace(e, index=place) for place, e in enumerate(inside.values()))
     end = min(float(candidate.final_time), max(_end(reference, span), *(float(e.time) for e in events), 0.0))
     cut = replace(candidate, events=events, final_time=end, pocketings=entries.inside(span))
     if not (reference.scene.capture or reference.reversal is not None):
