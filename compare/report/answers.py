@@ -354,7 +354,8 @@ def so_what(comparison: Comparison, candidate: Candidate) -> str:
     if "final_velocities" in candidate.changed:
         expected, got = mine["final_velocities"], theirs["final_velocities"]
         name = max(expected, key=lambda circle: math.dist(expected[circle], got[circle]))
-        pairs = [f"({vx:.3g}, {vy:.3g})" for vx, vy in (got[name], expected[name])]
+        shown = [[f"({vx:.{n}g}, {vy:.{n}g})" for vx, vy in (got[name], expected[name])] for n in range(3, 18)]
+        pairs = next((pair for pair in shown if pair[0] != pair[1]), shown[0])
         verb = "ends with" if candidate.until is None else "then has"
         parts.append(f"{name} {verb} velocity {pairs[0]} instead of {pairs[1]}")
         said.add("final_velocities")

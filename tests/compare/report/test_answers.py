@@ -391,3 +391,9 @@ def test_an_engine_that_diverges_before_its_prediction_is_not_promised_to_be_rig
     assert answers(changed, foreseen=told).what_now.endswith(
         f"double was predicted to be right until event {low}, and diverged before that."
     )
+
+
+def test_velocities_that_differ_late_are_given_to_the_digit_that_differs() -> None:
+    found = answers(compare(catalogue.build("pinball-table"), ["double"])).so_what
+    one, other = re.findall(r"\([^)]*\)", found)[:2]
+    assert "instead of" in found and one != other
