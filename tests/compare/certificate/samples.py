@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 from fuzz.generators import case_of
@@ -67,16 +68,25 @@ def there_and_back(heavier: int = 1) -> Trajectory:
     return ExactEngine().run(rows(4 if heavier > 1 else 5, (1, heavier), reverse_at=50))
 
 
+Kinds = dict[str, Callable[[], Trajectory]]
+
+
+def kinds() -> Kinds:
+    """Runs of every kind, by name; none is made before it is called for."""
+    found: Kinds = {f"{spec}@{events}": partial(built, spec, events) for spec, events in BUILT}
+    found |= {f"{kind}-{seed}": partial(coincidence, kind, seed) for kind, seed in COINCIDENCES}
+    for policy in ("sequential", "sequential:seed=7"):
+        found[f"rack {policy}"] = partial(built, "rack:rows=3,gap=0", 8, policy)
+    found |= {"there and back": there_and_back, "there and back, one heavier": partial(there_and_back, 2)}
+    meet = [Circle(0, 0, vx=1), Circle(4, 1), Circle(20, 0)]
+    found["the end at a contact"] = lambda: ExactEngine().run(Scene(meet), until="4 - sqrt(3)")
+    found["the reversal at a contact"] = lambda: ExactEngine().run(Scene(meet, reverse_at="4 - sqrt(3)"))
+    touch = [Circle(0, 0, vx=-1), Circle(2, 0, vx=1), Circle(8, "1/7")]
+    found["touching at both ends"] = lambda: ExactEngine().run(Scene(touch, reverse_at=20))
+    return found
+
+
 @cache
 def samples() -> dict[str, dict[str, Any]]:
     """Certificates of all of these, by name."""
-    runs = {f"{spec}@{events}": built(spec, events) for spec, events in BUILT}
-    runs |= {f"{kind}-{seed}": coincidence(kind, seed) for kind, seed in COINCIDENCES}
-    runs |= {f"rack {policy}": built("rack:rows=3,gap=0", 8, policy) for policy in ("sequential", "sequential:seed=7")}
-    runs |= {"there and back": there_and_back(), "there and back, one heavier": there_and_back(2)}
-    meet = [Circle(0, 0, vx=1), Circle(4, 1), Circle(20, 0)]
-    runs["the end at a contact"] = ExactEngine().run(Scene(meet), until="4 - sqrt(3)")
-    runs["the reversal at a contact"] = ExactEngine().run(Scene(meet, reverse_at="4 - sqrt(3)"))
-    touch = [Circle(0, 0, vx=-1), Circle(2, 0, vx=1), Circle(8, "1/7")]
-    runs["touching at both ends"] = ExactEngine().run(Scene(touch, reverse_at=20))
-    return {name: certificate_of(run) for name, run in runs.items()}
+    return {name: certificate_of(run()) for name, run in kinds().items()}
