@@ -118,8 +118,9 @@ class Endings:
         for link, sign in standing.items():
             round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
             if sign == 0 and round_one and self.scene.gravity is not None:
+                where = "beside ends that move" if self.scene.moving_ends else "under gravity"
                 raise Undecided(
-                    f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
+                    f"{name_of(self.scene, link)} touch, and neither approach nor part, {where}: whether one "
                     "rests on the other, slides along it or flies off is not followed"
                 )
         names = [
@@ -237,7 +238,10 @@ class Endings:
         pull = (gx * gx + gy * gy).sqrt()
         doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
         swing = doubled.sqrt() + pull * sum(masses, arb(0)).sqrt() * wait
-        ways = [arb(0) if k in pegs else swing / m.sqrt() * wait for k, m in enumerate(masses)]
+        ways = [
+            (vx * vx + vy * vy).sqrt() * wait if k in pegs else swing / m.sqrt() * wait
+            for k, (m, (_, _, vx, vy)) in enumerate(zip(masses, rows, strict=True))
+        ]
         i = link.circle
         x, y, vx, vy = rows[i]
         ux, uy, drift = self._pace(link.wall)
@@ -264,14 +268,15 @@ class Endings:
                 reach = (radii[i] + way + drift * wait) * length
                 if abs(nx * (x - x0) + ny * (y - y0)) > reach:
                     continue
-                if k not in self.scene.faces or not self._is_clear_of(k, link.wall, x, y, way * length):
+                clear = self._is_clear_of(k, link.wall, x - ux * now, y - uy * now, (way + drift * wait) * length)
+                if k not in self.scene.faces or not clear:
                     return False
         return True
 
     def _is_clear_of(self, face: int, own: int, x: arb, y: arb, way: arb) -> bool:
         """Whether a circle that bounces on one face, and is far from its ends, surely does not come to be over another.
 
-        Not the other side of the same segment: while it is over its own it stays on that side. Nor one before whose
+        Places are as seen from where the other was at time 0. Not the other side of the same segment: while it is over its own it stays on that side. Nor one before whose
         start, or beyond whose end, it is by more than its way, which is in the scale of `formulas.face_along`.
         """
         sides = self.scene.two_sided
@@ -294,16 +299,16 @@ class Endings:
         Raises:
             Undecided: where hits come ever faster, though no proof is known that they accumulate.
         """
-        if self.scene.elastic and not self._closing:
+        if self.scene.elastic and not self._closing and not self.scene.moving_ends:
             return
         if self._enough is not None:
             self._look_at_bounces(time, [*impulses])
         self._times.append(time)
         times, count = self._times, len(self._times)
-        halved = self._closing and count >= 2 * WINDOW and count & (count - 1) == 0
+        halved = (self._closing or self.scene.moving_ends) and count >= 2 * WINDOW and count & (count - 1) == 0
         if halved and times[-1] - times[count // 2] < CROWDED * times[-1]:
             raise Undecided(
-                f"accumulation suspected: between walls that close the later half of {count} events took less than a "
+                f"accumulation suspected: between surfaces that close the later half of {count} events took less than a "
                 f"thousandth of the time up to {time:.9g}; end the run before"
             )
         if not self.scene.elastic and len(times) >= 2 * WINDOW and len(times) % WINDOW == 0:
@@ -341,7 +346,8 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
     for body in state.bodies.values():
         x, y, vx, vy, t, *_ = body.flight
         if body.index in state.pegs:
-            rows.append((x, y, vx, vy))
+            ux, uy = state.paces.get(body.index, (vx, vy))
+            rows.append((x + ux * time, y + uy * time, ux, uy))
         elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
         else:
