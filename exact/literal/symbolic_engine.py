@@ -110,10 +110,10 @@ class SymbolicMotion:
 
 
 def _flown(disc: Disc, since: Any, g: tuple[Any, Any]) -> Disc:
-    """A circle so much later; one that is fixed stands."""
-    if disc.m is None:
+    """A circle so much later; one that is fixed stands, or moves with what it is an end of."""
+    if disc.m is None and disc.vx == 0 == disc.vy:
         return disc
-    gx, gy = g
+    gx, gy = g if disc.m is not None else (ZERO, ZERO)
     return replace(
         disc,
         x=normal(disc.x + disc.vx * since + gx * since**2 / 2),
@@ -210,7 +210,10 @@ class _Run:
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
-        bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in segments)
+        bars = (
+            Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r)), ux=s.vx.sympy(), uy=s.vy.sympy())
+            for s in segments
+        )
         self.lines = (
             *map(_line, scene.walls),
             *bars,
@@ -496,7 +499,8 @@ def _contact(run: _Run, pair: Indices) -> Contact:
 
 
 def _disc(circle: Circle) -> Disc:
-    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+    pace = circle.drift if circle.fixed else (circle.vx, circle.vy)
+    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, *pace, circle.r))
     return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
 
 
