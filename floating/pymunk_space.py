@@ -106,8 +106,8 @@ class PymunkSpace:
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
         bars: (x0, y0, x1, y1) of each segment, at time 0.
         outlines: the same of all sides of each polygon.
-        joints: of each end that segments share, with its velocity, the number of the segment that names it: the first of
-            the thickest.
+        joints: of each end that segments share, with its velocity, the number of the segment that names it: the first
+            of the thickest.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`; under gravity, or where walls
             move, that up to which they reach far enough.
         slabs: the segments behind the walls, and which circles meet each.
@@ -261,9 +261,8 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
     outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
     joints = _joints(scene, bars)
-    return PymunkSpace(
-        space, tuple(bodies), dynamic, places, lines, tuple(sides), bars, outlines, joints, speed, tuple(laid), movers, rides
-    )
+    stand = lines, tuple(sides), bars, outlines, joints
+    return PymunkSpace(space, tuple(bodies), dynamic, places, *stand, speed, tuple(laid), movers, rides)
 
 
 def elasticity_of(scene: Scene) -> float:

@@ -170,7 +170,7 @@ def check_surfaces(
                 continue
             if part is not None and not circle.fixed:
                 outer.add((i, thing))
-                inner.add((i, face + part if isinstance(part, int) else known[end]))
+                inner.add((i, known[end] if end is not None else face + (part if isinstance(part, int) else 0)))
     return sorted(outer), sorted(inner)
 
 
@@ -195,8 +195,10 @@ def _check_polygons(
             if _go_together(polygon, segment) and any(_run_on(side, segment) for side in sides[k]):
                 raise SceneError(f"segment {segment.id!r}: lies on a side of polygon {polygon.id!r}; leave it out")
         for j in range(k):
-            if not _go_together(polygon, polygons[j]) or not boxes_meet(boxes[j], boxes[k]) or any(
-                a[1] <= b[0] or b[1] <= a[0] for a, b in zip(spans[j], spans[k], strict=True)
+            if (
+                not _go_together(polygon, polygons[j])
+                or not boxes_meet(boxes[j], boxes[k])
+                or any(a[1] <= b[0] or b[1] <= a[0] for a, b in zip(spans[j], spans[k], strict=True))
             ):
                 continue  # a line lies between them, or both touch it
             if _overlap(polygons[j], polygon, sides[j], sides[k]):

@@ -384,7 +384,10 @@ FALLING = Campaign(
     INGREDIENTS,
     FallingReferee,
     (
-        ("restitution", "reversal"), ("motion", "reversal"), ("carried", "reversal"), ("carried", "capture"),
+        ("restitution", "reversal"),
+        ("motion", "reversal"),
+        ("carried", "reversal"),
+        ("carried", "capture"),
         ("capture", "gravity"),
     ),
     ("REST", "ACCUMULATION", "CRUSHED"),

@@ -76,7 +76,8 @@ class Playing(Unchangeable, ABC):
                 "of segments, which is another scene"
             )
         if scene.moving_solid is not None:
-            raise SceneError(f"{scene.name!r}: {scene.moving_solid} moves, and no recording is judged there; write walls")
+            told = f"{scene.moving_solid} moves, and no recording is judged there; write walls"
+            raise SceneError(f"{scene.name!r}: {told}")
         if scene.pockets and scene.gravity is not None:
             raise SceneError(
                 f"{scene.name!r}: has pockets under gravity, and no recording is judged there; leave them out"

@@ -153,9 +153,7 @@ def corners(scene: Scene) -> SceneParts:
                 continue
             spot, pace = place[:2], place[2:]
             one, other = (
-                k
-                for k, s in enumerate(left)
-                if spot in ((s.x0, s.y0), (s.x1, s.y1)) and pace == (s.vx, s.vy)
+                k for k, s in enumerate(left) if spot in ((s.x0, s.y0), (s.x1, s.y1)) and pace == (s.vx, s.vy)
             )
             first, second = left[one], left.pop(other)
             ends = [end for s in (first, second) for end in ((s.x0, s.y0), (s.x1, s.y1)) if end != spot]

@@ -19,8 +19,8 @@ from .sentences import headline
 from .terminal import later
 
 if TYPE_CHECKING:
-    from ...scenarios.things import Polygon, Segment, Wall
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Polygon, Segment, Wall
     from ...scenarios.trajectory import Event, Trajectory
     from ..alignment.instants import Divergence
     from ..candidate import Candidate

@@ -214,8 +214,8 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if walls are of kinds of their own, if segments or polygons move, if circles go out of play, touch at time 0 and go on
-            touching, if a restitution is 0, or if there are arcs or pockets under gravity.
+        NoTangentMap: if walls are of kinds of their own, if segments or polygons move, if circles go out of play, touch
+            at time 0 and go on touching, if a restitution is 0, or if there are arcs or pockets under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")

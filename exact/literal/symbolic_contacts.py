@@ -115,7 +115,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Disc:
-    """A circle at one moment, in SymPy numbers; `m` is None for a fixed circle, which only an end of what moves flies."""
+    """A circle at one moment, in SymPy numbers; `m` is None for a fixed one, which flies as an end of what moves."""
 
     x: Any
     y: Any

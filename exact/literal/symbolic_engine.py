@@ -560,6 +560,9 @@ def _refuse_quartics(run: _Run, end: Any) -> None:
 SHRUNK = 20
 """Bounces on a wall are told until their speed is 2**-SHRUNK of the first one's."""
 
+CROWD = 64
+"""Events from which on hits that come ever faster between segments that close are looked for."""
+
 SQUEEZED = 31
 """Bounces between two walls that close are told while more than one part in SQUEEZED + 1 of their time is left."""
 
@@ -571,6 +574,7 @@ class _Endings:
         self.run = run
         e, self.rows, self.since = float(run.scene.restitution), dict[int, tuple[int, int]](), dict[int, float]()
         self.enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 and run.scene.gravity is not None else None
+        self.times: list[float] = []
         self.closing = {squeeze.circle: squeeze for squeeze in run.scene.closing}
 
     def crushed(self, touching: Touching) -> Stop | None:
@@ -582,6 +586,14 @@ class _Endings:
     def after(self, impulses: Sequence[Indices]) -> Stop | None:
         """Notes the impulses of an event; what ends the run, if infinitely many of them do."""
         run, count = self.run, len(self.run.discs)
+        self.times.append(float(quantity(run.now)))
+        seen, now = len(self.times), self.times[-1]
+        crowded = seen >= CROWD and now - self.times[seen // 2] < now / 1000
+        if run.scene.moving_solid is not None and seen & (seen - 1) == 0 and crowded:
+            raise SymbolicUndecided(
+                f"accumulation suspected: the later half of {seen} events took less than a thousandth of the time up to "
+                f"{now:.9g}; end the run before"
+            )
         shares = Counter(k for pair in impulses for k in pair if k < count)
         bounced: list[Indices] = []
         for pair in impulses:

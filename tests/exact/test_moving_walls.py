@@ -247,7 +247,7 @@ def test_others_that_are_far_along_the_walls_are_no_hindrance_and_those_near_are
     near = scene.with_changes(circles=[scene.circles[0], Circle("11/2", 0, id="d")])
     run = ExactEngine().run(near, until=4)
     assert run.stop.reason is StopReason.UNDECIDED
-    assert "accumulation suspected: between walls that close" in run.stop.message
+    assert "accumulation suspected: between surfaces that close" in run.stop.message
     assert float(run.final_time) < 2.5  # two of width 2 each have no room in one line from then on
     crossed = scene.with_changes(walls=[*scene.walls, Wall(0, 2, 1, 2, id="top")])
     far_off = scene.with_changes(walls=[*scene.walls, Wall(0, 9, 1, 9, id="top")])
