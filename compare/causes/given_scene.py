@@ -86,9 +86,7 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         for w in scene.walls
     ]  # fmt: skip
     segments = [
-        Segment(
-            *(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, **_thickness_and_pace(s, bits)
-        )
+        Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, **_thickness_and_pace(s, bits))
         for s in scene.segments
     ]
     polygons = [

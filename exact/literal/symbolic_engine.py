@@ -210,10 +210,9 @@ class _Run:
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
-        bars = (
-            Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r)), ux=s.vx.sympy(), uy=s.vy.sympy())
-            for s in segments
-        )
+        keys = ("x0", "y0", "x1", "y1", "r", "vx", "vy")
+        told = ([normal(getattr(s, key).sympy()) for key in keys] for s in segments)
+        bars = (Bar(*q[:5], ux=q[5], uy=q[6]) for q in told)
         self.lines = (
             *map(_line, scene.walls),
             *bars,
@@ -560,9 +559,6 @@ def _refuse_quartics(run: _Run, end: Any) -> None:
 SHRUNK = 20
 """Bounces on a wall are told until their speed is 2**-SHRUNK of the first one's."""
 
-CROWD = 64
-"""Events from which on hits that come ever faster between segments that close are looked for."""
-
 SQUEEZED = 31
 """Bounces between two walls that close are told while more than one part in SQUEEZED + 1 of their time is left."""
 
@@ -587,13 +583,9 @@ class _Endings:
         """Notes the impulses of an event; what ends the run, if infinitely many of them do."""
         run, count = self.run, len(self.run.discs)
         self.times.append(float(quantity(run.now)))
-        seen, now = len(self.times), self.times[-1]
-        crowded = seen >= CROWD and now - self.times[seen // 2] < now / 1000
-        if run.scene.moving_solid is not None and seen & (seen - 1) == 0 and crowded:
-            raise SymbolicUndecided(
-                f"accumulation suspected: the later half of {seen} events took less than a thousandth of the time up to "
-                f"{now:.9g}; end the run before"
-            )
+        n, now = len(self.times), self.times[-1]
+        if run.scene.moving_solid and n >= 64 and n & (n - 1) == 0 and now - self.times[n // 2] < now / 1000:
+            raise SymbolicUndecided(f"accumulation suspected: {n} events up to time {now:.9g}; end the run before")
         shares = Counter(k for pair in impulses for k in pair if k < count)
         bounced: list[Indices] = []
         for pair in impulses:
