@@ -210,8 +210,7 @@ class _Run:
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
-        keys = ("x0", "y0", "x1", "y1", "r", "vx", "vy")
-        told = ([normal(getattr(s, key).sympy()) for key in keys] for s in segments)
+        told = ([normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r, s.vx, s.vy)] for s in segments)
         bars = (Bar(*q[:5], ux=q[5], uy=q[6]) for q in told)
         self.lines = (
             *map(_line, scene.walls),
@@ -567,10 +566,9 @@ class _Endings:
     """Looks for them, event by event."""
 
     def __init__(self, run: _Run) -> None:
-        self.run = run
+        self.run, self.times = run, list[float]()
         e, self.rows, self.since = float(run.scene.restitution), dict[int, tuple[int, int]](), dict[int, float]()
         self.enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 and run.scene.gravity is not None else None
-        self.times: list[float] = []
         self.closing = {squeeze.circle: squeeze for squeeze in run.scene.closing}
 
     def crushed(self, touching: Touching) -> Stop | None:

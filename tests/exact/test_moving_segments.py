@@ -24,7 +24,6 @@ from truebreak.compare.testing.check import check
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import state as states
-from truebreak.exact.replay.round_falls import RoundFall
 from truebreak.exact.replay.state import Flights
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
@@ -91,9 +90,11 @@ def _pace_that_only_places_have(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Flights, "peg_relation", related)
 
 
-def _zero_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = RoundFall.polynomial
-    monkeypatch.setattr(RoundFall, "polynomial", lambda self, stood: plain(self, False))
+def _no_pull(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = Flights.peg_fall_at_clock
+    monkeypatch.setattr(
+        Flights, "peg_fall_at_clock", lambda self, link: plain(self, link)._replace(hx=self.zero, hy=self.zero)
+    )
 
 
 def _half_a_push(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,7 +108,7 @@ FAULTS = {
     "ends are a tenth too fast": _paces(lambda part: part + part / 10),
     "ends push as if they stood": _pace_that_only_places_have,
     "lines stand": lambda monkeypatch: monkeypatch.setattr(SeenWall, "moved", lambda self, drift, time: self),
-    "the zero of the last contact stays": _zero_that_stays,
+    "nothing pulls towards an end": _no_pull,
     "a mirror is halved": _half_a_push,
 }
 
