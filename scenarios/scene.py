@@ -215,20 +215,15 @@ class Scene:
 
         return closing_of(self.circles, self.walls[: self.faces.start])
 
-    @property
-    def _made_of(self) -> tuple[object, ...]:
-        """What scenes are told apart by; of `surfaces` the sides of arcs too, which are no field."""
-        return *(getattr(self, item.name) for item in fields(self) if item.compare), self.arc_sides
-
     def __eq__(self, other: object) -> bool:
         """By what it is made of."""
         if not isinstance(other, Scene):
             return NotImplemented
-        return self is other or self._made_of == other._made_of
+        return self is other or _ingredients(self) == _ingredients(other)
 
     @kept
     def _hash(self) -> int:
-        return hash(self._made_of)
+        return hash(_ingredients(self))
 
     def __hash__(self) -> int:
         """Taken once: what is known of a scene is looked up by it in every run."""
@@ -414,6 +409,11 @@ class Scene:
         told = {"name", "description", "source", "until", "events"}
         data = {key: value for key, value in self.data().items() if key not in told}
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def _ingredients(scene: Scene) -> tuple[object, ...]:
+    """What scenes are told apart by; of `surfaces` the sides of arcs too, which are no field."""
+    return *(getattr(scene, item.name) for item in fields(scene) if item.compare), scene.arc_sides
 
 
 def made_of(scene: Scene) -> str:
