@@ -13,7 +13,7 @@ import pytest
 from gravity_referee import GravityReferee, TieMet
 from mpmath import mpf, workdps
 
-from truebreak.compare.adapters.box2d import Box2DEngine
+from truebreak.compare.adapters.mujoco import MujocoEngine
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.deadline import Clock
@@ -410,7 +410,7 @@ def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():
     found = audit_run(DoubleEngine().run(scene, events=2), DoubleEngine())
     assert found.kept
     assert energy_drift(DoubleEngine().run(scene, events=2)) is None
-    assert unsupported(Box2DEngine(), scene) == "moving walls"
+    assert unsupported(MujocoEngine(), scene) == "moving walls"
 
 
 def test_chaos_is_measured_among_them_and_volumes_are_kept():
