@@ -161,7 +161,11 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if self.balls.stands and self.balls.on_peg(link) and not is_pair(link):
+        if (
+            self.balls.stands
+            and self.balls.on_peg(link)
+            and not (is_pair(link) and (link.a in self.scene.pegs or link.b in self.scene.pegs))
+        ):
             return False
         if self._in_play and not self._all_leave(link):
             return False
