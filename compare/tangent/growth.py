@@ -225,6 +225,10 @@ class CertifiedGrowth:
 TOLD_BITS = 40
 """Accuracy of the norm's square at which an enclosure is told: beyond what its doubles show."""
 
+BEYOND_BITS = 128
+"""Bits that displacements are carried with beyond those to which the time of an impact is known: of a long run the bits
+that are known fall from event to event, and what is computed with more tells nothing."""
+
 POWER = 5
 """Squarings of the Gram matrix: the trace of its power 2**POWER exceeds the largest entry of its spectrum by a factor
 of its size at most, and so the norm by the size to the power of 2**-(POWER + 1)."""
@@ -258,11 +262,15 @@ def certified_growth(
     motion = motion_of(trajectory)
     if motion is None or not trajectory.certified:
         raise NoTangentMap("growth is certified along a certified run only; run the exact engine")
-    bits = motion.log.lost + LEAST_BITS
+    lost, bits = motion.log.lost, motion.log.lost + LEAST_BITS
+    if motion.log.centred and lost > LEAST_BITS:  # what is carried here is in no set of deviations: it loses more
+        bits, struck = bits + 2 * lost // 3, None
     while True:
         with ball.precision(bits):
             carried = Displacements(trajectory.scene, unit_rows(trajectory.scene))
             for event in impacts(trajectory, events, bits) if struck is None else struck:
+                known = _known_bits(event)
+                ball.use_bits(min(bits, known + BEYOND_BITS) if known > 0 else bits)
                 carried.through(event)
             struck = None  # where that does not suffice it takes more bits
             low, high = _norm_squared(carried.matrix)
@@ -271,6 +279,11 @@ def certified_growth(
                 ends = float((low.log() / two).lower()), float((high.log() / two).upper())
                 return CertifiedGrowth(events, nextafter(ends[0], -1e9), nextafter(ends[1], 1e9), bits)
         bits *= 2
+
+
+def _known_bits(struck: Sequence[Impact]) -> int:
+    """To how many bits the time of an event is known; its impacts are in balls."""
+    return max((arb(impact.time).rel_accuracy_bits() for impact in struck), default=0)
 
 
 def _norm_squared(product: arb_mat) -> tuple[arb, arb]:
