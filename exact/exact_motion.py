@@ -32,7 +32,7 @@ from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
 from .numbers.system import N, Undecided
 from .replay.contact import Link
-from .replay.state import Constant, ReplayState, Velocity
+from .replay.state import Constant, Lift, ReplayState, Settle, Velocity
 from .simulation.decider import Formula, Knot, Mark, RunLog
 from .simulation.endings import Accumulating
 from .simulation.loop import Tape
@@ -376,6 +376,8 @@ class FallSpeed:
     def __call__(self, state: ReplayState[N]) -> N:
         assert state.falling is not None
         speed = Velocity(self.body, self.axis)(state)
+        if self.body in state.pegs:
+            return speed
         return fall_speed(speed, state.falling.half(self.axis), _moment(self.time, state))
 
 
@@ -423,6 +425,24 @@ class ExactMotion:
         assert hx is not None
         assert hy is not None
         return hx, hy
+
+    @kept
+    def _carried(self) -> dict[int, list[tuple[int, bool]]]:
+        """For each circle that walls have carried, the lengths of the log from which on one does, or none."""
+        found: dict[int, list[tuple[int, bool]]] = {}
+        if self.log.scene.settle:
+            for k, step in enumerate(self.log.steps):
+                if isinstance(step, Settle | Lift):
+                    found.setdefault(step.body, []).append((k + 1, isinstance(step, Settle)))
+        return found
+
+    def _falls(self, i: int, k: int) -> bool:
+        """Whether a circle falls from a knot on: then that is in the falling frame (see `Gravity`)."""
+        if self._halves is None or i in self.log.scene.pegs:
+            return False
+        known = self._carried.get(i, [])
+        before = bisect_right(known, self.knots[i][k][5], key=itemgetter(0))
+        return before == 0 or not known[before - 1][1]
 
     @kept
     def _rough(self) -> list[list[float]]:
@@ -542,7 +562,8 @@ class ExactMotion:
 
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
-        if self._halves is not None and i not in self.log.scene.pegs:
+        if self._falls(i, k):
+            assert self._halves is not None
             speeds: list[ExactValue] = []
             for axis, v in enumerate((vx, vy)):
                 near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
@@ -572,14 +593,22 @@ class ExactMotion:
         result = np.empty((len(at), len(self.knots), 4))
         for i, found in enumerate(self._knots_at(at)):
             used, which = np.unique(found, return_inverse=True)
+            falls = np.array([self._falls(i, int(k)) for k in used])[which]
             pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
-                if self._halves is not None and i not in self.log.scene.pegs:
+                if self._halves is not None and falls.any():
                     hx, hy = (pair_of(_ball(half)) for half in self._halves)
                     result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
                     result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
+                    if falls.all():
+                        continue
+                    t, x, y, vx, vy = (part[~falls] for part in (t, x, y, vx, vy))
+                    result[~falls, i] = np.stack(
+                        (advanced_pairs(x, vx, t, at[~falls]), advanced_pairs(y, vy, t, at[~falls]), vx[:, 0], vy[:, 0]),
+                        axis=1,
+                    )
                     continue
                 result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
                 result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
@@ -623,7 +652,8 @@ class ExactMotion:
         Under gravity in true coordinates, at the knot.
         """
         t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
-        if self._halves is not None and i not in self.log.scene.pegs:
+        if self._falls(i, k):
+            assert self._halves is not None
             with ball.precision(READ_BITS):
                 hx, hy = map(_ball, self._halves)
                 x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)

@@ -411,7 +411,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     an overlap that rounding has made collides at once.
     """
 
-    scene_keys = ALL_KEYS
+    scene_keys = ALL_KEYS - {"settle"}
 
     @property
     @abstractmethod

@@ -111,7 +111,7 @@ class PymunkEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, which pymunk has no notion of, and `tie_policy`: it solves all contacts of a step."""
-        return ALL_KEYS - {"capture", "tie_policy", "arc", "wall kinds"}
+        return ALL_KEYS - {"capture", "tie_policy", "arc", "settle", "wall kinds"}
 
     def finer(self) -> PymunkEngine:
         """Half the time step, and room for twice the steps."""

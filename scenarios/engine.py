@@ -21,7 +21,7 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed", "moving walls", "wall kinds"}
+ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "settle", "fixed", "moving walls", "wall kinds"}
 """These, and the keys that an engine follows only where it says so: `Declared` leaves them out. `moving walls` have a
 `vx` or `vy`; `fixed` is a circle that stands under gravity; `wall kinds` are those that recipes add to `WALL_KINDS`."""
 

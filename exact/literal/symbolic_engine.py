@@ -154,7 +154,7 @@ class SymbolicEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`: no circle is ever taken out of play."""
-        return ALL_KEYS - {"capture"}
+        return ALL_KEYS - {"capture", "settle"}
 
     @property
     def name(self) -> str:

@@ -113,6 +113,11 @@ class BallState(ReplayState[arb]):
         if is_pair(link):
             self.push(b, jx, jy)
 
+    def lift(self, index: int) -> None:
+        """As `ReplayState.lift`; what the law of the meeting told is of the flight before."""
+        super().lift(index)
+        self.met = self._told = self._root = None
+
     def forget_contact(self) -> None:
         """After an instant reached in another system: clocks are the instant itself, and no d is known beforehand."""
         self.late, self.met, self._told = None, None, None
@@ -129,7 +134,7 @@ class BallState(ReplayState[arb]):
         for mine, new in zip((*self.pockets, *self.arcs), (*other.pockets, *other.arcs), strict=True):
             mine.become(new)
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
-        self.contacts = other.contacts
+        self.contacts, self.pegs = other.contacts, other.pegs
         self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
         self.instant, self.late, self.met = other.instant, other.late, other.met
         self.falling, self.drifts = other.falling, other.drifts

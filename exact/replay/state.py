@@ -13,6 +13,7 @@ from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
+    face_along,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -72,7 +73,29 @@ class Take(NamedTuple):
     body: int
 
 
-Step: TypeAlias = Go | Kick | Flip | Take
+class Settle(NamedTuple):
+    """From the instant at which a body stands on, a wall carries it, against gravity: it flies straight along it.
+
+    Its flight is kept in true coordinates from then on.
+
+    Attributes:
+        body: the circle.
+        wall: what carries it: a wall across gravity.
+        slides: whether it moves along the wall.
+    """
+
+    body: int
+    wall: int
+    slides: bool
+
+
+class Lift(NamedTuple):
+    """Nothing carries a body any more, from the instant at which it stands on: it falls as others do."""
+
+    body: int
+
+
+Step: TypeAlias = Go | Kick | Flip | Take | Settle | Lift
 
 
 STEP_UNITS = 60
@@ -114,7 +137,7 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int]
             if wanted & touched:
                 needed.append(k)
                 wanted |= touched
-        elif isinstance(step, Take):
+        elif isinstance(step, Take | Settle | Lift):
             if step.body in wanted:
                 needed.append(k)
         else:
@@ -135,7 +158,7 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
         if len(step.links) == 1:
             return step.links[0].circles
         return tuple({i for link in step.links for i in link.circles})
-    if isinstance(step, Take):
+    if isinstance(step, Take | Settle | Lift):
         return (step.body,)
     return tuple(range(count))
 
@@ -186,7 +209,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self._lines = {}
         self.sides = Sides(scene)
         self.pegs, self.contacts = scene.pegs, {}
-        self.stands = scene.gravity is not None and bool(self.pegs or self.arcs or self.pockets)
+        self.stands = scene.gravity is not None and bool(scene.settle or self.pegs or self.arcs or self.pockets)
 
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
@@ -213,7 +236,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         f, g = a.flight, b.flight
         if self.stands and self.on_peg(link):
             return self.peg_relation(link)
-        if self.falling is not None and self.falling.bent:
+        if self.falling is not None and self.falling.bent and not self.carried(link):
             return self.bent_relation(self.falling, a, b)
         ax, ay, bx, by = f.x, f.y, g.x, g.y
         if f.last >= g.last:
@@ -352,6 +375,10 @@ class ReplayState(Flights[N]):
                 self.note_stood(step.among)
         elif type(step) is Take:
             self.take(step.body)
+        elif type(step) is Settle:
+            self.settle(step)
+        elif type(step) is Lift:
+            self.lift(step.body)
         else:
             self.flip()
 
@@ -371,8 +398,8 @@ class ReplayState(Flights[N]):
         for index in bodies:
             body = self.bodies[index]
             x, y, vx, vy, t, _, _, _, rest = body.flight
-            if falls is not None and falls.bent:
-                if t is not clock and index not in self.pegs:
+            if falls is not None and falls.bent and index not in self.pegs:
+                if t is not clock:
                     x, y, vx, vy = falls.flown((x, y, vx, vy), lag if lag is not None and t is base else clock - t)
             elif not rest and t is not clock:
                 step = lag if lag is not None and t is base else clock - t
@@ -539,6 +566,42 @@ class ReplayState(Flights[N]):
         x, y = self.place(body)
         _, _, _, _, t, instant, late, last, _ = body.flight
         body.flight = Flight(x, y, zero, zero, t, instant, late, last, rest=True)
+
+    def settle(self, step: Settle) -> None:
+        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
+        body, falls = self.bodies[step.body], self.falling
+        assert falls is not None
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        zero = self.zero
+        if not falls.bent:
+            x, y = x + falls.hx * t * t, y + falls.hy * t * t
+            vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
+        if late is not None:
+            x, y, vx, vy = falls.flown((x, y, vx, vy), late)
+        if step.slides:
+            line = self.line(step.body, step.wall)
+            slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn
+            vx, vy = line.ny * slide, -(line.nx * slide)
+            if late is not None:
+                x, y = advance(x, vx, -late), advance(y, vy, -late)
+        else:
+            vx = vy = zero
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest=not step.slides)
+        self.pegs |= {step.body}
+
+    def lift(self, index: int) -> None:
+        """Lets a body fall from the instant on: its velocity is as it was."""
+        body, falls = self.bodies[index], self.falling
+        assert falls is not None
+        self.pegs -= {index}
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        back = self.zero if late is None else late
+        if falls.bent:
+            assert late is None
+        else:  # x + h (s - T)^2 at the time s, less h s^2, with T = t + late
+            rest, twice = (back - t) * (back + t), -(instant + instant)
+            x, y, vx, vy = x + falls.hx * rest, y + falls.hy * rest, vx + falls.hx * twice, vy + falls.hy * twice
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last)
 
     def flip(self) -> None:
         """Negates every velocity, and keeps the moment."""

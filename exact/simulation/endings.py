@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, inf, log
 from typing import TypeAlias
@@ -14,7 +14,7 @@ from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import face_along, fall_speed, sag
+from ..laws.formulas import advance, face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
 from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
@@ -105,18 +105,19 @@ class Endings:
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
-    def at_rest(self, standing: Mapping[Link, int]) -> str | None:
+    def at_rest(self, standing: Mapping[Link, int], carried: Collection[int] = ()) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
+            carried: the circles that walls carry: these stand, as fixed ones do.
 
         Raises:
-            Undecided: where one stands on, or flies along, something round and fixed.
+            Undecided: where one stands on, or flies along, something round that stands.
         """
-        pegs = self.scene.pegs
+        stands = self.scene.pegs.union(carried)
         for link, sign in standing.items():
-            round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
+            round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
             if sign == 0 and round_one and self.scene.gravity is not None:
                 raise Undecided(
                     f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
@@ -125,7 +126,7 @@ class Endings:
         names = [
             name_of(self.scene, link)
             for link, sign in standing.items()
-            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0
+            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in carried
         ]
         return " as well as ".join(sorted(names)) or None
 
@@ -341,7 +342,8 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
     for body in state.bodies.values():
         x, y, vx, vy, t, *_ = body.flight
         if body.index in state.pegs:
-            rows.append((x, y, vx, vy))
+            lag = time - t
+            rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
         elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
         else:
