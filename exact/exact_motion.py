@@ -32,7 +32,7 @@ from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
 from .numbers.system import N, Undecided
 from .replay.contact import Link
-from .replay.state import Constant, Lift, ReplayState, Settle, Velocity
+from .replay.state import Constant, ReplayState, Velocity
 from .simulation.decider import Formula, Knot, Mark, RunLog
 from .simulation.endings import Accumulating
 from .simulation.loop import Tape
@@ -426,23 +426,10 @@ class ExactMotion:
         assert hy is not None
         return hx, hy
 
-    @kept
-    def _carried(self) -> dict[int, list[tuple[int, bool]]]:
-        """For each circle that walls have carried, the lengths of the log from which on one does, or none."""
-        found: dict[int, list[tuple[int, bool]]] = {}
-        if self.log.scene.settle:
-            for k, step in enumerate(self.log.steps):
-                if isinstance(step, Settle | Lift):
-                    found.setdefault(step.body, []).append((k + 1, isinstance(step, Settle)))
-        return found
-
     def _falls(self, i: int, k: int) -> bool:
         """Whether a circle falls from a knot on: then that is in the falling frame (see `Gravity`)."""
-        if self._halves is None or i in self.log.scene.pegs:
-            return False
-        known = self._carried.get(i, [])
-        before = bisect_right(known, self.knots[i][k][5], key=itemgetter(0))
-        return before == 0 or not known[before - 1][1]
+        stands = self._halves is None or i in self.log.scene.pegs
+        return not stands and not self.log.carries(i, self.knots[i][k][5])
 
     @kept
     def _rough(self) -> list[list[float]]:
@@ -602,16 +589,10 @@ class ExactMotion:
                     hx, hy = (pair_of(_ball(half)) for half in self._halves)
                     result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
                     result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
-                    if falls.all():
-                        continue
-                    t, x, y, vx, vy = (part[~falls] for part in (t, x, y, vx, vy))
-                    result[~falls, i] = np.stack(
-                        (advanced_pairs(x, vx, t, at[~falls]), advanced_pairs(y, vy, t, at[~falls]), vx[:, 0], vy[:, 0]),
-                        axis=1,
-                    )
-                    continue
-                result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
-                result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
+                on = ~falls
+                t, x, y, vx, vy = (part[on] for part in (t, x, y, vx, vy))
+                result[on, i, 0], result[on, i, 1] = advanced_pairs(x, vx, t, at[on]), advanced_pairs(y, vy, t, at[on])
+                result[on, i, 2], result[on, i, 3] = vx[:, 0], vy[:, 0]
             else:
                 for row, time in enumerate(times):
                     t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]

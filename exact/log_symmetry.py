@@ -30,8 +30,8 @@ class Block:
     Attributes:
         number: its place among all blocks, in the order of the log.
         instant: the number of the instant that it belongs to.
-        kind: "" for impulses; FLIP for the negation of one circle's velocity, TAKE for its capture, or where a wall begins
-            to carry it, or ends: no isometry is known to map that.
+        kind: "" for impulses; FLIP for the negation of one circle's velocity, TAKE for its capture, or where a wall
+            begins to carry it, or ends to: no isometry is known to map that.
         among: the contacts whose law it is (see `Kick`).
         links: those of them that push.
         places: for each movable circle in it, its place in that circle's row.

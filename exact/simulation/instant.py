@@ -11,7 +11,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason, Tie
 from ..numbers.system import N, Undecided
-from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim, Slide
+from ..question import BeforeTime, Beside, Closing, Coupling, Decision, Endless, Falling, Moment, RelativeSpeed, Rim
 from ..replay.contact import (
     AtWall,
     Entry,
@@ -26,8 +26,9 @@ from ..replay.contact import (
     name_of,
     scene_order,
 )
-from ..replay.state import Flip, Go, Kick, Lift, Settle, Take
+from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
+from .endings import Carrier
 from .policies import Lasting, Policy, Rounds, components, settle
 from .prediction import Arrival
 
@@ -87,7 +88,6 @@ class Resolved(Generic[K]):
         entries: in order.
         split: whether the limit on events left out the reversal, and what would have followed.
         before: the part before the reversal, in the history's terms, if this is the part after it.
-        lifted: the circles that a wall had carried as the instant came, and that something came to.
     """
 
     number: int
@@ -98,7 +98,6 @@ class Resolved(Generic[K]):
     entries: list[Entry] = field(default_factory=list)
     split: bool = False
     before: Noted[K] | None = None
-    lifted: set[int] = field(default_factory=set)
 
     @property
     def flipped(self) -> bool:
@@ -117,7 +116,7 @@ class Resolver(Generic[N, K]):
     Attributes:
         touching: the contacts that last.
         gone: circles out of play.
-        carried: the circles that walls carry, with the wall of each.
+        carrier: knows the circles that walls carry.
     """
 
     def __init__(self, scene: Scene, decider: Decider[N, K], policy: Policy) -> None:
@@ -129,7 +128,7 @@ class Resolver(Generic[N, K]):
         self._closes = scene.restitution.sign() == 0
         self.touching = Lasting()
         self.gone: set[int] = set()
-        self.carried: dict[int, int] = {}
+        self.carrier = Carrier(scene, decider.ask, decider.ask_cheaply, decider.do)
 
     def resolve(self, instant: Instant, events_left: int | None, reverse_in: int | None) -> Resolved[K]:
         """Carries an instant out.
@@ -145,7 +144,10 @@ class Resolver(Generic[N, K]):
         elif instant.hits:
             self._contacts(instant.hits, instant.touches, instant, done)
         if self.scene.settle:
-            self._settle({**instant.touches, **done.standing}, done)
+            for link in self.carrier.settle({**instant.touches, **done.standing}):
+                self.touching.add(link)
+            here = range(self.n) if done.number == 0 else done.advanced | done.moved
+            done.moved |= self.carrier.anchored(here)
         if self.scene.pockets:
             self._entries(instant.arrivals, instant.rims, done)
         if instant.reversal or (reverse_in is not None and len(done.events) == reverse_in):
@@ -211,7 +213,7 @@ class Resolver(Generic[N, K]):
             if instant.clock is not None and not done.flipped:
                 self.decider.do(Go(first, component.bodies))
                 done.advanced.update(component.bodies)
-                self._lift(component.bodies, done)
+                self.carrier.lift(component.bodies)
             turn, again = (
                 (self._refuse_turns, self._refuse_collapse)
                 if self.decider.proves and not self.scene.elastic
@@ -237,50 +239,6 @@ class Resolver(Generic[N, K]):
         stands = struck[0][1].bodies[0]
         done.events.append((stands, tuple(sorted(taking_part, key=scene_order)), tuple(impulses), ties, coupled))
         self.decider.gathered(done.standing)
-
-    def _lift(self, bodies: Iterable[int], done: Resolved[K]) -> None:
-        """Lets circles that walls carry, and that something comes to, fall from here on: what their contacts do to them
-        says whether they are carried again."""
-        for i in bodies:
-            if i in self.carried:
-                self.decider.do(Lift(i))
-                del self.carried[i]
-                done.moved.add(i)
-                done.lifted.add(i)
-
-    def _settle(self, standing: Mapping[Link, int], done: Resolved[K]) -> None:
-        """Has walls carry the circles that neither approach them nor part, where they are across gravity.
-
-        All that fall are then reckoned anew from here on: their clock is no earlier than that of what is carried.
-
-        Raises:
-            Undecided: for one that slides along a face, which ends.
-        """
-        changed = set(done.lifted)
-        for link in sorted((one for one, sign in standing.items() if sign == 0 and is_flat(one)), key=scene_order):
-            if self._sides.pull(*link[:2]) >= 0 or not self._sides.level(link.wall) or link.circle in self.carried:
-                continue
-            self.decider.do(Settle(link.circle, link.wall, self._slides(link)))
-            self.carried[link.circle] = link.wall
-            self.touching.add(link)
-            changed.add(link.circle)
-        if not changed:
-            return
-        done.moved |= changed
-        falling = [i for i in range(self.n) if i not in self.carried and i not in self.scene.pegs]
-        others = tuple(i for i in falling if i not in done.moved and i not in done.advanced)
-        if done.number > 0 and others:
-            self.decider.do(Go(min(changed), others))
-        done.moved.update(falling)
-
-    def _slides(self, link: AtWall) -> bool:
-        """Whether a circle moves along the wall that is to carry it, or may."""
-        if link.wall not in self.scene.faces:
-            return self.decider.ask_cheaply(Slide(link)) != 0
-        if self.decider.ask(Slide(link)) != 0:
-            who = name_of(self.scene, link)
-            raise Undecided(f"{who} stay together, and the one slides along the other, which ends: that is not followed")
-        return False
 
     def _refuse_turns(self, first: Touch, second: Touch) -> None:
         """Stops where two contacts push each other without end within one instant, each time with a part of the speed.
