@@ -515,7 +515,7 @@ class ExactMotion:
         near = float(time.ball(ROUGH_BITS))  # infinite beyond doubles, where every knot is looked at
         room = abs(near) * 2.0**-50
         k = bisect_right(rough, near + room) - 1
-        while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):
+        while k > 0 and not rough[k] < near - room and self._after(self.knot_time(i, k), time):
             k -= 1
         return max(k, 0)
 
@@ -527,7 +527,7 @@ class ExactMotion:
             raise ValueError(f"whether an event falls on time {_shown(time)} is not known; ask for a time beside it")
         return (left - right).sign() > 0
 
-    def _time_value(self, i: int, k: int) -> ExactValue:
+    def knot_time(self, i: int, k: int) -> ExactValue:
         """The instant of a knot. In balls the knot's own number is only a clock beside it."""
         t, *_, upto, instant = self.knots[i][k]
         near = t if not isinstance(t, arb) else self.log.events.time_at(instant) if self.log.events else arb.nan()

@@ -8,7 +8,7 @@ from typing import Any
 
 import pymunk
 
-from ..scenarios.engine import ALL_KEYS, Declared
+from ..scenarios.engine import ALL_KEYS, Declared, refuse_settled
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -189,4 +189,5 @@ class PymunkEngine(Declared):
                 f"{scene.name!r}: capture = true: engine 'pymunk' cannot take circles out of play; "
                 "set capture = false, or use another engine"
             )
+        refuse_settled(scene, "engine 'pymunk'")
         return Run(self, scene, until, events, progress).trajectory()

@@ -123,6 +123,23 @@ def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
             raise SceneError(f"{kind} {bows[0].id!r} is round, under gravity, and {who} do not take that; {remedy}")
 
 
+def refuse_settled(scene: Scene, who: str) -> None:
+    """Refuses a scene in which what comes to rest goes on so.
+
+    Raises:
+        SceneError: naming who does not follow it, and what to do.
+
+    >>> from truebreak.scenarios import Circle
+    >>> refuse_settled(Scene([Circle(0, 9)], gravity=(0, -1), settle=True), "engine 'sympy'")
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: settle = true: engine 'sympy' does not follow what has settled; use exact, \
+or leave settle out
+    """
+    if scene.settle:
+        raise SceneError(f"settle = true: {who} does not follow what has settled; use exact, or leave settle out")
+
+
 class Unchangeable:
     """What an engine says that cannot be made finer, wider or firmer."""
 

@@ -471,7 +471,7 @@ def _check_settling(scene: Scene) -> None:
     """Refuses what settling has no meaning for, and what it is not followed beside."""
     if scene.gravity is None:
         raise SceneError(
-            "settle = true: nothing comes to rest on a wall without gravity; write gravity, or leave it out"
+            "settle = true: without gravity nothing is at rest on a wall; write gravity, or leave settle out"
         )
     for key in ("reverse_after", "reverse_at"):
         if getattr(scene, key) is not None:
@@ -481,9 +481,7 @@ def _check_settling(scene: Scene) -> None:
     for kind, things in (("arc", scene.arcs), ("pocket", scene.pockets)):
         found = found or (f"{kind} {things[0].id!r} is round" if things else "")
     if found:
-        raise SceneError(
-            f"settle = true: {found}, and beside it nothing that has settled is followed; leave settle out"
-        )
+        raise SceneError(f"settle = true: {found}, and what has settled is not followed beside it; leave settle out")
 
 
 def _check_kinds(scene: Scene) -> None:

@@ -155,7 +155,8 @@ class Carrier:
 
     def carries(self, link: AtWall) -> bool:
         """Whether a wall can carry a circle, and carries it not yet."""
-        return self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall) and link.circle not in self.walls
+        known = link.circle in self.walls or link.circle in self._scene.pegs
+        return not known and self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall)
 
     def carry(self, link: AtWall) -> None:
         """Has a wall carry a circle.

@@ -176,6 +176,9 @@ class Resolver(Generic[N, K]):
             elif note.last is None:
                 note.last = Mark(done.number, decider.reading.entry_time(link), step, link)
             note.entries.append(Arrived(i, link.pocket, note.last))
+        if done.number == 0 and note.last is None and self.carrier.walls:  # what settles as time begins is kept
+            first = min(self.carrier.walls)
+            note.last = Mark(0, decider.reading.now(bodies[first]), step, first)
         note.knots = [(i, (*decider.reading.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
         return note
 
