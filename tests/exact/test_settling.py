@@ -55,11 +55,11 @@ def test_the_default_stops_there_as_before() -> None:
 
 def test_it_slides_on_and_meets_walls_and_others_that_slide() -> None:
     right, left = Wall(30, 0, 30, 1, id="right"), Wall(-10, 0, -10, 1, id="left")
-    run = ran([Circle(0, 6, vx=2, id="a"), Circle(20, 1, vx=-1, id="b")], right, left, until=100)
-    assert told(run)[:2] == [("1", [("a", "floor")]), ("6", [("a", "b")])]
+    run = ran([Circle(0, 6, vx=2, id="a"), Circle(20, 1, vx=-1, id="b")], right, left, until=20)
+    assert told(run) == [("1", [("a", "floor")]), ("6", [("a", "b")])]
     slow = run.at("7")
     assert [slow["a"].vx.text(), slow["b"].vx.text()] == ["1/2", "1/2"]
-    assert told(run)[2] == ("36", [("b", "right")])
+    assert run.stop.reason is StopReason.HORIZON
 
 
 def test_elastic_ones_slide_to_and_fro() -> None:
@@ -79,7 +79,7 @@ def test_what_is_struck_leaves_and_may_come_back() -> None:
 
 
 def test_samples_are_the_states() -> None:
-    run = ran([Circle(0, 6, vx=1, id="a"), Circle(9, 1, vx=-1, id="b"), Circle(3, 20, id="c")], until=7)
+    run = ran([Circle(0, 6, vx=1, id="a"), Circle(9, 1, vx=-1, id="b"), Circle(-9, 9, id="c")], until=7)
     times = [k / 16 for k in range(113)]
     states = np.array([run.at(time).array() for time in times])
     assert np.abs(run.sample(times) - states).max() < 1e-12
@@ -189,10 +189,7 @@ def test_what_falls_is_reckoned_from_the_instant_at_which_another_settles(monkey
     assert differs(run, run.scene) == ""
     assert len(run.settlings) == 2
     monkeypatch.setattr(Carrier, "anchored", _anchors_nothing)
-    try:
-        assert differs(ran(both, until=3), run.scene)
-    except AssertionError as defect:
-        assert "overlap" in str(defect) or "does not" in str(defect)
+    assert len(ran(both, until=3).settlings) == 1
 
 
 # -- Against the referee.
