@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import count
 from random import Random
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from unittest import mock
 
 from truebreak.compare.adapters.adapter import NotInstalled
 from truebreak.compare.adapters.billiards import table_of
@@ -23,6 +24,7 @@ from truebreak.compare.adapters.perfect_physics import world_of
 from truebreak.compare.deadline import uninterrupted
 from truebreak.compare.engines import engine, suggestion
 from truebreak.compare.grids.computer import timed
+from truebreak.exact.certified import certified_decider
 from truebreak.scenarios import Circle, Quantity, Scene, Segment, Wall
 from truebreak.scenarios.catalogue import build
 from truebreak.scenarios.trajectory import Contact
@@ -491,6 +493,33 @@ def _set_up(engine: str, size: Workload) -> Figure:
     return Figure(f"crowd-set-up-{engine}", what, many, few, Target("seconds", "at most", 2))
 
 
+def sets_from_the_start(name: str, size: Workload) -> Figure:
+    """A run with the deviations of all midpoints in a set from the first rise of its bits on, against one on balls.
+
+    Each takes the bits that it needs: balls more, at less for each event.
+    """
+    scene, events = build(name).with_changes(until=None, events=None), 3 * size.gas
+    plain = running("exact", scene, events)
+
+    def in_sets() -> None:
+        with mock.patch.object(certified_decider, "LONG_BITS", 0):
+            plain()
+
+    ours, theirs = processor_times([in_sets, plain], size.repeats)
+    told = f"{events:,} events of {name}: in sets from the first rise of bits / on balls until 8,000 bits"
+    return Figure(f"sets-{scene.name.partition(':')[0]}", told, ours, theirs, Target("ratio", "at least", 1))
+
+
+def gas_in_sets(size: Workload) -> Figure:
+    """Of the gas."""
+    return sets_from_the_start(GAS, size)
+
+
+def mushroom_in_sets(size: Workload) -> Figure:
+    """Of a table with an arc."""
+    return sets_from_the_start("mushroom", size)
+
+
 Benchmark: TypeAlias = Callable[[Workload], Figure]
 
 BENCHMARKS: dict[str, Benchmark] = {
@@ -512,6 +541,8 @@ BENCHMARKS: dict[str, Benchmark] = {
     "gas-restitution": gas_with_restitution,
     "gas-pegs": gas_onto_pegs,
     "gas-segments-gravity": gas_onto_segments,
+    "sets-gas": gas_in_sets,
+    "sets-mushroom": mushroom_in_sets,
     "crowd-growth-exact": growth_exact,
     "crowd-growth-double": growth_double,
     "crowd-set-up-exact": set_up_exact,

@@ -23,7 +23,7 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
-from .landings import landing_wait
+from .landings import Unsharp, landing_wait
 from .state import ReplayState
 from .wall_flights import FallingWall, falling_wall
 
@@ -538,11 +538,12 @@ class LoneContacts:
         a, b, share = bodies[link[0]], bodies[link[1]], share_a
         if circles[a.index].fixed:
             a, b, share = b, a, share_b
-        ax, ay, vx, vy, base, _, _, _, rest = a.flight
-        falls = self._state.falling is not None
-        if falls or rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
+        ax, ay, vx, vy, base, *_, rest = a.flight
+        if self._state.falling is not None and circles[b.index].fixed:
+            return self._off_peg(link, a, b, share, bits, step)
+        if rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
             return None
-        bx, by, ux, uy, *_ = b.flight
+        bx, by, *_ = b.flight
         worst = a.acc + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
         dx, dy = bx - ax, by - ay
@@ -553,18 +554,25 @@ class LoneContacts:
             return None
         root = disc.sqrt()
         wait, ex, ey = pair_meeting(-(dx * vx + dy * vy), cross, square, root, -vx, -vy)
-        instant = base + wait
-        clock = instant.mid()
-        lag = clock - base
-        late = wait - lag
         strength = share * root
-        jx, jy = strength * ex, strength * ey
-        x, y = ax + vx * lag + jx * late, ay + vy * lag + jy * late
-        vx, vy = vx - jx, vy - jy
-        rest = vx.is_zero() and vy.is_zero()
-        a.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
-        b.flight = new_flight(Flight, (bx, by, ux, uy, clock, instant, late, step, True))
-        a.acc = accuracy = self._stand(instant, late, step, bits)
+        return self._turn(a, -strength * ex, -strength * ey, base, wait, step, bits, b)
+
+    def _off_peg(self, link: Pair, body: Body[arb], peg: Body[arb], share: arb, bits: int, step: int) -> int | None:
+        """A circle that falls and a fixed one, at a zero of a quartic (see landings.py)."""
+        state = self._state
+        worst = body.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        try:
+            base, wait = state.round_hit(link)
+        except Unsharp:
+            return None
+        met = state.peg_fall_at_clock(link).after(wait)
+        strength = share * met.approach()
+        ux, uy = strength * met.dx, strength * met.dy  # away from the fixed one, to which d leads from the other
+        if body.index == link[1]:
+            ux, uy = -ux, -uy
+        accuracy = self._turn(body, ux, uy, base, wait, step, bits, peg)
+        state.note_stood((link,))
         return accuracy
 
     def _on_line(self, link: Pair, bits: int, step: int) -> int | None:
@@ -665,18 +673,27 @@ class LoneContacts:
         if met is None:
             return None
         wait, strength = met
-        instant = base + wait
-        if not instant.is_finite():
+        if not wait.is_finite():
             return None
+        ux, uy = wall.turn_x * strength, wall.turn_y * strength
+        return self._turn(body, ux, uy, base, wait, step, bits)
+
+    def _turn(
+        self, a: Body[arb], ux: arb, uy: arb, base: arb, wait: arb, step: int, bits: int, fixed: Body[arb] | None = None
+    ) -> int:
+        """A circle flies from its clock to a contact, where its velocity changes; a fixed one that it meets stays."""
+        instant = base + wait
         clock = instant.mid()
         lag = clock - base
         late = wait - lag
-        ux, uy = wall.turn_x * strength, wall.turn_y * strength
+        x, y, vx, vy, *_ = a.flight
         x, y = x + vx * lag - ux * late, y + vy * lag - uy * late
         vx, vy = vx + ux, vy + uy
         rest = vx.is_zero() and vy.is_zero()
-        body.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
-        body.acc = accuracy = self._stand(instant, late, step, bits)
+        a.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
+        if fixed is not None:
+            fixed.flight = new_flight(Flight, (*fixed.flight[:4], clock, instant, late, step, fixed.flight.rest))
+        a.acc = accuracy = self._stand(instant, late, step, bits)
         return accuracy
 
     def _stand(self, instant: arb, late: arb, step: int, bits: int) -> int:

@@ -117,14 +117,18 @@ def landing(state: Flights[arb], link: Round, end: float) -> Landing:
     fall = at_clock if late is None else at_clock.after(late)
     gap = gap_of(link, fall, stood)
     hollow = link.hollow
+    dx, dy, vx, vy, hx, hy, reach = at_clock
+    square = reach * reach
 
     def value(s: arb) -> arb:
-        x, y = at_clock.dx + (at_clock.vx - at_clock.hx * s) * s, at_clock.dy + (at_clock.vy - at_clock.hy * s) * s
-        found = x * x + y * y - at_clock.reach * at_clock.reach
+        x, y = dx + (vx - hx * s) * s, dy + (vy - hy * s) * s
+        found = x * x + y * y - square
         return -found if hollow else found
 
     def slope(s: arb) -> arb:
-        found = 2 * at_clock.after(s).approach()
+        bend_x, bend_y = hx * s, hy * s
+        wx, wy = vx - bend_x, vy - bend_y
+        found = ((dx + wx * s) * (wx - bend_x) + (dy + wy * s) * (wy - bend_y)) * 2
         return -found if hollow else found
 
     def beyond(low: fmpq, high: fmpq) -> bool:

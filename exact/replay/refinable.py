@@ -167,7 +167,7 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if self.balls.stands and self.balls.on_peg(link):
+        if self.balls.stands and self.balls.on_peg(link) and not is_pair(link):
             return False
         if self._in_play and not self._all_leave(link):
             return False

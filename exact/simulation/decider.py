@@ -400,6 +400,7 @@ class RunLog:
         self.centred = centred
         self._reached: dict[tuple[int, int], CentredState] = {}
         self._too_deep: list[frozenset[int]] = []
+        self._written: tuple[tuple[list[int], list[int]], ReplayState[Element], NestedNumbers, int] | None = None
 
     @cached_property
     def scene(self) -> Scene:
@@ -408,7 +409,7 @@ class RunLog:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""
-        return {**self.__dict__, "_reached": {}, "_too_deep": [], "events": None}
+        return {**self.__dict__, "_reached": {}, "_too_deep": [], "_written": None, "events": None}
 
     def in_balls(self, bits: int, upto: int) -> CentredState:
         """The state after the first `upto` steps, in balls computed with `bits` bits.
@@ -456,21 +457,32 @@ class RunLog:
     def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
         """A number after the first `upto` steps in nested roots, or None if it is too deep.
 
-        A value whose causal past contains one that was too deep is not tried.
+        A value whose causal past contains one that was too deep is not tried. Numbers of one past, asked for one after
+        another, cost one replay together; each has the work that one alone would have.
         """
         steps = self.steps[:upto]
         needed, held = causal_past(steps, bodies)
         past = frozenset(needed)
         if any(deep <= past for deep in self._too_deep):
             return None
-        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
+        kept, self._written = self._written, None  # what is ended half-way is not kept
         try:
-            state = ReplayState(self.scene, numbers, only=held)
-            replay(state, steps, needed)
-            return formula(state)
+            if kept is None or kept[0] != (needed, held):
+                work = Work(TEXT_WORK)
+                numbers = NestedNumbers(TEXT_DEPTH, work)
+                state = ReplayState(self.scene, numbers, only=held)
+                replay(state, steps, needed)
+                kept = (needed, held), state, numbers, work.spent
+            _, state, numbers, spent = kept
+            roots, numbers.tower.work = len(numbers.tower.generators), Work(TEXT_WORK)
+            numbers.tower.work.spend(spent)
+            value = formula(state)
         except TowerLimit:
             self._too_deep.append(past)
             return None
+        if len(numbers.tower.generators) == roots:  # a formula's own roots are no part of what others would find
+            self._written = kept
+        return value
 
     def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
         """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""

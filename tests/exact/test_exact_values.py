@@ -9,6 +9,8 @@ from flint import arb, ctx
 
 from truebreak.compare.files.exact_text import definitions
 from truebreak.exact import ExactEngine
+from truebreak.exact.replay.state import replay
+from truebreak.exact.simulation import decider
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])
@@ -130,3 +132,22 @@ def test_numbers_asked_for_in_any_order_and_precision_are_the_same() -> None:
 def test_samples_at_times_beyond_pairs_of_doubles() -> None:
     run = ExactEngine().run(Scene([Circle(0, 0, vx=1)]), until="10**308")
     assert run.sample([0.0, 1e305])[:, 0, 0].tolist() == [0.0, 1e305]
+
+
+def numbers_at_the_end(scene):
+    circles = ExactEngine().run(scene, events=3).final.circles
+    return [value for c in circles for value in (c.x, c.y, c.vx, c.vy)]
+
+
+def test_numbers_of_one_past_are_written_from_one_replay(monkeypatch):
+    scene = catalogue.build("gas:n=3")
+    alone = [numbers_at_the_end(scene)[k].text() for k in range(12)]  # each of a run of its own
+    replays = []
+
+    def counted(*given):
+        replays.append(given)
+        replay(*given)
+
+    monkeypatch.setattr(decider, "replay", counted)
+    assert [value.text() for value in numbers_at_the_end(scene)] == alone
+    assert len(replays) == 3  # one for each disc

@@ -7,11 +7,11 @@ import pytest
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay import centred_state
-from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.ball_state import BallState, LoneContacts
 from truebreak.exact.replay.centred_state import CentredState, LoneCentred
 from truebreak.exact.replay.deviations import _landed
 from truebreak.exact.replay.state import Go, Kick
-from truebreak.scenarios import catalogue
+from truebreak.scenarios import Circle, catalogue
 
 FEW, MANY = 500, 4096
 
@@ -62,6 +62,64 @@ def test_a_contact_in_one_go_is_in_its_balls_too(scene, clocks, request, monkeyp
             if one.late is not None:
                 assert (one.t + one.late).overlaps(true.bodies[mine.index].flight.instant)
     assert struck > len(steps) // 10 or "pinball" in request.node.name
+
+
+def touched(state):
+    """Of each circle that falls: what stands and was at gap zero as its flight began."""
+    return {
+        i: frozenset(link for link in links if state.on_peg(link))
+        for i, (last, links) in state.contacts.items()
+        if last == state.bodies[i].flight.last and any(state.on_peg(link) for link in links)
+    }
+
+
+@pytest.mark.parametrize("name", ["galton:e=1,rows=8,seed=3", "plinko", "gas:n=4,seed=2"])
+def test_a_fall_onto_something_fixed_in_one_go_comes_to_what_its_two_steps_do(name):
+    """Under gravity: on balls, every number of every body, and what is noted of touches, after each contact."""
+    scene = catalogue.build(name)
+    if name.startswith("gas"):
+        post = Circle(1, 1, "1/2", m="oo", id="post")
+        scene = scene.with_changes(until=None, gravity=(0, "-1/10"), circles=[post, *scene.circles])
+    steps = ExactEngine().run(scene, events=80).motion.log.steps
+    states = []
+    for bits in (FEW, FEW, MANY):
+        with ball.precision(bits):
+            states.append(BallState(scene.surfaces))
+    ours, plain, true = states
+    lone, k, onto = LoneContacts(ours), 0, 0
+    for body in ours.bodies.values():
+        body.acc = FEW
+    while k < len(steps):
+        step, after = steps[k], steps[k + 1] if k + 1 < len(steps) else None
+        count = 2 if isinstance(step, Go) and isinstance(after, Kick) and after.links == (step.source,) else 1
+        for state, bits in ((plain, FEW), (true, MANY)):
+            ball.use_bits(bits)
+            state.steps_done = k
+            for each in steps[k : k + count]:
+                state.do(each)
+        if count == 2:
+            accuracy = lone.strike(after.links[0], FEW, k)
+            if ours.stands and ours.on_peg(after.links[0]):
+                onto += accuracy is not None
+                assert accuracy is not None
+                assert accuracy >= min(FEW, plain.instant.rel_accuracy_bits()) - 60
+        if count == 1 or accuracy is None:
+            ball.use_bits(FEW)
+            ours.steps_done = k
+            for each in steps[k : k + count]:
+                ours.do(each)
+        k += count
+        ball.use_bits(MANY)
+        assert ours.instant.overlaps(true.instant)
+        assert touched(ours) == touched(plain) == touched(true)
+        for mine, exact in zip(ours.bodies.values(), true.bodies.values(), strict=True):
+            one, other = mine.flight, exact.flight
+            lag = one.t - other.t
+            for value, drift, speed in ((other.x - one.x, other.vx, one.vx), (other.y - one.y, other.vy, one.vy)):
+                assert (value + drift * lag).contains(0)
+                assert (drift - speed).contains(0)
+            assert (one.last, one.rest) == (other.last, other.rest)
+    assert onto > 3
 
 
 def test_a_velocity_that_is_zero_in_its_midpoints_alone_is_no_rest():
