@@ -20,7 +20,7 @@ from ..files.exact_text import ExactTexts
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Assumption, Contact, Event, Pocketing, State, Stop, Tie, TieProof, Trajectory
+    from ...scenarios.trajectory import Assumption, Contact, Event, Pocketing, Settling, State, Stop, Tie, TieProof, Trajectory
     from ..alignment.align import Separation
     from ..audit.audit import Audit
     from ..candidate import Candidate
@@ -50,10 +50,11 @@ FORMS = {
     "scenarios.trajectory:Event": "index time contacts impulses ties? coupled? rests_on?",
     "scenarios.trajectory:Reversal": "after time",
     "scenarios.trajectory:Pocketing": "circle pocket time",
+    "scenarios.trajectory:Settling": "circle wall time",
     "scenarios.trajectory:State": "time circles",
     "scenarios.trajectory:CircleState": "id x y vx vy",
     "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "
-    "assumptions? notes? pocketed? definitions?",
+    "assumptions? notes? pocketed? settled? definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon bounces?",
     "compare.audit.fits:BounceRatios": "asked mean low high count spread",
@@ -279,6 +280,12 @@ def _run_notes(run: Trajectory, _: Any) -> tuple[str, ...] | None:
 def _run_pocketed(run: Trajectory, _: Any) -> tuple[Pocketing, ...] | None:
     """Only for a scene with pockets: which circle's centre entered which, and when."""
     return run.pocketings if run.scene.pockets else None
+
+
+@computed("Trajectory.settled")
+def _run_settled(run: Trajectory, _: Any) -> tuple[Settling, ...] | None:
+    """Only for a scene in which what comes to rest goes on so: which wall began to carry which circle, and when."""
+    return run.settlings if run.scene.settle else None
 
 
 @computed("Trajectory.definitions")

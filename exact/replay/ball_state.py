@@ -113,11 +113,6 @@ class BallState(ReplayState[arb]):
         if is_pair(link):
             self.push(b, jx, jy)
 
-    def lift(self, index: int) -> None:
-        """As `ReplayState.lift`; what the law of the meeting told is of the flight before."""
-        super().lift(index)
-        self.met = self._told = self._root = None
-
     def forget_contact(self) -> None:
         """After an instant reached in another system: clocks are the instant itself, and no d is known beforehand."""
         self.late, self.met, self._told = None, None, None

@@ -13,7 +13,6 @@ from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
-    face_along,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -376,7 +375,7 @@ class ReplayState(Flights[N]):
         elif type(step) is Take:
             self.take(step.body)
         elif type(step) is Settle:
-            self.settle(step)
+            self.settle(*step)
         elif type(step) is Lift:
             self.lift(step.body)
         else:
@@ -566,42 +565,6 @@ class ReplayState(Flights[N]):
         x, y = self.place(body)
         _, _, _, _, t, instant, late, last, _ = body.flight
         body.flight = Flight(x, y, zero, zero, t, instant, late, last, rest=True)
-
-    def settle(self, step: Settle) -> None:
-        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
-        body, falls = self.bodies[step.body], self.falling
-        assert falls is not None
-        x, y, vx, vy, t, instant, late, last, _ = body.flight
-        zero = self.zero
-        if not falls.bent:
-            x, y = x + falls.hx * t * t, y + falls.hy * t * t
-            vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
-        if late is not None:
-            x, y, vx, vy = falls.flown((x, y, vx, vy), late)
-        if step.slides:
-            line = self.line(step.body, step.wall)
-            slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn
-            vx, vy = line.ny * slide, -(line.nx * slide)
-            if late is not None:
-                x, y = advance(x, vx, -late), advance(y, vy, -late)
-        else:
-            vx = vy = zero
-        body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest=not step.slides)
-        self.pegs |= {step.body}
-
-    def lift(self, index: int) -> None:
-        """Lets a body fall from the instant on: its velocity is as it was."""
-        body, falls = self.bodies[index], self.falling
-        assert falls is not None
-        self.pegs -= {index}
-        x, y, vx, vy, t, instant, late, last, _ = body.flight
-        back = self.zero if late is None else late
-        if falls.bent:
-            assert late is None
-        else:  # x + h (s - T)^2 at the time s, less h s^2, with T = t + late
-            rest, twice = (back - t) * (back + t), -(instant + instant)
-            x, y, vx, vy = x + falls.hx * rest, y + falls.hy * rest, vx + falls.hx * twice, vy + falls.hy * twice
-        body.flight = Flight(x, y, vx, vy, t, instant, late, last)
 
     def flip(self) -> None:
         """Negates every velocity, and keeps the moment."""

@@ -19,7 +19,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from .contact import AtWall, Body, Gravity, Sides, WallFall
+from .contact import AtWall, Body, Flight, Gravity, Sides, WallFall
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -296,3 +296,41 @@ class WallFlights(Generic[N]):
         if not far:
             return along, slide, bend, flight.t
         return line.nn - along, -slide, None if bend is None else -bend, flight.t
+
+    # -- circles that walls carry
+
+    def settle(self, index: int, wall: int, slides: bool) -> None:
+        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
+        body, falls = self.bodies[index], self.falling
+        assert falls is not None
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        zero = self.zero
+        if not falls.bent:
+            x, y = x + falls.hx * t * t, y + falls.hy * t * t
+            vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
+        if late is not None:
+            x, y, vx, vy = falls.flown((x, y, vx, vy), late)
+        if slides:
+            line = self.line(index, wall)
+            slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn
+            vx, vy = line.ny * slide, -(line.nx * slide)
+            if late is not None:
+                x, y = advance(x, vx, -late), advance(y, vy, -late)
+        else:
+            vx = vy = zero
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest=not slides)
+        self.pegs |= {index}
+
+    def lift(self, index: int) -> None:
+        """Lets a body fall from the instant on: its velocity is as it was."""
+        body, falls = self.bodies[index], self.falling
+        assert falls is not None
+        self.pegs -= {index}
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        back = self.zero if late is None else late
+        if falls.bent:
+            assert late is None
+        else:  # x + h (s - T)^2 at the time s, less h s^2, with T = t + late
+            rest, twice = (back - t) * (back + t), -(instant + instant)
+            x, y, vx, vy = x + falls.hx * rest, y + falls.hy * rest, vx + falls.hx * twice, vy + falls.hy * twice
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last)

@@ -211,15 +211,15 @@ def _forgets_its_velocity(self: ReplayState, index: int) -> None:
     LIFT(self, index)
 
 
-def _slides_backwards(self: ReplayState, step: Settle) -> None:
-    SETTLE(self, step)
-    body = self.bodies[step.body]
+def _slides_backwards(self: ReplayState, index: int, wall: int, slides: bool) -> None:
+    SETTLE(self, index, wall, slides)
+    body = self.bodies[index]
     body.flight = body.flight._replace(vx=-body.flight.vx)
 
 
-def _keeps_falling(self: ReplayState, step: Settle) -> None:
-    SETTLE(self, step)
-    body = self.bodies[step.body]
+def _keeps_falling(self: ReplayState, index: int, wall: int, slides: bool) -> None:
+    SETTLE(self, index, wall, slides)
+    body = self.bodies[index]
     body.flight = body.flight._replace(vy=self.one / (self.one + self.one))
 
 
