@@ -71,7 +71,8 @@ class Study:
         share: of the seconds that are left, what one run may take: others are still to come.
         seconds, processor: what the reference's run took, on the wall and of the processor.
         took: processor time of the last run that was settled, in seconds, without the series that helped to settle it.
-        pay: called with an engine and the steps before each run of a series; what it raises ends all.
+        pay: called with an engine and the steps before each run of a series, and before one beyond what was asked for;
+            what it raises ends all.
     """
 
     scene: Scene
@@ -191,6 +192,8 @@ class Study:
                 return run, alignment
             mine = longer or mine
             if goal is not None:
+                if self.pay is not None and engine.step is not None and math.isfinite(goal):
+                    self.pay(engine, math.ceil(goal / engine.step))
                 try:
                     run, asked = self._timed(engine, max(goal, end), progress), max(goal, end)
                 except OutOfTime:

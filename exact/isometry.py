@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from ..scenarios.numbers.quantity import ZERO
 from ..scenarios.scene import Scene
-from .numbers.ball import Field, FieldNumber, field_sign
+from .numbers.ball import Field, FieldNumber, LeavesField, field_sign
 from .replay.contact import AtArc, AtWall, Entry, Link, Pair, can_push, is_arc, is_flat, is_pair
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
@@ -19,10 +19,13 @@ class SceneData:
     """The data of a scene in its field, and tables that find a thing by its data.
 
     Raises:
-        LeavesField: if the scene's numbers are nested too deeply for a field.
+        LeavesField: if the scene's numbers are nested too deeply for a field, or a segment or polygon moves, of which
+            no isometry is looked for.
     """
 
     def __init__(self, scene: Scene) -> None:
+        if scene.moving_ends:
+            raise LeavesField
         constant = Field().constant
         self.n = len(scene.circles)
         self.places: list[Vector] = [(constant(c.x), constant(c.y)) for c in scene.circles]

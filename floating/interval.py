@@ -209,10 +209,13 @@ class IntervalState(PlainState[Any]):
 
     def _zeros(self, link: Round, fall: RoundFall[Any], c: Sequence[Any]) -> Iterator[Isolated | Unclear]:
         """Where the gap of a contact falls; of two circles, the first time."""
-        ends = [bounds(value) for value in c]
+        ends = [(0.0, 0.0) if value.a == 0 == value.b else bounds(value) for value in c]
         if is_pair(link):
             mids = [low + (high - low) / 2 for low, high in ends]
-            off = [nextafter(max(high - mid, mid - low), inf) for mid, (low, high) in zip(mids, ends, strict=True)]
+            off = [
+                nextafter(max(high - mid, mid - low), inf) if low < high else 0.0
+                for mid, (low, high) in zip(mids, ends, strict=True)
+            ]
             found = falling_zero(mids, off)
             return iter(() if found is None else (found,))
 

@@ -104,13 +104,15 @@ class PymunkSpace:
         places: the index in `scene.ids` of each shape's circle, wall, segment or polygon.
         walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
         sides: for each circle and each wall, the sign of nx * x + ny * y - height.
-        bars: (x0, y0, x1, y1) of each segment.
+        bars: (x0, y0, x1, y1) of each segment, at time 0.
         outlines: the same of all sides of each polygon.
-        joints: of each end that segments share, the number of the segment that names it: the first of the thickest.
+        joints: of each end that segments share, with its velocity, the number of the segment that names it: the first
+            of the thickest.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`; under gravity, or where walls
             move, that up to which they reach far enough.
         slabs: the segments behind the walls, and which circles meet each.
         movers: the bodies of walls that move, by number.
+        rides: those of segments and polygons that move, by place in `scene.ids`.
     """
 
     space: pymunk.Space
@@ -121,16 +123,17 @@ class PymunkSpace:
     sides: tuple[tuple[int, ...], ...]
     bars: tuple[tuple[float, float, float, float], ...]
     outlines: tuple[tuple[Bar, ...], ...]
-    joints: dict[tuple[float, float], int]
+    joints: dict[tuple[float, float, float, float], int]
     speed: float
     slabs: tuple[Slab, ...]
     movers: Mapping[int, pymunk.Body]
+    rides: Mapping[int, pymunk.Body]
 
     def laid_anew(self, dt: float, duration: float) -> PymunkSpace:
         """The same space, with walls that reach far enough for so long from where the circles are now."""
         radii = [float(shape.radius) for shape in self.places if isinstance(shape, pymunk.Circle)]
         moving = [(body.mass, body.velocity.x, body.velocity.y) for body in self.moving]
-        drift = max((body.velocity.length for body in self.movers.values()), default=0.0)
+        drift = max((body.velocity.length for body in (*self.movers.values(), *self.rides.values())), default=0.0)
         speed = _top_speed(moving) + self.space.gravity.length * duration + QUICKENED * drift
         for inmates in dict.fromkeys(slab.inmates for slab in self.slabs):
             discs = [(self.bodies[i].position.x, self.bodies[i].position.y, radii[i]) for i in inmates]
@@ -149,23 +152,32 @@ class PymunkSpace:
         first = len(self.bodies) + len(self.walls)
         if pair[1] < first or pair[1] - first >= len(self.bars) or not self.joints:
             return pair
-        (x0, y0, x1, y1), (x, y) = self.bars[pair[1] - first], self.bodies[pair[0]].position
+        (x0, y0, x1, y1), (x, y) = self.bars[pair[1] - first], self._beside(pair[1], *self.bodies[pair[0]].position)
         ux, uy = x1 - x0, y1 - y0
         foot = (x - x0) * ux + (y - y0) * uy
         end = (x0, y0) if foot <= 0 else (x1, y1) if foot >= ux * ux + uy * uy else None
-        number = None if end is None else self.joints.get(end)
+        ride = self.rides.get(pair[1])
+        pace = (0.0, 0.0) if ride is None else tuple(ride.velocity)
+        number = None if end is None else self.joints.get((*end, pace[0], pace[1]))
         return pair if number is None else (pair[0], first + number)
 
     def from_bar(self, number: int, x: float, y: float) -> tuple[float, float]:
         """The way from the nearest point of a segment to a point."""
-        return _from_bar(self.bars[number], x, y)
+        place = len(self.bodies) + len(self.walls) + number
+        return _from_bar(self.bars[number], *self._beside(place, x, y))
 
     def from_outline(self, number: int, x: float, y: float) -> tuple[float, float]:
         """The way from the nearest point of a polygon's sides to a point."""
+        x, y = self._beside(len(self.bodies) + len(self.walls) + len(self.bars) + number, x, y)
         return min((_from_bar(bar, x, y) for bar in self.outlines[number]), key=lambda way: math.hypot(*way))
 
+    def _beside(self, place: int, x: float, y: float) -> Point:
+        """A point as seen from a thing that moves, in the coordinates that it has at time 0."""
+        ride = self.rides.get(place)
+        return (x, y) if ride is None else (x - ride.position.x, y - ride.position.y)
+
     def ways_from(self, x: float, y: float) -> Iterator[tuple[float, float]]:
-        """The ways from the nearest points of all segments and sides to a point."""
+        """The ways from the nearest points of all segments and sides, where none moves, to a point."""
         for bar in (*self.bars, *(bar for outline in self.outlines for bar in outline)):
             yield _from_bar(bar, x, y)
 
@@ -202,10 +214,13 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     space.collision_persistence = COLLISION_PERSISTENCE
     try:
         paces = [(float(wall.vx), float(wall.vy)) for wall in scene.walls]
-        drift = max((math.hypot(*pace) for pace in paces), default=0.0)
+        solids = enumerate((*scene.segments, *scene.polygons), start=len(scene.circles) + len(scene.walls))
+        carried = {place: (float(solid.vx), float(solid.vy)) for place, solid in solids if solid.moves}
+        drift = max((math.hypot(*pace) for pace in (*paces, *carried.values())), default=0.0)
         moving = [(_mass(c), float(c.vx), float(c.vy)) for c in scene.circles if not c.fixed]
         speed = _top_speed(moving) + math.hypot(*gravity) * duration + QUICKENED * drift
         movers = {index: _mover(space, pace) for index, pace in enumerate(paces) if scene.walls[index].moves}
+        rides = {place: _mover(space, pace) for place, pace in carried.items()}
         lines = tuple(_line(wall) for wall in scene.walls)
         sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
         cells = _cells(scene.name, sides)
@@ -228,12 +243,12 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
                 space.add(segment)
                 places[segment] = len(scene.circles) + index
                 laid.append(Slab(index, inmates, segment))
-        for index, segment in enumerate(scene.segments):
-            shape = _bar(space.static_body, segment)
+        for index, segment in enumerate(scene.segments, start=len(scene.circles) + len(scene.walls)):
+            shape = _bar(rides.get(index, space.static_body), segment)
             space.add(shape)
-            places[shape] = len(scene.circles) + len(scene.walls) + index
+            places[shape] = index
         for index, polygon in enumerate(scene.polygons, start=len(scene.ids) - len(scene.polygons)):
-            for shape in _solid(space.static_body, polygon):
+            for shape in _solid(rides.get(index, space.static_body), polygon):
                 space.add(shape)
                 places[shape] = index
     except OverflowError:
@@ -246,9 +261,8 @@ def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, sl
     bars = tuple((float(s.x0), float(s.y0), float(s.x1), float(s.y1)) for s in scene.segments)
     outlines = tuple(tuple((*a, *b) for a, b in _sides(polygon)) for polygon in scene.polygons)
     joints = _joints(scene, bars)
-    return PymunkSpace(
-        space, tuple(bodies), dynamic, places, lines, tuple(sides), bars, outlines, joints, speed, tuple(laid), movers
-    )
+    stand = lines, tuple(sides), bars, outlines, joints
+    return PymunkSpace(space, tuple(bodies), dynamic, places, *stand, speed, tuple(laid), movers, rides)
 
 
 def elasticity_of(scene: Scene) -> float:
@@ -256,12 +270,13 @@ def elasticity_of(scene: Scene) -> float:
     return ELASTICITY * math.sqrt(scene.restitution)
 
 
-def _joints(scene: Scene, bars: Sequence[tuple[float, float, float, float]]) -> dict[tuple[float, float], int]:
+def _joints(scene: Scene, bars: Sequence[Bar]) -> dict[Bar, int]:
     """See `PymunkSpace.joints`."""
-    at: dict[tuple[float, float], list[int]] = {}
+    at: dict[Bar, list[int]] = {}
     for number, (x0, y0, x1, y1) in enumerate(bars):
-        at.setdefault((x0, y0), []).append(number)
-        at.setdefault((x1, y1), []).append(number)
+        pace = float(scene.segments[number].vx), float(scene.segments[number].vy)
+        at.setdefault((x0, y0, *pace), []).append(number)
+        at.setdefault((x1, y1, *pace), []).append(number)
     return {
         end: max(numbers, key=lambda number: (scene.segments[number].r, -number))
         for end, numbers in at.items()

@@ -36,8 +36,8 @@ TOP = (
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 LINE = ("id", "x0", "y0", "x1", "y1")
 WALL = (*LINE, "vx", "vy", "kind")
-SEGMENT = (*LINE, "r")
-POLYGON = ("id", "points", "r")
+SEGMENT = (*LINE, "r", "vx", "vy")
+POLYGON = ("id", "points", "r", "vx", "vy")
 ARC = ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")
 POCKET = ("id", "x", "y", "r")
 
@@ -139,7 +139,7 @@ def _wall(label: str, row: dict[str, Any]) -> Wall:
 
 def _segment(label: str, row: dict[str, Any]) -> Segment:
     _check_keys(label, row, SEGMENT)
-    return Segment(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("r",)))
+    return Segment(id=row["id"], **_numbers(label, row, required=("x0", "y0", "x1", "y1"), others=("r", "vx", "vy")))
 
 
 def _polygon(label: str, row: dict[str, Any]) -> Polygon:
@@ -156,7 +156,7 @@ def _polygon(label: str, row: dict[str, Any]) -> Polygon:
             raise SceneError(f"{label}: point {number} = {shown} is not a pair; write [x, y]")
         place = f"{label}: point {number}"
         pairs.append((_number(place, "x", pair[0]), _number(place, "y", pair[1])))
-    return Polygon(pairs, id=row["id"], **_numbers(label, row, required=(), others=("r",)))
+    return Polygon(pairs, id=row["id"], **_numbers(label, row, required=(), others=("r", "vx", "vy")))
 
 
 def _arc(label: str, row: dict[str, Any]) -> Arc:
@@ -260,8 +260,8 @@ def _is_physics(key: str) -> bool:
 
 def _check_keys(label: str, table: dict[str, Any], known: Iterable[str]) -> None:
     for key in table:
-        if key in ("vx", "vy") and label.startswith(("segment", "polygon", "arc", "pocket")):
-            raise SceneError(f"{label}: {key}: of what is fixed, walls alone move; write a wall, or leave it out")
+        if key in ("vx", "vy") and label.startswith(("arc", "pocket")):
+            raise SceneError(f"{label}: {key}: an arc or a pocket does not move; leave it out")
         if label and key in ("restitution", "gravity"):
             raise SceneError(f"{label}: {key}: one holds for the whole scene; write it above the first table")
         if key not in known:

@@ -201,26 +201,34 @@ Drawn = TypeVar("Drawn", bound=Pictured)
 
 
 def as_at(scene: Drawn, time: float) -> Drawn:
-    """A scene with its walls where they are at a time, to be drawn.
+    """A scene with its walls, segments and polygons where they are at a time, to be drawn.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> float(as_at(Scene([Circle(0, 0)], [Wall(9, 0, 9, 1, vx=-2)]), 1.5).walls[0].x1)
     6.0
     """
-    if not any(wall.moves for wall in scene.walls):
+    if not any(thing.moves for thing in (*scene.walls, *scene.segments, *scene.polygons)):
         return scene
     from copy import copy
     from fractions import Fraction
 
     from .numbers.quantity import Quantity
-    from .things import Wall
+    from .things import Polygon, Segment, Wall
 
     now, moved = Quantity.of(Fraction(time)), copy(scene)
     walls = [
         Wall(w.x0 + w.vx * now, w.y0 + w.vy * now, w.x1 + w.vx * now, w.y1 + w.vy * now, w.id, w.vx, w.vy)
         for w in scene.walls
     ]
-    object.__setattr__(moved, "walls", tuple(walls))
+    segments = [
+        Segment(s.x0 + s.vx * now, s.y0 + s.vy * now, s.x1 + s.vx * now, s.y1 + s.vy * now, s.id, s.r, s.vx, s.vy)
+        for s in scene.segments
+    ]
+    polygons = [
+        Polygon([(x + p.vx * now, y + p.vy * now) for x, y in p.points], p.id, p.r, p.vx, p.vy) for p in scene.polygons
+    ]
+    for key, things in (("walls", walls), ("segments", segments), ("polygons", polygons)):
+        object.__setattr__(moved, key, tuple(things))
     return moved
 
 

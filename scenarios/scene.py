@@ -20,7 +20,7 @@ from .settings import (
     positive_count,
     positive_time,
 )
-from .things import Arc, Circle, Pocket, Polygon, Segment, Squeeze, Wall
+from .things import Arc, Circle, MovingEnd, Pocket, Polygon, Segment, Squeeze, Wall
 
 if TYPE_CHECKING:
     from .arcs import ArcSide
@@ -201,8 +201,15 @@ class Scene:
 
     @kept
     def moving_walls(self) -> bool:
-        """Whether a wall moves."""
-        return any(wall.moves for wall in self.walls)
+        """Whether a wall moves, or a segment or polygon."""
+        return any(wall.moves for wall in self.walls) or self.moving_solid is not None
+
+    @kept
+    def moving_solid(self) -> str | None:
+        """The first segment or polygon that moves, as errors name it; of `surfaces` None."""
+        kinds: tuple[tuple[str, tuple[Segment | Polygon, ...]], ...]
+        kinds = ("segment", self.segments), ("polygon", self.polygons)
+        return next((f"{kind} {solid.id!r}" for kind, solids in kinds for solid in solids if solid.moves), None)
 
     @kept
     def other_walls(self) -> tuple[Wall, ...]:
@@ -218,20 +225,15 @@ class Scene:
 
         return closing_of(self.circles, self.walls[: self.faces.start])
 
-    @property
-    def _made_of(self) -> tuple[object, ...]:
-        """What scenes are told apart by; of `surfaces` the sides of arcs too, which are no field."""
-        return *(getattr(self, item.name) for item in fields(self) if item.compare), self.arc_sides
-
     def __eq__(self, other: object) -> bool:
         """By what it is made of."""
         if not isinstance(other, Scene):
             return NotImplemented
-        return self is other or self._made_of == other._made_of
+        return self is other or _ingredients(self) == _ingredients(other)
 
     @kept
     def _hash(self) -> int:
-        return hash(self._made_of)
+        return hash(_ingredients(self))
 
     def __hash__(self) -> int:
         """Taken once: what is known of a scene is looked up by it in every run."""
@@ -246,6 +248,11 @@ class Scene:
     def pegs(self) -> frozenset[int]:
         """Under gravity, the circles that stand: when another falls onto one is a zero of a quartic. Else none."""
         return frozenset(i for i, circle in enumerate(self.circles) if circle.fixed and self.gravity is not None)
+
+    @kept
+    def moving_ends(self) -> dict[int, MovingEnd]:
+        """The ends that move, by index among the circles: none but in `surfaces`."""
+        return {i: circle for i, circle in enumerate(self.circles) if isinstance(circle, MovingEnd)}
 
     @kept
     def ids(self) -> tuple[str, ...]:
@@ -264,7 +271,8 @@ class Scene:
     def surfaces(self) -> Scene:
         """The same scene as engines see it: segments and polygons as faces, after the walls, and ends, after circles.
 
-        Arcs are the two sides of each. Itself where it has none of them.
+        Arcs are the two sides of each. Itself where it has none of them. Where an end moves, there is a gravity, of 0
+        if of no more: what is met is told from where it moves, as of what stands from where it falls.
         """
         if not self.segments and not self.polygons and not self.arcs:
             return self
@@ -272,13 +280,18 @@ class Scene:
 
         found = copy(self)
         kept_values = vars(found)
-        for name in ("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing", "pegs"):
+        for name in (
+            *("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing", "pegs"),
+            *("moving_walls", "moving_solid", "moving_ends"),
+        ):
             kept_values.pop(name, None)
         kept_values["ends"] = range(len(self.circles), len(self.circles) + len(self._ends))
         kept_values["two_sided"] = range(len(self.walls), len(self.walls) + 2 * len(self.segments))
         put = object.__setattr__
         put(found, "circles", (*self.circles, *self._ends))
         put(found, "walls", (*self.walls, *faces_of(self.segments, self.polygons)))
+        if self.moving_solid is not None and self.gravity is None:
+            put(found, "gravity", Circle.drift)
         put(found, "segments", ())
         put(found, "polygons", ())
         if self.arcs:
@@ -360,12 +373,13 @@ class Scene:
             for wall, row in zip(self.walls, data["wall"], strict=True):
                 if wall.kind != Wall.kind:
                     row["kind"] = wall.kind
-                row.update({key: value.text() for key in ("vx", "vy") if (value := getattr(wall, key)).sign()})
+                row.update(_pace(wall))
         if self.segments:
             data["segment"] = [_texts(s, ("x0", "y0", "x1", "y1", "r")) for s in self.segments]
-            for row in data["segment"]:
+            for segment, row in zip(self.segments, data["segment"], strict=True):
                 if row["r"] == "0":
                     del row["r"]
+                row.update(_pace(segment))
         if self.polygons:
             data["polygon"] = [
                 {"id": p.id, "points": [[x.text(), y.text()] for x, y in p.points]} for p in self.polygons
@@ -373,6 +387,7 @@ class Scene:
             for polygon, row in zip(self.polygons, data["polygon"], strict=True):
                 if polygon.r.sign() != 0:
                     row["r"] = polygon.r.text()
+                row.update(_pace(polygon))
         if self.arcs:
             data["arc"] = [
                 {**_texts(a, ("x", "y", "r")), "full": True} if a.full else
@@ -406,6 +421,11 @@ class Scene:
         told = {"name", "description", "source", "until", "events"}
         data = {key: value for key, value in self.data().items() if key not in told}
         return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def _ingredients(scene: Scene) -> tuple[object, ...]:
+    """What scenes are told apart by; of `surfaces` the sides of arcs too, which are no field."""
+    return *(getattr(scene, item.name) for item in fields(scene) if item.compare), scene.arc_sides
 
 
 def made_of(scene: Scene) -> str:
@@ -442,6 +462,11 @@ def _texts(thing: Any, keys: tuple[str, ...]) -> dict[str, Any]:
     return row
 
 
+def _pace(thing: Wall | Segment | Polygon) -> dict[str, str]:
+    """The parts of its velocity that are not zero."""
+    return {key: value.text() for key in ("vx", "vy") if (value := getattr(thing, key)).sign()}
+
+
 # -- what is refused
 
 
@@ -476,8 +501,8 @@ def _check_settling(scene: Scene) -> None:
     for key in ("reverse_after", "reverse_at"):
         if getattr(scene, key) is not None:
             raise SceneError(f"settle = true: cannot be turned back, as what has settled stays; leave {key} out")
-    wall = next((wall for wall in scene.walls if wall.moves), None)
-    found = "" if wall is None else f"wall {wall.id!r} moves"
+    moving = next((f"wall {wall.id!r}" for wall in scene.walls if wall.moves), scene.moving_solid)
+    found = "" if moving is None else f"{moving} moves"
     for kind, things in (("arc", scene.arcs), ("pocket", scene.pockets)):
         found = found or (f"{kind} {things[0].id!r} is round" if things else "")
     if found:
@@ -500,10 +525,15 @@ def _check_kinds(scene: Scene) -> None:
 
 def _check_moving(scene: Scene) -> None:
     """Refuses what cannot be beside walls that move: a reversal, and a circle for which they leave no room."""
-    wall = next(wall for wall in scene.walls if wall.moves)
+    moving = next((f"wall {wall.id!r}" for wall in scene.walls if wall.moves), scene.moving_solid)
     if scene.reverse_after is not None or scene.reverse_at is not None:
         key = "reverse_at" if scene.reverse_after is None else "reverse_after"
-        raise SceneError(f"wall {wall.id!r}: moves: cannot be turned back, as walls go on; leave {key} out")
+        raise SceneError(f"{moving}: moves: cannot be turned back, as walls go on; leave {key} out")
+    if scene.moving_solid is not None and scene.pockets and scene.capture:
+        raise SceneError(
+            f"{scene.moving_solid}: moves, and pocket {scene.pockets[0].id!r} captures: beside what moves no circle is "
+            "taken out of play yet; leave capture out"
+        )
     for crushed in scene.closing:
         if crushed.time.sign() == 0:
             one, other = (scene.ids[len(scene.circles) + k] for k in crushed.walls)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from .errors import SceneError
 from .neighbours import LARGEST, TINIEST, shown_amount
 from .numbers.quantity import ZERO, Quantity
-from .things import FIXED, Arc, Circle, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
+from .things import FIXED, Arc, Circle, MovingEnd, Point, Polygon, Segment, Wall, box_of, boxes_meet, crossing
 
 # -- A segment of half thickness r is the sum of a line from p0 to p1 and a disc of radius r. A circle of radius R meets
 # it where its centre comes within r + R of that line: over the open line that is as far as a straight wall that is
@@ -49,13 +49,14 @@ class SegmentFace(Wall):
         x0, y0, x1, y1 = segment.x0, segment.y0, segment.x1, segment.y1
         if back:
             x0, y0, x1, y1 = x1, y1, x0, y0
-        face = cls(x0, y0, x1, y1, id=segment.id)
+        pace = segment.vx, segment.vy
+        face = cls(x0, y0, x1, y1, segment.id, *pace)
         if segment.r.sign() == 0:
             return face
         nx, ny = face.normal
         scale = segment.r / (nx * nx + ny * ny).sqrt()
         dx, dy = scale * nx, scale * ny
-        return cls(x0 + dx, y0 + dy, x1 + dx, y1 + dy, id=segment.id)
+        return cls(x0 + dx, y0 + dy, x1 + dx, y1 + dy, segment.id, *pace)
 
 
 def faces_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = ()) -> Iterator[SegmentFace]:
@@ -70,7 +71,7 @@ def faces_of(segments: Sequence[Segment], polygons: Sequence[Polygon] = ()) -> I
 
 def sides_of(polygon: Polygon) -> list[Segment]:
     """The sides of a polygon as segments as thick, each with what is outside to its left."""
-    return [Segment(*a, *b, id=polygon.id, r=polygon.r) for a, b in polygon.sides()]
+    return [Segment(*a, *b, polygon.id, polygon.r, polygon.vx, polygon.vy) for a, b in polygon.sides()]
 
 
 def ends_of(
@@ -78,32 +79,39 @@ def ends_of(
 ) -> tuple[Circle, ...]:
     """The ends as fixed circles, with the greatest r there, each named by the first thing that has that.
 
+    What moves has ends of its own (`MovingEnd`), which only what moves with the same velocity shares.
+
     Args:
         points: whether there are circles of radius 0, which meet concave corners too.
 
     >>> [end.x.text() for end in ends_of([], [Polygon([(0, 0), (2, 0), (1, 1), (1, 3)], id="dart")])]
     ['1', '2', '0']
     """
-    found: dict[Point, tuple[Quantity, str | None]] = {}
+    found: dict[tuple[Point, Point], tuple[Quantity, str | None]] = {}
 
-    def take(place: Point, r: Quantity, name: str | None) -> None:
-        known = found.get(place)
+    def take(place: Point, r: Quantity, name: str | None, drift: Point = Circle.drift) -> None:
+        known = found.get((place, drift))
         if known is None or r > known[0]:
-            found[place] = r, name
+            found[place, drift] = r, name
 
     for segment in segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
-            take(place, segment.r, segment.id)
+            take(place, segment.r, segment.id, (segment.vx, segment.vy))
     for polygon in polygons:
         sides = polygon.sides()
         for (a, b), (_, c) in zip(sides, (*sides[1:], sides[0]), strict=True):
             turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
             if turn.sign() < 0 or (points and polygon.r.sign() == 0):
-                take(b, polygon.r, polygon.id)
+                take(b, polygon.r, polygon.id, (polygon.vx, polygon.vy))
     for arc in arcs:
         for place in arc.ends:
             take(place, ZERO, arc.id)
-    return tuple(Circle(*place, r=r, m=FIXED, id=name, point=r.sign() == 0) for place, (r, name) in found.items())
+    return tuple(
+        Circle(*place, r=r, m=FIXED, id=name, point=r.sign() == 0)
+        if drift == Circle.drift
+        else MovingEnd(place, r, drift, name)
+        for (place, drift), (r, name) in found.items()
+    )
 
 
 # -- Checks of segments and polygons, exactly, after doubles with a bound on their rounding have told what is far.
@@ -121,6 +129,8 @@ def check_surfaces(
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Refuses what lies on each other or overlaps, and circles across a segment or in a polygon; touching is fine.
 
+    What moves with another velocity than the other is not refused, as it goes through it then, before or after.
+
     Args:
         ends: as `ends_of` gives them.
 
@@ -136,11 +146,11 @@ def check_surfaces(
     """
     for k, segment in enumerate(segments):
         for other in segments[:k]:
-            if _run_on(other, segment):
+            if _go_together(other, segment) and _run_on(other, segment):
                 raise SceneError(f"segment {segment.id!r}: lies on segment {other.id!r}; make them one")
     sides = [sides_of(polygon) for polygon in polygons]
     _check_polygons(segments, polygons, sides)
-    known = {(end.x, end.y): len(circles) + k for k, end in enumerate(ends)}
+    known = {(end.x, end.y, end.drift): len(circles) + k for k, end in enumerate(ends)}
     first, first_face = len(circles) + len(walls), len(circles) + len(ends) + len(walls)
     # each bar with the index of its thing, the words for that, and the index of its faces: a side has but one
     bars = [(bar, first + k, "segment", first_face + 2 * k) for k, bar in enumerate(segments)]
@@ -155,11 +165,12 @@ def check_surfaces(
     for i, circle in enumerate(circles):
         for bar, thing, kind, face in (bars[k] for k in _near(circle, rough)):
             part = _touched(circle, bar, kind)
-            if isinstance(part, tuple) and part not in known:  # a concave corner: the circle lies across a side of it
+            end = (*part, (bar.vx, bar.vy)) if isinstance(part, tuple) else None
+            if end is not None and end not in known:  # a concave corner: the circle lies across a side of it
                 continue
             if part is not None and not circle.fixed:
                 outer.add((i, thing))
-                inner.add((i, known[part] if isinstance(part, tuple) else face + part))
+                inner.add((i, known[end] if end is not None else face + (part if isinstance(part, int) else 0)))
     return sorted(outer), sorted(inner)
 
 
@@ -181,16 +192,23 @@ def _check_polygons(
     spans = [_spans(polygon) for polygon in polygons]
     for k, polygon in enumerate(polygons):
         for segment in segments:
-            if any(_run_on(side, segment) for side in sides[k]):
+            if _go_together(polygon, segment) and any(_run_on(side, segment) for side in sides[k]):
                 raise SceneError(f"segment {segment.id!r}: lies on a side of polygon {polygon.id!r}; leave it out")
         for j in range(k):
-            if not boxes_meet(boxes[j], boxes[k]) or any(
-                a[1] <= b[0] or b[1] <= a[0] for a, b in zip(spans[j], spans[k], strict=True)
+            if (
+                not _go_together(polygon, polygons[j])
+                or not boxes_meet(boxes[j], boxes[k])
+                or any(a[1] <= b[0] or b[1] <= a[0] for a, b in zip(spans[j], spans[k], strict=True))
             ):
                 continue  # a line lies between them, or both touch it
             if _overlap(polygons[j], polygon, sides[j], sides[k]):
                 names = f"polygon {polygon.id!r}: overlaps polygon {polygons[j].id!r}"
                 raise SceneError(f"{names}; make them one, or move it")
+
+
+def _go_together(one: Segment | Polygon, other: Segment | Polygon) -> bool:
+    """Whether two have one velocity."""
+    return one.vx == other.vx and one.vy == other.vy
 
 
 def _spans(polygon: Polygon) -> tuple[tuple[Quantity, Quantity], tuple[Quantity, Quantity]]:
@@ -324,20 +342,21 @@ def parts_of(scene: Any) -> Mapping[int, ThingParts]:
     {1: ThingParts(faces=(), ends=(), convex=False, sides=(0, 1))}
     """
     whole, before = scene.surfaces, len(scene.circles) + len(scene.walls)
-    ends = {(whole.circles[k].x, whole.circles[k].y): k for k in whole.ends}
+    ends = {((circle := whole.circles[k]).x, circle.y, circle.drift): k for k in whole.ends}
     found: dict[int, ThingParts] = {}
     face = whole.faces.start
     for k, segment in enumerate(scene.segments, start=before):
-        both = ends[segment.x0, segment.y0], ends[segment.x1, segment.y1]
+        drift = segment.vx, segment.vy
+        both = ends[segment.x0, segment.y0, drift], ends[segment.x1, segment.y1, drift]
         found[k] = ThingParts((face, face + 1), both)
         face += 2
     for k, polygon in enumerate(scene.polygons, start=before + len(scene.segments)):
         sides = polygon.sides()
-        corners = (ends.get(end) for _, end in sides)
+        corners = (ends.get((*end, (polygon.vx, polygon.vy))) for _, end in sides)
         faces = tuple(range(face, face + len(sides)))
         found[k] = ThingParts(faces, tuple(end for end in corners if end is not None), polygon.convex)
         face += len(sides)
     for k, arc in enumerate(scene.arcs):
         place = before + len(scene.segments) + len(scene.polygons) + k
-        found[place] = ThingParts((), tuple(ends[end] for end in arc.ends), False, (2 * k, 2 * k + 1))
+        found[place] = ThingParts((), tuple(ends[(*end, Circle.drift)] for end in arc.ends), False, (2 * k, 2 * k + 1))
     return found

@@ -17,6 +17,8 @@ from .settings import checked_truth
 FIXED = "oo"
 """The mass of a circle that never moves."""
 
+Point: TypeAlias = tuple[Quantity, Quantity]
+
 INFINITE = (FIXED, "inf", "+inf", "Infinity")
 """How it may be written: as SymPy, TOML and Python's JSON write it."""
 
@@ -65,6 +67,9 @@ class Circle:
     m: Quantity | Literal["oo"]
     id: str | None
     point: bool
+
+    drift = (ZERO, ZERO)
+    """The velocity of an end of a segment that moves: see `MovingEnd`."""
 
     def __init__(
         self,
@@ -119,6 +124,24 @@ class Circle:
     def at_rest(self) -> bool:
         """Whether the velocity is exactly zero."""
         return self.vx.sign() == 0 and self.vy.sign() == 0
+
+
+@dataclass(frozen=True, init=False)
+class MovingEnd(Circle):
+    """An end of a segment, or a corner of a polygon, that moves with it, whatever meets it; none is in a scene's file.
+
+    It is where it is at time 0, and at rest, as fixed circles are; its velocity is `drift`.
+
+    >>> end = MovingEnd((ZERO, ZERO), Quantity.of(1), (ZERO, Quantity.of(2)), "shelf")
+    >>> end.fixed, end.drift[1].text()
+    (True, '2')
+    """
+
+    drift: Point
+
+    def __init__(self, place: Point, r: Quantity, drift: Point, id: str | None) -> None:
+        super().__init__(*place, r=r, m=FIXED, id=id, point=r.sign() == 0)
+        object.__setattr__(self, "drift", drift)
 
 
 def _fixed_mass(id: str | None, fixed: Any, m: QuantityLike) -> QuantityLike:
@@ -234,11 +257,13 @@ class Squeeze(NamedTuple):
 class Segment:
     """A straight segment from (x0, y0) to (x1, y1), hard on both sides, `r` thick to each side, with round ends.
 
+    It moves with the velocity (vx, vy), for ever; the points are those of time 0.
+
     Raises:
         SceneError: if the two points are one, or r is negative.
 
-    >>> Segment(0, 0, 1, 0, id="shelf").r
-    Quantity('0')
+    >>> Segment(0, 0, 1, 0, id="shelf").r, Segment(0, 0, 1, 0, vy=2).moves
+    (Quantity('0'), True)
     """
 
     x0: Quantity
@@ -247,6 +272,8 @@ class Segment:
     y1: Quantity
     id: str | None
     r: Quantity
+    vx: Quantity
+    vy: Quantity
 
     def __init__(
         self,
@@ -256,11 +283,13 @@ class Segment:
         y1: QuantityLike,
         id: str | None = None,
         r: QuantityLike = 0,
+        vx: QuantityLike = 0,
+        vy: QuantityLike = 0,
     ) -> None:
         _checked_id("segment", id)
         put = object.__setattr__
         put(self, "id", id)
-        for key, value in (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1), ("r", r)):
+        for key, value in (("x0", x0), ("y0", y0), ("x1", x1), ("y1", y1), ("r", r), ("vx", vx), ("vy", vy)):
             put(self, key, _exact("segment", id, key, value))
         if self.x0 == self.x1 and self.y0 == self.y1:
             raise SceneError(
@@ -270,8 +299,11 @@ class Segment:
         if self.r.sign() < 0:
             raise SceneError(f"{_label('segment', id)}: r = {self.r.brief()}: half a thickness is 0 or more")
 
+    @property
+    def moves(self) -> bool:
+        """Whether it has a velocity."""
+        return self.vx.sign() != 0 or self.vy.sign() != 0
 
-Point: TypeAlias = tuple[Quantity, Quantity]
 
 MAX_POINTS = 1_000
 """Of one polygon: each of its sides is compared with every other."""
@@ -280,6 +312,8 @@ MAX_POINTS = 1_000
 @dataclass(frozen=True)
 class Polygon:
     """A solid polygon, rounded by `r`: all that is within r of what its sides enclose; nothing is inside of it.
+
+    It moves with the velocity (vx, vy), for ever, and does not turn; the points are those of time 0.
 
     Attributes:
         points: its corners in order, either way round; it need not be convex.
@@ -294,15 +328,23 @@ class Polygon:
     points: tuple[Point, ...]
     id: str | None
     r: Quantity
+    vx: Quantity
+    vy: Quantity
 
     def __init__(
-        self, points: Iterable[tuple[QuantityLike, QuantityLike]], id: str | None = None, r: QuantityLike = 0
+        self,
+        points: Iterable[tuple[QuantityLike, QuantityLike]],
+        id: str | None = None,
+        r: QuantityLike = 0,
+        vx: QuantityLike = 0,
+        vy: QuantityLike = 0,
     ) -> None:
         _checked_id("polygon", id)
         put = object.__setattr__
         put(self, "id", id)
         put(self, "points", tuple(_point(id, k, point) for k, point in enumerate(points, start=1)))
-        put(self, "r", _exact("polygon", id, "r", r))
+        for key, value in (("r", r), ("vx", vx), ("vy", vy)):
+            put(self, key, _exact("polygon", id, key, value))
         label = _label("polygon", id)
         if self.r.sign() < 0:
             raise SceneError(f"{label}: r = {self.r.brief()}: the radius of its corners is 0 or more")
@@ -312,6 +354,11 @@ class Polygon:
         if len(self.points) > MAX_POINTS:
             raise SceneError(f"{label}: has {len(self.points)} points; at most {MAX_POINTS}: write it as several")
         _check_simple(label, self.points)
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has a velocity."""
+        return self.vx.sign() != 0 or self.vy.sign() != 0
 
     def sides(self) -> tuple[tuple[Point, Point], ...]:
         """Each corner with the next one, in the order of `corners`: what is outside lies to the left."""

@@ -28,7 +28,7 @@ from edge_campaign import Aged, Campaign, NotForThis, OlderReferee
 from mpmath import mpf, sqrt
 from segment_referee import Disc, Happened, number
 
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall
 
 # -- Zeros of polynomials: the constant coefficient first.
 
@@ -106,9 +106,37 @@ class FallingReferee(OlderReferee):
         super().__init__(scene)
         zero = Quantity.of(0)
         self.g = [number(part) for part in scene.gravity or (zero, zero)]
-        still = (mpf(0), mpf(0))
-        self.paces = {str(thing.id): still for thing in [*scene.segments, *scene.polygons]}
-        self.paces |= {str(wall.id): (number(wall.vx), number(wall.vy)) for wall in scene.walls}
+        things = [*scene.walls, *scene.segments, *scene.polygons]
+        self.paces = {str(thing.id): (number(thing.vx), number(thing.vy)) for thing in things}
+        self.rides = any(any(self.paces[bar.id]) for bar in self.bars)
+        if self.rides:
+            self.outlines, self.ends = [], self._ends_by_pace()
+
+    def _ends_by_pace(self) -> list[tuple[str, mpf, mpf, mpf]]:
+        """The ends of segments, one for each place and velocity, named by the first of the thickest there."""
+        found: list[tuple[str, mpf, mpf, mpf]] = []
+        for bar in self.bars:
+            for way in (mpf(0), bar.length):
+                x, y = bar.x + way * bar.ux, bar.y + way * bar.uy
+                same = [
+                    k
+                    for k, (name, ex, ey, _) in enumerate(found)
+                    if abs(ex - x) + abs(ey - y) < sharp.SAME and self.paces[name] == self.paces[bar.id]
+                ]
+                if not same:
+                    found.append((bar.id, x, y, bar.r))
+                elif bar.r > found[same[0]][3]:
+                    found[same[0]] = (bar.id, x, y, bar.r)
+        return found
+
+    def clear(self) -> bool:
+        """As without motion; what moves goes through what is fixed."""
+        every = self.discs
+        self.discs = [disc for disc in every if disc.w or not self.rides]
+        try:
+            return super().clear()
+        finally:
+            self.discs = every
 
     def _pull(self, disc: Disc) -> tuple[mpf, mpf]:
         return (self.g[0], self.g[1]) if disc.w else (mpf(0), mpf(0))
@@ -126,7 +154,6 @@ class FallingReferee(OlderReferee):
         paces = self.paces
         self.walls = [(k, x + paces[k][0] * wait, y + paces[k][1] * wait, *normal) for k, x, y, *normal in self.walls]
         self.ends = [(k, x + paces[k][0] * wait, y + paces[k][1] * wait, r) for k, x, y, r in self.ends]
-        self.outlines = [] if any(any(pace) for pace in paces.values()) else self.outlines
         self.now += wait
 
     def resolve(self) -> Happened:
@@ -308,6 +335,29 @@ def _moving(aged: Aged, rng: Random) -> Aged:
     return replace(aged, scene=aged.scene.with_changes(walls=moved))
 
 
+def _carried(aged: Aged, rng: Random) -> Aged:
+    """Segments and polygons that move, each its own way; where there are none, a paddle and a wedge."""
+    scene, twin = aged.scene, "twin" in aged.ingredients
+
+    def pace() -> dict[str, str]:
+        return {"vx": "0" if twin else _some(rng, -2, 2), "vy": _some(rng, -2, 2)}
+
+    segments, polygons = list(scene.segments), list(scene.polygons)
+    if not segments and not polygons:
+        x, y = Quantity.of(_some(rng, -6, 2)), Quantity.of(_some(rng, -7, 0))
+        (dx, dy), r = rng.choice(((3, 0), (0, 3), (2, 1), (1, -2))), rng.choice(("0", "1/4", "1/10"))
+        segments.append(Segment(x, y, x + dx, y + dy, id="paddle", r=r))
+        if rng.random() < 0.4:
+            corner = Quantity.of(_some(rng, 2, 6))
+            polygons.append(Polygon([(corner, -5), (corner + 2, -5), (corner + 1, -3)], id="wedge"))
+    moved = [
+        Segment(s.x0, s.y0, s.x1, s.y1, s.id, s.r, **(pace() if k == 0 or rng.random() < 0.7 else {}))
+        for k, s in enumerate(segments)
+    ]
+    solid = [Polygon(p.points, p.id, p.r, **(pace() if rng.random() < 0.7 else {})) for p in polygons]
+    return replace(aged, scene=scene.with_changes(segments=moved, polygons=solid))
+
+
 def _e(aged: Aged, rng: Random) -> Aged:
     e = rng.choice(("1/2", "9/10", "sqrt(2)/2", "1/1000", "999999/1000000", "0"))
     return replace(aged, scene=aged.scene.with_changes(restitution=e))
@@ -326,16 +376,23 @@ def _late(aged: Aged, rng: Random) -> Aged:
 INGREDIENTS = {
     **{k: add for k, add in edges.INGREDIENTS.items() if k != "restitution"},
     "late": _late, "gravity": _gravity, "motion": _moving, "restitution": _e,
+    "carried": _carried,
 }  # fmt: skip
 FALLING = Campaign(
     "falling",
     {"boxed": boxed, "pegs": pegboard, **edges.BASES},
     INGREDIENTS,
     FallingReferee,
-    (("restitution", "reversal"), ("motion", "reversal"), ("capture", "gravity")),
+    (
+        ("restitution", "reversal"),
+        ("motion", "reversal"),
+        ("carried", "reversal"),
+        ("carried", "capture"),
+        ("capture", "gravity"),
+    ),
     ("REST", "ACCUMULATION", "CRUSHED"),
     (240, mpf(10) ** -110),
-    {"gravity": 0.6, "motion": 0.3, "restitution": 0.3},
+    {"gravity": 0.6, "motion": 0.3, "restitution": 0.3, "carried": 0.3},
 )
 
 if __name__ == "__main__":

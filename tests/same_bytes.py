@@ -188,6 +188,6 @@ def main(folder: str, only: str = "", count: str = str(len(SEEDS))) -> int:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
         sys.exit("usage: python tests/same_bytes.py FOLDER [wasm|lowest|3.12] [SEEDS]")
     sys.exit(main(*sys.argv[1:]))

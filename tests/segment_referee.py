@@ -174,7 +174,8 @@ class Referee:
                 across = (disc.y - bar.y) * bar.ux - (disc.x - bar.x) * bar.uy
                 if SAME < along < bar.length - SAME and abs(abs(across) - disc.r - bar.r) < SAME:
                     if disc.r + bar.r == 0:  # a point on a line: it stands on the side from which it came
-                        side = -1 if disc.vy * bar.ux - disc.vx * bar.uy > 0 else 1
+                        ux, uy = self.paces.get(bar.id, (0, 0))
+                        side = -1 if (disc.vy - uy) * bar.ux - (disc.vx - ux) * bar.uy > 0 else 1
                     else:
                         side = 1 if across > 0 else -1
                     yield (disc.id, bar.id), [(disc, -side * bar.uy, side * bar.ux)]

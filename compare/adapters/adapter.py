@@ -10,7 +10,7 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from ...floating.pymunk_space import Point, clipped
+from ...floating.pymunk_space import QUICKENED, Point, clipped
 from ...scenarios.errors import SceneError
 from ...scenarios.surfaces import sides_of
 from ..foreign.recorded import Playing
@@ -279,7 +279,8 @@ FALLING_FOR = 64.0
 
 
 def top_speed(scene: Scene) -> float:
-    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`; and what a long fall adds.
+    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`; and what a long fall adds, and
+    walls that move.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> top_speed(Scene([Circle(0, 0, vx=3, m=4), Circle(9, 0)]))
@@ -289,7 +290,8 @@ def top_speed(scene: Scene) -> float:
     shares = [float(circle.inverse_mass) for circle in moving]
     squares = [(float(c.vx) ** 2 + float(c.vy) ** 2) / w for c, w in zip(moving, shares, strict=True)]
     fallen = math.hypot(*gravity_of(scene)) * FALLING_FOR
-    return ENERGY_MARGIN * math.sqrt(max(shares, default=0.0) * sum(squares)) + fallen
+    pushed = QUICKENED * max((math.hypot(float(wall.vx), float(wall.vy)) for wall in scene.walls), default=0.0)
+    return ENERGY_MARGIN * math.sqrt(max(shares, default=0.0) * sum(squares)) + fallen + pushed
 
 
 def power_of_two(value: float) -> float:
@@ -424,18 +426,20 @@ class WallLine:
 
 @dataclass(frozen=True)
 class WallStretch:
-    """The part of a wall beside which the circles of a scene can be."""
+    """The part of a wall beside which the circles of a scene can be, at time 0, and its velocity."""
 
     start: Point
     end: Point
+    pace: Point = (0.0, 0.0)
 
-    def beside(self, x: float, y: float) -> bool:
-        """Whether a point is between the two lines that cross the wall at its ends.
+    def beside(self, x: float, y: float, time: float = 0.0) -> bool:
+        """Whether a point is between the two lines that cross the wall at its ends, at a time.
 
         >>> WallStretch((0.0, 0.0), (2.0, 0.0)).beside(1.0, 5.0), WallStretch((0.0, 0.0), (2.0, 0.0)).beside(3.0, 0.0)
         (True, False)
         """
         (x0, y0), (x1, y1) = self.start, self.end
+        x, y = x - self.pace[0] * time, y - self.pace[1] * time
         ux, uy = x1 - x0, y1 - y0
         return 0.0 <= ux * (x - x0) + uy * (y - y0) <= ux * ux + uy * uy
 
@@ -478,7 +482,7 @@ def sides(scene: Scene) -> list[list[int]]:
 
 
 def stretches(scene: Scene) -> list[WallStretch]:
-    """For each wall, as much of it as circles can meet: to where other walls end it, or `REACH`.
+    """For each wall, as much of it as circles can meet: to where other walls that stand end it, or `REACH`.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> floor = stretches(Scene([Circle(2, 2)], [Wall(0, 0, 1, 0), Wall(0, 0, 0, 1), Wall(9, 0, 9, 1)]))[0]
@@ -499,13 +503,14 @@ def stretches(scene: Scene) -> list[WallStretch]:
     room: list[Point] = []
     for side in {tuple(row) for row in sides(scene)}:
         region: list[Point] = list(corners)
-        for sign, wall in zip(side, walls, strict=True):
-            region = clipped(region, sign * wall.nx, sign * wall.ny, sign * wall.height)
+        for sign, wall, told in zip(side, walls, scene.walls, strict=True):
+            if not told.moves:
+                region = clipped(region, sign * wall.nx, sign * wall.ny, sign * wall.height)
         room += region
     found: list[WallStretch] = []
-    for wall in walls:
+    for wall, told in zip(walls, scene.walls, strict=True):
         along = [wall.ny * x - wall.nx * y for x, y in room]
         low, high = min(along) - biggest, max(along) + biggest
         start, end = ((wall.nx * wall.height + wall.ny * s, wall.ny * wall.height - wall.nx * s) for s in (low, high))
-        found.append(WallStretch(start, end))
+        found.append(WallStretch(start, end, (float(told.vx), float(told.vy))))
     return found

@@ -43,7 +43,7 @@ class Box2DEngine(SteppedAdapter):
     """Plays scenes in Box2D 2.3, as `pip install box2d` has it: numbers of 24 bits, by time steps.
 
     Circles are bodies that do not rotate, walls are edges of no thickness, long enough for the scene; a run in which a
-    circle gets near the end of one stops. Segments are edges,
+    circle gets near the end of one stops; those that move are kinematic bodies. Segments are edges,
     with their thickness. The scene's restitution, friction 0, no damping, no sleeping, no continuous collision,
     no warm starting, and no correction of positions.
 
@@ -68,8 +68,8 @@ class Box2DEngine(SteppedAdapter):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """As of other steppers, and `restitution`."""
-        return super().scene_keys | {"restitution"}
+        """As of other steppers, `restitution`, and walls that move."""
+        return super().scene_keys | {"restitution", "moving walls"}
 
     def allows(self, scene: Scene) -> dict[str, float]:
         """The speed below which nothing bounces, 1 m/s of its own (b2_velocityThreshold), in the scene's units.
@@ -104,9 +104,10 @@ class Box2DWorld:
         self._moving = [not circle.fixed for circle in scene.circles]
         self._stretches = stretches(scene)
         for wall, stretch in zip(scene.walls, self._stretches, strict=True):
-            self._edge(str(wall.id), (stretch.start, stretch.end), 0.0)
+            self._edge(str(wall.id), (stretch.start, stretch.end), 0.0, stretch.pace if wall.moves else None)
         for bar in bars(scene):
             self._edge(str(bar.id), bar_ends(bar), float(bar.r))
+        self._time = 0.0
         self._listener = self._listen()
         self._world.contactListener = self._listener
 
@@ -127,10 +128,13 @@ class Box2DWorld:
         body.userData = str(circle.id)
         return body
 
-    def _edge(self, name: str, ends: tuple[Point, Point], r: float) -> None:
+    def _edge(self, name: str, ends: tuple[Point, Point], r: float, pace: Point | None = None) -> None:
         shape = self._b2.b2EdgeShape(vertices=[(x * self._metres, y * self._metres) for x, y in ends])
         shape.radius = r * self._metres
-        body = self._world.CreateStaticBody()
+        if pace is None:
+            body = self._world.CreateStaticBody()
+        else:
+            body = self._world.CreateKinematicBody(linearVelocity=[part * self._speed for part in pace])
         body.CreateFixture(shape=shape, friction=0.0, restitution=self._restitution)
         body.userData = name
 
@@ -149,6 +153,7 @@ class Box2DWorld:
         """See `World`."""
         self._pushed.clear()
         self._world.Step(self._engine.dt / QUICK, self._engine.iterations, 0)
+        self._time += self._engine.dt
         return list(self._pushed)
 
     def rows(self) -> list[Row]:
@@ -164,7 +169,7 @@ class Box2DWorld:
             found.append(row)
             if moves and math.hypot(vx, vy) * self._engine.dt / QUICK >= FARTHEST * NEARLY:
                 raise OutOfRoom(f"{body.userData!r} would go farther in a step than the {FARTHEST:g} m of Box2D's")
-            if moves and not all(stretch.beside(row[0], row[1]) for stretch in self._stretches):
+            if moves and not all(stretch.beside(row[0], row[1], self._time) for stretch in self._stretches):
                 raise OutOfRoom(f"{body.userData!r} has come to the end of an edge that stands for a wall")
         return found
 

@@ -27,7 +27,7 @@ class RapierEngine(SteppedAdapter):
     """Plays scenes in Rapier 3D, as `pip install rapier3d` has it: numbers of 24 bits, by time steps.
 
     Circles are balls that move in x and y alone and do not rotate; a wall is a half-space for each side on which there
-    are circles, which it alone stops; a segment is one
+    are circles, which it alone stops, of a kinematic body where it moves; a segment is one
     of its own, or a capsule. The scene's restitution, friction 0, no damping, no sleeping, no warm starting, no
     correction of overlaps, no contact ahead of a touch, no cap of speeds.
 
@@ -51,8 +51,8 @@ class RapierEngine(SteppedAdapter):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """As of other steppers, and `restitution`."""
-        return super().scene_keys | {"restitution"}
+        """As of other steppers, `restitution`, and walls that move."""
+        return super().scene_keys | {"restitution", "moving walls"}
 
     @property
     def falls(self) -> StepFall:
@@ -101,8 +101,14 @@ class RapierWorld:
             at = (line.nx * line.height * self._metres, line.ny * line.height * self._metres, 0.0)
             shape = self._rapier.Collider.halfspace(normal).translation(at)
             group = self._group(2 << bit)
-            collider = self._world.add_collider(self._hard(shape).collision_groups(self._groups(group, group)))
-            self._names[collider] = str(scene.walls[place].id)
+            shape, wall = self._hard(shape).collision_groups(self._groups(group, group)), scene.walls[place]
+            if wall.moves:
+                pace = (float(wall.vx) * self._metres, float(wall.vy) * self._metres, 0.0)
+                body = self._rapier.RigidBody.kinematic_velocity_based().linvel(pace).can_sleep(False)
+                (collider,) = self._world.rigid_bodies[self._world.add_body(body, [shape])].colliders
+            else:
+                collider = self._world.add_collider(shape)
+            self._names[collider] = str(wall.id)
         for bar in bars(scene):
             self._names[self._world.add_collider(self._bar(bar))] = str(bar.id)
 

@@ -173,6 +173,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.gravity is not None and (run.scene.arcs or run.scene.pockets):
         return Audit(None, f"{'arcs' if run.scene.arcs else 'pockets'} are not audited yet under gravity")
+    if run.scene.moving_solid is not None:
+        return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet")
     if run.scene.other_walls:
         return Audit(None, f"a wall of kind {run.scene.other_walls[0].kind!r} is not audited")
     if engine.step is not None and run.scene.restitution.sign() == 0:

@@ -28,6 +28,11 @@ DIGITS = 1
 """Decimals that are looked at for each bit: three times as many as it is worth."""
 
 
+def _thickness_and_pace(solid: Segment | Polygon, bits: int) -> dict[str, Quantity]:
+    """Its r, vx and vy, each the nearest number of so many bits."""
+    return {key: nearest(getattr(solid, key), bits) for key in ("r", "vx", "vy")}
+
+
 def nearest(value: Quantity, bits: int = DOUBLE_BITS) -> Quantity:
     """The nearest number of so many bits, ties to even.
 
@@ -81,11 +86,11 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         for w in scene.walls
     ]  # fmt: skip
     segments = [
-        Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, r=nearest(s.r, bits))
+        Segment(*(nearest(value, bits) for value in (s.x0, s.y0, s.x1, s.y1)), id=s.id, **_thickness_and_pace(s, bits))
         for s in scene.segments
     ]
     polygons = [
-        Polygon([(nearest(x, bits), nearest(y, bits)) for x, y in g.points], id=g.id, r=nearest(g.r, bits))
+        Polygon([(nearest(x, bits), nearest(y, bits)) for x, y in g.points], g.id, **_thickness_and_pace(g, bits))
         for g in scene.polygons
     ]
     arcs = [

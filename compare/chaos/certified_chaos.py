@@ -134,13 +134,9 @@ def mapped(trajectory: Trajectory, events: int) -> list[list[Impact]]:
     """The impacts of a run; what it lacks is told as an error of the scene, with the remedy.
 
     Raises:
-        SceneError: for a run without an event, where it has no tangent map, and of walls that move, whose scene is
-            another one at every time.
+        SceneError: for a run without an event, and where it has no tangent map.
     """
     name = trajectory.scene.name
-    if trajectory.scene.moving_walls:
-        told = "has walls that move, and exponents are those of a scene that stays as it is"
-        raise SceneError(f"{name!r}: {told}; `truebreak compare` predicts when engines diverge")
     if events == 0:
         raise SceneError(f"{name!r}: nothing collides ({trajectory.stop.message}); chaos is measured along collisions")
     if all(circle.fixed for circle in trajectory.scene.circles):

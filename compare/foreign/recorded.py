@@ -68,13 +68,16 @@ class Playing(Unchangeable, ABC):
 
         Raises:
             EngineError: for what cannot be judged; and whatever `play` raises of its own accord.
-            SceneError: for arcs, where it does not follow them.
+            SceneError: for arcs, where it does not follow them, and for segments or polygons that move.
         """
         if scene.arcs and "arc" not in self.scene_keys:
             raise SceneError(
                 f"{scene.name!r}: has arcs, which engine {self.name!r} does not follow; use another engine, or a chain "
                 "of segments, which is another scene"
             )
+        if scene.moving_solid is not None:
+            told = f"{scene.moving_solid} moves, and no recording is judged there; write walls"
+            raise SceneError(f"{scene.name!r}: {told}")
         if scene.pockets and scene.gravity is not None:
             raise SceneError(
                 f"{scene.name!r}: has pockets under gravity, and no recording is judged there; leave them out"

@@ -108,7 +108,7 @@ class _Run:
         wanted, there = plan.indices(), store.done(plan.key)
         self.wanted = len(wanted)
         self.waiting = (index for index in wanted if index not in there)
-        self.there = sum(index in there for index in wanted) if there else 0
+        self.there = len(there.intersection(wanted)) if there else 0
         left = self.wanted - self.there
         self.workers = min(cores() if jobs is None else jobs, max(left, 1))
         self.here = executor is None and self.workers == 1 and not plan.apart

@@ -92,18 +92,18 @@ def stored(rows: Iterable[Row]) -> Store:
     return store
 
 
-COUNTS = """
-SELECT engine, total(audited AND kept = 1), total(audited AND kept = 0), total(audited AND kept IS NULL),
-    sum(changed IS NOT NULL), sum(changed <> '[]'),
-    sum(event IS NOT NULL AND predicted_low IS NOT NULL),
-    sum(event IS NOT NULL AND predicted_low <= event AND (predicted_high IS NULL OR event <= predicted_high)),
-    count(CASE WHEN event IS NOT NULL THEN by_exponent END),
-    avg(CASE WHEN event IS NOT NULL THEN by_exponent END), avg(CASE WHEN by_exponent IS NOT NULL THEN at END)
-FROM rows GROUP BY engine ORDER BY min(place), min(job)
-"""
+COUNTED = ("engine", "verdict", "event", "agreed", "predicted_low", "predicted_high", "changed")
+"""What summaries count of a row, beside its laws."""
 
-LEFT = """
-SELECT engine, verdict, coalesce(event, agreed, 0), event IS NOT NULL, count(*) FROM rows GROUP BY 1, 2, 3, 4
+COUNTS = f"""
+SELECT json_extract(row, {", ".join(f"'$.{key}'" for key in COUNTED)}), CASE WHEN audited THEN coalesce(kept, 2) END,
+    event IS NOT NULL AND by_exponent IS NOT NULL FROM rows NOT INDEXED
+"""
+"""It, row by row: each is read as JSON once, and counted here, as SQL would sort all rows to group them. The rows of a
+scene come in its engines' order, whichever scene is first."""
+
+MEANS = """
+SELECT avg(by_exponent), avg(at) FROM rows WHERE engine = ? AND event IS NOT NULL AND by_exponent IS NOT NULL
 """
 
 SPREAD = """
@@ -112,31 +112,63 @@ FROM rows WHERE engine = :engine AND event IS NOT NULL AND by_exponent IS NOT NU
 """
 
 
+class _Counts:
+    """What is counted of one engine's rows."""
+
+    def __init__(self) -> None:
+        self.seen, self.verdicts, self.audits = Counter[tuple[int, bool]](), Counter[str](), Counter[int | None]()
+        self.outcomes = self.changed = self.banded = self.inside = self.points = 0
+
+    def add(
+        self,
+        count: int,
+        kept: int | None,
+        foreseen: int,
+        verdict: str,
+        event: int | None,
+        agreed: int | None,
+        low: int | None,
+        high: int | None,
+        changed: list[str] | None,
+    ) -> None:
+        """Adds so many rows that are alike in all of this; `kept` is 2 where that is not determined."""
+        self.verdicts[verdict] += count
+        self.audits[kept] += count
+        if verdict != "refused":
+            self.seen[(agreed or 0) if event is None else event, event is not None] += count
+        if changed is not None:
+            self.outcomes += count
+            self.changed += count * bool(changed)
+        if event is not None and low is not None:
+            self.banded += count
+            self.inside += count * (low <= event and (high is None or event <= high))
+        self.points += count * foreseen
+
+
 def summaries(rows: Iterable[Row]) -> list[Summary]:
     """A summary of each engine, in the order of the engines."""
     store = stored(rows)
-    seen: dict[str, Counter[tuple[int, bool]]] = {}
-    verdicts: dict[str, Counter[str]] = {}
-    for engine, verdict, event, left, count in store.sql(LEFT):
-        verdicts.setdefault(engine, Counter())[verdict] += count
-        if verdict != "refused":
-            seen.setdefault(engine, Counter())[event, bool(left)] += count
+    told: dict[str, _Counts] = {}
+    for (text, kept, foreseen), count in store.counted(COUNTS).items():
+        engine, *others = json.loads(text)
+        told.setdefault(engine, _Counts()).add(count, kept, foreseen, *others)
     found: list[Summary] = []
-    for engine, *counts in store.sql(COUNTS):
-        kept, broken, open_, outcomes, changed, banded, inside, points, x, y = counts
+    for engine, counts in told.items():
         law = None
-        if points >= FEWEST:
-            law = _law(points, x, y, *store.base.execute(SPREAD, {"x": x, "y": y, "engine": engine}).fetchone())
-        curve = kaplan_meier(seen.get(engine, {}))
+        if counts.points >= FEWEST:
+            x, y = store.sql(MEANS, engine)[0]
+            law = _law(counts.points, x, y, *store.base.execute(SPREAD, {"x": x, "y": y, "engine": engine}).fetchone())
+        curve = kaplan_meier(counts.seen)
+        changed, outcomes = counts.changed, counts.outcomes
         found.append(Summary(
             engine,
-            dict(sorted(verdicts[engine].items())),
+            dict(sorted(counts.verdicts.items())),
             tuple(curve),
             next((step.event for step in curve if step.share <= 0.5), None),
-            (inside or 0, banded),
+            (counts.inside, counts.banded),
             law,
             (changed, outcomes, *proportion(changed, outcomes)) if outcomes else None,
-            (int(kept), int(broken), int(open_)),
+            (counts.audits[1], counts.audits[0], counts.audits[2]),
         ))  # fmt: skip
     return found
 
@@ -195,6 +227,9 @@ def _beta_quantile(share: float, mean: float, square: float) -> float:
     a, b = mean * sum_of_both, (1 - mean) * sum_of_both
     log_size = math.lgamma(a + b) - math.lgamma(a) - math.lgamma(b)
     low, high, x = 0.0, 1.0, mean
+    near = mean + math.copysign(Z_95 * math.sqrt(square - mean * mean), share - 0.5)
+    if mean / 2 < near < (1 + mean) / 2:  # of many, nearly normal: of 500,000 each step takes some milliseconds
+        x = near
     for _ in range(BISECTIONS):
         below = float(arb(x).beta_lower(arb(a), arb(b), regularized=True))
         low, high = (x, high) if below < share else (low, x)

@@ -136,10 +136,10 @@ def corners(scene: Scene) -> SceneParts:
     >>> box.items, len(box.keeping(["box.1", "box.2", "box.4"]).polygons[0].points)
     (('box.1', 'box.2', 'box.3', 'box.4'), 3)
     """
-    at: dict[tuple[Quantity, Quantity], list[Segment]] = {}
+    at: dict[tuple[Quantity, ...], list[Segment]] = {}
     for segment in scene.segments:
         for place in ((segment.x0, segment.y0), (segment.x1, segment.y1)):
-            at.setdefault(place, []).append(segment)
+            at.setdefault((*place, segment.vx, segment.vy), []).append(segment)
     joints = {f"{pair[0].id}/{pair[1].id}": place for place, pair in at.items() if len(pair) == 2}
     points = [(f"{g.id}.{k}", g) for g in scene.polygons for k in range(1, len(g.points) + 1)]
 
@@ -147,14 +147,17 @@ def corners(scene: Scene) -> SceneParts:
         left, solids = list(scene.segments), list[Polygon]()
         for g in scene.polygons:
             places = [place for k, place in enumerate(g.points, start=1) if f"{g.id}.{k}" in kept]
-            solids.append(g if len(places) == len(g.points) else Polygon(places, g.id, g.r))
+            solids.append(g if len(places) == len(g.points) else Polygon(places, g.id, g.r, g.vx, g.vy))
         for name, place in joints.items():
             if name in kept:
                 continue
-            one, other = (k for k, s in enumerate(left) if place in ((s.x0, s.y0), (s.x1, s.y1)))
+            spot, pace = place[:2], place[2:]
+            one, other = (
+                k for k, s in enumerate(left) if spot in ((s.x0, s.y0), (s.x1, s.y1)) and pace == (s.vx, s.vy)
+            )
             first, second = left[one], left.pop(other)
-            ends = [end for s in (first, second) for end in ((s.x0, s.y0), (s.x1, s.y1)) if end != place]
-            left[one] = Segment(*ends[0], *ends[1], id=first.id, r=first.r)
+            ends = [end for s in (first, second) for end in ((s.x0, s.y0), (s.x1, s.y1)) if end != spot]
+            left[one] = Segment(*ends[0], *ends[1], first.id, first.r, first.vx, first.vy)
         return scene.with_changes(segments=left, polygons=solids)
 
     return SceneParts("corners", (*joints, *(name for name, _ in points)), keeping)
@@ -230,9 +233,12 @@ def with_number(thing: Thing, kind: str, key: str, value: Quantity) -> Thing:
     """
     if isinstance(thing, Polygon):
         points = [list(place) for place in thing.points]
-        if key != "r":
+        others = {name: getattr(thing, name) for name in ("r", "vx", "vy")}
+        if key in others:
+            others[key] = value
+        else:
             points[int(key[1:]) - 1]["xy".index(key[0])] = value
-        return Polygon([(x, y) for x, y in points], thing.id, value if key == "r" else thing.r)
+        return Polygon([(x, y) for x, y in points], thing.id, **others)
     names = arc_keys(thing) if isinstance(thing, Arc) else KEYS[kind]
     given = {name: getattr(thing, name) for name in names} | {key: value, "id": thing.id}
     if isinstance(thing, Arc):

@@ -20,7 +20,18 @@ from ..files.exact_text import ExactTexts
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Assumption, Contact, Event, Pocketing, Settling, State, Stop, Tie, TieProof, Trajectory
+    from ...scenarios.trajectory import (
+        Assumption,
+        Contact,
+        Event,
+        Pocketing,
+        Settling,
+        State,
+        Stop,
+        Tie,
+        TieProof,
+        Trajectory,
+    )
     from ..alignment.align import Separation
     from ..audit.audit import Audit
     from ..candidate import Candidate

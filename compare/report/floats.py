@@ -21,7 +21,7 @@ CIRCLE, WALL, POCKET = ("x", "y", "r", "vx", "vy", "m"), ("x0", "y0", "x1", "y1"
 SEGMENT = (*WALL, "r")
 
 DRIFT = ("vx", "vy")
-"""Of a wall that moves: how fast."""
+"""Of a wall, a segment or a polygon that moves: how fast."""
 
 
 def floats_json(scene: Scene) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def floats_json(scene: Scene) -> dict[str, Any]:
         "pockets": [_thing(p, POCKET) for p in scene.pockets],
     }
     if scene.segments:
-        data["segments"] = [_thing(s, SEGMENT) for s in scene.segments]
+        data["segments"] = [_thing(s, (*SEGMENT, *DRIFT) if s.moves else SEGMENT) for s in scene.segments]
     if scene.polygons:
         data["polygons"] = [_polygon(p) for p in scene.polygons]
     if scene.arcs:
@@ -118,7 +118,9 @@ def _points(polygon: Polygon) -> list[tuple[tuple[float, float], tuple[float, fl
 def _polygon(polygon: Polygon) -> dict[str, Any]:
     (r, error), points = _pair(polygon, "r"), _points(polygon)
     told = [[[value[k] for value in place] for place in points] for k in (0, 1)]
-    return {"id": polygon.id, "points": told[0], "r": r, "error": {"points": told[1], "r": error}}
+    paces = {key: _pair(polygon, key) for key in DRIFT} if polygon.moves else {}
+    row = {"id": polygon.id, "points": told[0], "r": r, **{key: _finite(double) for key, (double, _) in paces.items()}}
+    return {**row, "error": {"points": told[1], "r": error, **{key: off for key, (_, off) in paces.items()}}}
 
 
 def _thing(thing: Circle | Wall | Segment | Arc | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:

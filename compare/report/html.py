@@ -373,11 +373,14 @@ def world_phrase(scene: Scene) -> str:
     >>> world_phrase(catalogue.build("bounce"))
     '1 circle, 1 wall; gravity (0, -10), restitution 9/10'
     """
-    moving = sum(wall.moves for wall in scene.walls)
+    counts = {
+        kind: sum(thing.moves for thing in things)
+        for kind, things in (("wall", scene.walls), ("segment", scene.segments), ("polygon", scene.polygons))
+    }
     acts = [
         f"gravity ({', '.join(part.brief() for part in scene.gravity)})" if scene.gravity is not None else "",
         f"restitution {scene.restitution.brief()}" if not scene.elastic else "",
-        f"{counted(moving, 'wall')} that move{'s' * (moving == 1)}" if moving else "",
+        *(f"{counted(count, kind)} that move{'s' * (count == 1)}" if count else "" for kind, count in counts.items()),
     ]
     return "; ".join(filter(None, [made_of(scene), ", ".join(filter(None, acts))]))
 

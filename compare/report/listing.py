@@ -27,6 +27,9 @@ SHOWN_DIGITS = 60
 """Longest exact text in a table; of longer ones, which are in the JSON, the value and how long they are."""
 
 
+DRIFT = ("vx", "vy")
+"""Of walls, segments and polygons of which one moves."""
+
 LEAST_NORMAL = 2.0**-1022
 """Below it a double has fewer bits than others have."""
 
@@ -124,9 +127,9 @@ def print_scene(scene: Scene, as_json: bool) -> None:
     data = scene.data()
     for kind, keys in (
         ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
-        ("wall", ("id", "x0", "y0", "x1", "y1", *(("vx", "vy") if scene.moving_walls else ()))),
-        ("segment", ("id", "x0", "y0", "x1", "y1", "r")),
-        ("polygon", ("id", "points", "r")),
+        ("wall", ("id", "x0", "y0", "x1", "y1", *(DRIFT if any(w.moves for w in scene.walls) else ()))),
+        ("segment", ("id", "x0", "y0", "x1", "y1", "r", *(DRIFT if any(s.moves for s in scene.segments) else ()))),
+        ("polygon", ("id", "points", "r", *(DRIFT if any(p.moves for p in scene.polygons) else ()))),
         ("arc", ("id", "x", "y", "r", "x0", "y0", "x1", "y1", "full")),
         ("pocket", ("id", "x", "y", "r")),
     ):
@@ -173,8 +176,9 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
     if scene.moving_walls:
         from ..grids.row import energy_gained
 
+        what = "walls that move" if scene.moving_solid is None else "what moves and is no circle"
         less = "" if scene.elastic else ", less what contacts lost"
-        say(out, f"energy: walls that move brought in {energy_gained(trajectory):.9g}{less}")
+        say(out, f"energy: {what} brought in {energy_gained(trajectory):.9g}{less}")
     if trajectory.assumptions:
         for assumption in trajectory.assumptions[:1]:
             say(out, str(assumption), "bold yellow")

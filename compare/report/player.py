@@ -20,6 +20,7 @@ from .terminal import later
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Polygon, Segment, Wall
     from ...scenarios.trajectory import Event, Trajectory
     from ..alignment.instants import Divergence
     from ..candidate import Candidate
@@ -128,11 +129,11 @@ def played(
             runs[-1]["matches"] = matches
     return {
         "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
-        "walls": [[*wall_line(w), str(w.id), *((float(w.vx), float(w.vy)) if w.moves else ())] for w in scene.walls],
+        "walls": [[*wall_line(w), str(w.id), *_pace(w)] for w in scene.walls],
         "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
-        **({"segments": [segment_line(s) for s in scene.segments]} if scene.segments else {}),
+        **({"segments": [(*segment_line(s), *_pace(s)) for s in scene.segments]} if scene.segments else {}),
         **({"arcs": [arc_line(a) for a in scene.arcs]} if scene.arcs else {}),
-        **({"polygons": [polygon_outline(p) for p in scene.polygons]} if scene.polygons else {}),
+        **({"polygons": [(*polygon_outline(p), *_pace(p)) for p in scene.polygons]} if scene.polygons else {}),
         **({"gravity": [*map(float, scene.gravity)]} if scene.gravity is not None else {}),
         "view": _view(scene, _passed(scene, truth)),
         "begin": begin,
@@ -257,6 +258,11 @@ def _follows(
 
 PIECES = 8
 """Places of each flight under gravity by which it is told how far to look."""
+
+
+def _pace(thing: Wall | Segment | Polygon) -> tuple[float, ...]:
+    """The velocity of what moves."""
+    return (float(thing.vx), float(thing.vy)) if thing.moves else ()
 
 
 def _passed(scene: Scene, run: Mapping[str, Any]) -> list[list[float]]:

@@ -120,6 +120,8 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
+    if scene.moving_solid is not None:
+        raise SceneError(f"{scene.name!r}: {scene.moving_solid} moves, of which no shadow is looked for; leave it out")
     if scene.surfaces.pegs or (scene.gravity is not None and (scene.arcs or scene.pockets)):
         raise SceneError(
             f"{scene.name!r}: has gravity and something round and fixed, of which no shadow is looked for; "

@@ -214,8 +214,9 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if walls are of kinds of their own, if circles go out of play, touch at time 0 and go on
-            touching, if a restitution is 0, what has settled goes on, or arcs or pockets are there under gravity.
+        NoTangentMap: if walls are of kinds of their own, if segments or polygons move, if circles go out of play, touch
+            at time 0 and go on touching, if a restitution is 0, what has settled goes on, or arcs or pockets are there
+            under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -226,6 +227,8 @@ def check_start(scene: Scene) -> None:
     if scene.gravity is not None and (scene.arcs or scene.pockets):
         told = "arcs" if scene.arcs else "pockets"
         raise NoTangentMap(f"the scene has gravity and {told}, of which there is no tangent map yet")
+    if scene.moving_solid is not None:
+        raise NoTangentMap(f"{scene.moving_solid} moves, of whose ends there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces

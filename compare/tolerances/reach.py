@@ -123,7 +123,8 @@ class ErrorWalk:
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         scene = run.scene
         beyond = {
-            "walls of other kinds": bool(scene.other_walls), "restitution 0": scene.restitution.sign() == 0,
+            "walls of other kinds": bool(scene.other_walls), "segments or polygons that move": bool(scene.moving_solid),
+            "restitution 0": scene.restitution.sign() == 0,
             "gravity and something round and fixed": bool(scene.surfaces.pegs or (scene.gravity and scene.arcs)),
             "gravity, and the engine falls by steps": scene.gravity is not None and local.order is not None,
         }  # fmt: skip

@@ -404,7 +404,10 @@ class FallingPredictor(FilteredPredictor):
             pulls = ball.constant(half), ball.constant(drift), ball.constant(bend)
         zeros = half.sign() == 0, drift.sign() == 0, bend.sign() == 0
         other = first + ((wall - first) ^ 1) if wall in self.two_sided else -1
-        return float_fall(self.float_line(a, wall), other, exact.is_face, pulls, zeros, half.sign())
+        line = self.float_line(a, wall)
+        if exact.is_face and exact.moves:  # where along it a circle is goes by its velocity too: not told in doubles
+            line = line._replace(size=inf)
+        return float_fall(line, other, exact.is_face, pulls, zeros, half.sign())
 
     def pegs_of(self, a: Body[arb]) -> Sequence[FloatPeg]:
         """The circles that stand under gravity, as one that falls meets them."""
@@ -418,4 +421,5 @@ class FallingPredictor(FilteredPredictor):
 
     def _as_it_stands(self, a: Body[arb], peg: int, hx: arb, hy: arb) -> FloatPeg:
         circle, body = self.scene.circles[peg], self.state.bodies[peg]
-        return float_peg(body, ball.constant(circle.x), ball.constant(circle.y), self.reach(a, body), hx, hy)
+        found = float_peg(body, ball.constant(circle.x), ball.constant(circle.y), self.reach(a, body), hx, hy)
+        return found._replace(reach=inf) if peg in self.scene.moving_ends else found  # left to balls

@@ -115,7 +115,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Disc:
-    """A circle at one moment, in SymPy numbers; `m` is None for a fixed circle."""
+    """A circle at one moment, in SymPy numbers; `m` is None for a fixed one, which flies as an end of what moves."""
 
     x: Any
     y: Any
@@ -141,8 +141,8 @@ class Line:
         if self.ux == 0 and self.uy == 0:
             return self
         dx, dy = self.ux * time, self.uy * time
-        points = (normal(q) for q in (self.x0 + dx, self.y0 + dy, self.x1 + dx, self.y1 + dy))
-        return Line(*points, ux=self.ux, uy=self.uy)
+        x0, y0, x1, y1 = (normal(q) for q in (self.x0 + dx, self.y0 + dy, self.x1 + dx, self.y1 + dy))
+        return replace(self, x0=x0, y0=y0, x1=x1, y1=y1)
 
     def seen(self, a: Disc) -> Disc:
         """A circle with its velocity relative to this wall."""
@@ -159,6 +159,7 @@ class Bar(Line):
 
     def beside(self, a: Disc, time: Any) -> bool:
         """Whether the foot of a circle's centre lies strictly between the ends, so much later."""
+        a = self.seen(a)
         ux, uy = self.x1 - self.x0, self.y1 - self.y0
         foot = normal(ux * (a.x + a.vx * time - self.x0) + uy * (a.y + a.vy * time - self.y0))
         return sign(foot) > 0 and sign(normal(ux**2 + uy**2 - foot)) > 0
@@ -203,7 +204,7 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     [1, 3]
     """
     if isinstance(b, Bar):
-        line = Line(b.x0, b.y0, b.x1, b.y1)
+        line = Line(b.x0, b.y0, b.x1, b.y1, ux=b.ux, uy=b.uy)
         return [time for time in touch_times(replace(a, r=a.r + b.r), line) if b.beside(a, time)]
     if isinstance(b, Bow):
         sides = (a, replace(a, r=-a.r)) if sign(normal(b.r - a.r)) > 0 else (a,)
@@ -259,9 +260,12 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
         return velocities_after(a, b.disc)
     solutions = _solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
     seen = b.seen(a) if isinstance(b, Line) else a
+    if isinstance(b, Disc) and b.m is None:
+        seen = replace(a, vx=normal(a.vx - b.vx), vy=normal(a.vy - b.vy))
     values = [solution.value(_at(seen, b)) for solution in solutions]
-    if isinstance(b, Line):
-        values = [None if v is None else normal(v + u) for v, u in zip(values, (b.ux, b.uy), strict=True)]
+    if isinstance(b, Line) or b.m is None:
+        pace = (b.ux, b.uy) if isinstance(b, Line) else (b.vx, b.vy)
+        values = [None if v is None else normal(v + u) for v, u in zip(values, pace, strict=True)]
     found = tuple(value for value in values if value is not None)
     if len(found) != len(values):
         raise ValueError("the velocities after this collision have no value")
@@ -527,10 +531,11 @@ def _complementary(touching: Touching, pairs: Sequence[Indices], e: Any) -> tupl
 
 
 def _drift(touching: Touching, pair: Indices, push: Mapping[int, tuple[Any, Any]]) -> Any:
-    """What a wall's own velocity adds to the rate at which it and a circle part."""
+    """What the velocity of a wall, or of an end that moves, adds to the rate at which it and a circle part."""
     number = pair[1] - len(touching.discs)
     if number < 0:
-        return Integer(0)
+        end = next((touching.discs[k] for k in pair if k not in push), None)
+        return Integer(0) if end is None else -_dot(next(iter(push.values())), (end.vx, end.vy))
     line = touching.lines[number]
     return -_dot(push[pair[0]], (line.ux, line.uy))
 

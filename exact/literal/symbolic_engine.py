@@ -110,10 +110,10 @@ class SymbolicMotion:
 
 
 def _flown(disc: Disc, since: Any, g: tuple[Any, Any]) -> Disc:
-    """A circle so much later; one that is fixed stands."""
-    if disc.m is None:
+    """A circle so much later; one that is fixed stands, or moves with what it is an end of."""
+    if disc.m is None and disc.vx == 0 == disc.vy:
         return disc
-    gx, gy = g
+    gx, gy = g if disc.m is not None else (ZERO, ZERO)
     return replace(
         disc,
         x=normal(disc.x + disc.vx * since + gx * since**2 / 2),
@@ -211,7 +211,8 @@ class _Run:
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
         self.discs = tuple(map(_disc, (*scene.circles, *ends)))
         self.real = len(scene.circles)
-        bars = (Bar(*(normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r))) for s in segments)
+        told = ([normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r, s.vx, s.vy)] for s in segments)
+        bars = (Bar(*q[:5], ux=q[5], uy=q[6]) for q in told)
         self.lines = (
             *map(_line, scene.walls),
             *bars,
@@ -497,7 +498,8 @@ def _contact(run: _Run, pair: Indices) -> Contact:
 
 
 def _disc(circle: Circle) -> Disc:
-    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+    pace = circle.drift if circle.fixed else (circle.vx, circle.vy)
+    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, *pace, circle.r))
     return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
 
 
@@ -565,7 +567,7 @@ class _Endings:
     """Looks for them, event by event."""
 
     def __init__(self, run: _Run) -> None:
-        self.run = run
+        self.run, self.times = run, list[float]()
         e, self.rows, self.since = float(run.scene.restitution), dict[int, tuple[int, int]](), dict[int, float]()
         self.enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 and run.scene.gravity is not None else None
         self.closing = {squeeze.circle: squeeze for squeeze in run.scene.closing}
@@ -579,6 +581,10 @@ class _Endings:
     def after(self, impulses: Sequence[Indices]) -> Stop | None:
         """Notes the impulses of an event; what ends the run, if infinitely many of them do."""
         run, count = self.run, len(self.run.discs)
+        self.times.append(float(quantity(run.now)))
+        n, now = len(self.times), self.times[-1]
+        if run.scene.moving_solid and n >= 64 and n & (n - 1) == 0 and now - self.times[n // 2] < now / 1000:
+            raise SymbolicUndecided(f"accumulation suspected: {n} events up to time {now:.9g}; end the run before")
         shares = Counter(k for pair in impulses for k in pair if k < count)
         bounced: list[Indices] = []
         for pair in impulses:

@@ -535,7 +535,7 @@ class LoneContacts:
             a, b, share = b, a, share_b
         ax, ay, vx, vy, base, *_, rest = a.flight
         if self._state.falling is not None and circles[b.index].fixed:
-            return self._off_peg(link, a, b, share, bits, step)
+            return self._off_peg(link, a, b, share, bits, step) if self._state.on_peg(link) else None
         if rest or not circles[b.index].fixed or vx.is_zero() or vy.is_zero():
             return None
         bx, by, *_ = b.flight

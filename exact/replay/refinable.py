@@ -18,7 +18,7 @@ from ..numbers import ball
 from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
 from .ball_state import SPARE_BITS
 from .centred_state import CentredState, lone_contacts
-from .contact import Body, Flight, Touch, can_push, is_pair
+from .contact import Body, Flight, Link, Touch, can_push, is_pair
 from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, circles_of
 
 FIELD_BITS = 768
@@ -61,6 +61,7 @@ class RefinableState:
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
         self._tried: set[int] = set()
+        self._touched: dict[int, dict[int, tuple[int, frozenset[Link]]]] = {}
         for body in self.bodies.values():
             body.acc = bits
         try:
@@ -167,7 +168,11 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if self.balls.stands and self.balls.on_peg(link) and not is_pair(link):
+        if (
+            self.balls.stands
+            and self.balls.on_peg(link)
+            and not (is_pair(link) and (link.a in self.scene.pegs or link.b in self.scene.pegs))
+        ):
             return False
         if self._in_play and not self._all_leave(link):
             return False
@@ -222,6 +227,10 @@ class RefinableState:
         if isinstance(step, Go):
             self.balls.forget_contact()
         self._stale.update(taking_part)
+        if state.stands:
+            touched = {i: state.contacts[i] for i in taking_part if i in state.contacts}
+            self._touched[len(self.steps)] = touched
+            self.balls.contacts.update(touched)
         if isinstance(step, Flip):
             self.sync(taking_part)
             self.balls.flip_time = field_ball(state.flip_time, ball.bits_in_use())
@@ -316,6 +325,7 @@ class RefinableState:
     def _again(self, state: CentredState, k: int, bits: int) -> None:
         """Step k of a replay."""
         step = self.steps[k]
+        state.contacts.update(self._touched.get(k, {}))
         if not self._in_field[k]:
             state.steps_done = k
             self.lowest = min(self.lowest, self._step_in_balls(state, step, circles_of(step, self.n), bits))

@@ -537,6 +537,8 @@ class RoundFalls(Generic[N]):
     Attributes:
         stands: whether there are any, or may be.
         pegs: the circles that do; and those that a wall carries, which fly straight, in true coordinates.
+        paces: the velocities of those of the fixed ones that move.
+        curved: whether anything pulls, so that flights are parabolas.
         contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
     """
 
@@ -549,6 +551,8 @@ class RoundFalls(Generic[N]):
     arcs: list[Body[N]]
     stands: bool
     pegs: frozenset[int]
+    paces: dict[int, tuple[N, N]]
+    curved: bool
     contacts: dict[int, tuple[int, frozenset[Link]]]
 
     def reach(self, a: Body[N], b: Body[N]) -> N:
@@ -574,7 +578,7 @@ class RoundFalls(Generic[N]):
         return self.bodies[link[1] if self._stands_first(link) else link[0]]
 
     def peg_relation(self, link: Round) -> Relation[N]:
-        """The two at the clock of the one that falls, in true coordinates."""
+        """The two at the clock of the one that falls, in true coordinates: so far apart, and with that velocity."""
         body, first = self.faller(link), self._stands_first(link)
         peg = link.ends(self)[0 if first else 1]
         x, y, vx, vy, t, *_ = body.flight
@@ -584,9 +588,11 @@ class RoundFalls(Generic[N]):
             wx, wy = falling.hx * t, falling.hy * t
             x, y, vx, vy = x + wx * t, y + wy * t, vx + (wx + wx), vy + (wy + wy)
         px, py, pvx, pvy, since, *_ = peg.flight
-        if not peg.flight.rest:
-            px, py = advance(px, pvx, t - since), advance(py, pvy, t - since)
-            vx, vy = vx - pvx, vy - pvy
+        pace = self.paces.get(peg.index) if is_pair(link) else None
+        if pace is not None:  # an end that moves, as seen from it
+            px, py, vx, vy = px + pace[0] * t, py + pace[1] * t, vx - pace[0], vy - pace[1]
+        elif not peg.flight.rest:  # what a wall carries
+            px, py, vx, vy = advance(px, pvx, t - since), advance(py, pvy, t - since), vx - pvx, vy - pvy
         dx, dy = px - x, py - y
         reach = self.reach(body, peg)
         return Relation(t, -dx, -dy, vx, vy, reach) if first else Relation(t, dx, dy, -vx, -vy, reach)

@@ -208,6 +208,8 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self._lines = {}
         self.sides = Sides(scene)
         self.pegs, self.contacts = scene.pegs, {}
+        self.paces = {i: (constant(end.drift[0]), constant(end.drift[1])) for i, end in scene.moving_ends.items()}
+        self.curved = self.bends or (scene.gravity is not None and any(part.sign() for part in scene.gravity))
         self.stands = scene.gravity is not None and bool(scene.settle or self.pegs or self.arcs or self.pockets)
 
     def _circle(self, i: int) -> Body[N]:
@@ -288,7 +290,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_hit(self, link: Round) -> tuple[N, N]:
         """The clock from which the hit is reckoned, and the time from it to the hit."""
-        if self.stands and self.on_peg(link):
+        if self.curved and self.stands and self.on_peg(link):
             return self.peg_hit(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
@@ -311,7 +313,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def round_parts(self, link: Round) -> tuple[N, N, N]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
-        if self.stands and self.on_peg(link):
+        if self.curved and self.stands and self.on_peg(link):
             return self.no_closed_form()
         t, dx, dy, vx, vy, reach = self.relation(link)
         a = vx * vx + vy * vy
@@ -320,7 +322,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
 
     def arc_hit(self, link: AtArc) -> tuple[N, N]:
         """As `round_hit`; a hollow side is met at the later zero of the gap."""
-        if not link.hollow or self.stands:
+        if not link.hollow or (self.curved and self.stands):
             return self.round_hit(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         root = self.root(pair_discriminant(dx, dy, vx, vy, reach))

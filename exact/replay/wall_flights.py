@@ -284,11 +284,15 @@ class WallFlights(Generic[N]):
     def face_place(self, link: AtWall, far: bool) -> tuple[N, N, N | None, N]:
         """Where along a face a circle is at its clock, as `face_foot`, how fast that grows, and the clock.
 
-        Before the clock: half of gravity along the face, None without; places and speeds are in true coordinates.
+        Before the clock: half of gravity along the face, None without; places and speeds are in true coordinates, and
+        as seen from a face that moves.
         """
         flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
-        along = face_along(flight.x, flight.y, line.x0, line.y0, line.nx, line.ny)
-        slide = face_along(flight.vx, flight.vy, self.zero, self.zero, line.nx, line.ny)
+        drift = self.drifts.get(link.wall)
+        at = line if drift is None else line.moved(drift, flight.t)
+        along = face_along(flight.x, flight.y, at.x0, at.y0, line.nx, line.ny)
+        ux, uy = (self.zero, self.zero) if drift is None else drift
+        slide = face_along(flight.vx, flight.vy, ux, uy, line.nx, line.ny)
         bend = None
         if (falling := self.falls(link.circle)) is not None and self.scene.gravity is not None:
             place = along_of(falling, (along, slide), line, flight.t, self.zero)

@@ -341,8 +341,8 @@ def _time_to_face(predictor: FaceMeetings[M], a: Body[M], link: AtWall, stands: 
         return False
     x0, y0, nx, ny, offset = predictor.line(a, link.wall)
     line = SeenWall(x0, y0, nx, ny, nx * nx + ny * ny, nx)
-    at, late = a.q[4], a.flight.late
-    fall = fall_of(falling, a.q, line, offset, None, zero)
+    at, late, drift = a.q[4], a.flight.late, state.drifts.get(link.wall)
+    fall = fall_of(falling, a.q, line, offset, drift, zero)
     gap, approach, half = fall
     still, now = (gap, approach) if late is None else (sag(*fall, late), fall_speed(approach, half, late))
     if stands:
@@ -372,7 +372,8 @@ def _time_to_face(predictor: FaceMeetings[M], a: Body[M], link: AtWall, stands: 
         else:
             return True
     x, y, vx, vy, _ = a.q
-    straight = face_along(x, y, x0, y0, nx, ny), face_along(vx, vy, zero, zero, nx, ny)
+    (px, py, *_), pace = (line, (zero, zero)) if drift is None else (line.moved(drift, at), drift)
+    straight = face_along(x, y, px, py, nx, ny), face_along(vx, vy, *pace, nx, ny)
     foot = sag(*along_of(falling, straight, line, at, zero), wait)
     beyond = line.nn - foot
     if foot < zero or beyond < zero:

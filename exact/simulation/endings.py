@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import ceil, inf, log
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
@@ -39,7 +40,9 @@ from ..replay.state import Constant, Go, Lift, ReplayState, Settle
 # faster until then, infinitely many. They are told until SQUEEZED of the time since the first of them is left. That it
 # meets nothing else until then is proved of all circles between the two walls: nothing but a meeting with something
 # else changes a velocity along the walls, so until the first such meeting each is where its flight along the walls, and
-# the room between these, says; and no two of these places, nor one and another wall, are near enough to meet.
+# the room between these, says; and no two of these places, nor one and another wall, are near enough to meet. Where one
+# of the two is a face, that ends, this is proved of a circle that alone moves, which is over the face for all of the
+# time, and far from its ends.
 
 # A scene may have walls carry what comes to rest so, or slides: on a wall across gravity, along which nothing pulls, it
 # then flies straight in true coordinates. One that falls meets it at a zero of a quartic, as it meets what is fixed;
@@ -61,6 +64,14 @@ close, share of the whole time that the later half of all events takes."""
 
 PROOF_BITS = 256
 """Precision of a proof that a circle meets nothing else."""
+
+
+class Rally(NamedTuple):
+    """A circle that bounces between two surfaces: the last, the other, below 0 before there is one, and since when."""
+
+    last: int
+    other: int
+    since: float
 
 
 Rows: TypeAlias = Sequence[tuple[arb, arb, arb, arb]]
@@ -186,13 +197,17 @@ class Endings:
 
     Attributes:
         found: the bounces that were proved to end, or when a circle is crushed.
+        closes: whether surfaces may close and leave a circle no room.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.found: Accumulating | Constant | None = None
         self._closing = {closing.circle: closing for closing in scene.closing}
+        self.closes = bool(self._closing or scene.moving_ends)
         self._since: dict[int, float] = {}
+        self._rallies: dict[int, Rally] = {}
+        self._pinches: dict[tuple[int, int, int], Squeeze | None] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, tuple[int, int]] = {}
         self._spans: dict[int, tuple[Touch, float, float]] = {}
@@ -214,8 +229,9 @@ class Endings:
         for link, sign in standing.items():
             round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
             if sign == 0 and round_one and self.scene.gravity is not None:
+                where = "beside ends that move" if self.scene.moving_ends else "under gravity"
                 raise Undecided(
-                    f"{name_of(self.scene, link)} touch, and neither approach nor part, under gravity: whether one "
+                    f"{name_of(self.scene, link)} touch, and neither approach nor part, {where}: whether one "
                     "rests on the other, slides along it or flies off is not followed"
                 )
         names = [
@@ -246,9 +262,13 @@ class Endings:
         """Which circle has no room at an instant at which all of these contacts are at gap zero."""
         walls: dict[int, set[int]] = {}
         for link in links:
-            if is_flat(link) and link.circle in self._closing:
+            if is_flat(link) and (link.circle in self._closing or self.scene.moving_ends):
                 walls.setdefault(link.circle, set()).add(link.wall)
-        return next((c for i, c in self._closing.items() if walls.get(i, set()).issuperset(c.walls)), None)
+        found = next((c for i, c in self._closing.items() if walls.get(i, set()).issuperset(c.walls)), None)
+        if found is None and self.scene.moving_ends:
+            pairs = ((i, *pair) for i, mine in sorted(walls.items()) for pair in combinations(sorted(mine), 2))
+            found = next((pinch for pair in pairs if (pinch := self._pinch(*pair)) is not None), None)
+        return found
 
     def squeezed(self, impulses: Iterable[Touch], time: float) -> list[Squeeze]:
         """Notes the impulses of an event; the circles between walls that close of which little time is left."""
@@ -264,7 +284,50 @@ class Endings:
             else:
                 for i in link.circles:
                     since.pop(i, None)
+            if not (is_flat(link) and shares[link.circle] == 1):
+                for i in link.circles:
+                    self._rallies.pop(i, None)
+            elif self.scene.moving_ends and (pinch := self._rallied(link, time)) is not None:
+                found.append(pinch)
         return found
+
+    def _rallied(self, link: AtWall, time: float) -> Squeeze | None:
+        """Notes a bounce; when a circle that goes to and fro between two surfaces, of which one is a face, is crushed,
+        once little time is left."""
+        i, wall = link.circle, link.wall
+        last, other, since = self._rallies.get(i, (wall, -1, time))
+        if (other < 0 and wall != last) or wall == other:
+            other = last
+        elif wall != last:
+            other, since = last, time
+        self._rallies[i] = Rally(wall, other, since)
+        if other < 0 or (i in self._closing and {wall, other} == {*self._closing[i].walls}):
+            return None
+        pinch = self._pinch(i, min(wall, other), max(wall, other))
+        return pinch if pinch is not None and (float(pinch.time) - time) * SQUEEZED <= time - since else None
+
+    def _pinch(self, i: int, one: int, other: int) -> Squeeze | None:
+        """When two surfaces leave no room for a circle between them; None where they do not close."""
+        key = (i, one, other)
+        if key not in self._pinches:
+            self._pinches[key] = self._pinched(*key)
+        return self._pinches[key]
+
+    def _pinched(self, i: int, one: int, other: int) -> Squeeze | None:
+        a, b = self.scene.walls[one], self.scene.walls[other]
+        (nx, ny), (mx, my) = a.normal, b.normal
+        turned = self._sides.negative(i, one) != self._sides.negative(i, other)
+        facing = (nx * mx + ny * my).sign() * (-1 if turned else 1) < 0
+        if not facing or (nx * my - ny * mx).sign() != 0:
+            return None
+        length = (nx * nx + ny * ny).sqrt() * (-1 if self._sides.negative(i, one) else 1)
+        rate = (nx * (a.vx - b.vx) + ny * (a.vy - b.vy)) / length
+        across = (nx * (b.x0 - a.x0) + ny * (b.y0 - a.y0)) / length
+        if rate.sign() <= 0:
+            return None
+        r = self.scene.circles[i].r
+        time = (across - r - r) / rate
+        return Squeeze(i, (one, other), time) if time.sign() >= 0 else None
 
     def crushes(self, closing: Squeeze, now: arb, rows: Rows) -> bool:
         """Whether a circle surely meets nothing but the two walls until they leave no room for it."""
@@ -282,7 +345,10 @@ class Endings:
             for i, circle in enumerate(circles)
             if circle.fixed or (sides.negative(i, one), sides.negative(i, other)) == own
         ]
-        if any(self._closing[i].time < closing.time for i in inside if not circles[i].fixed):
+        faces, movers = [k for k in closing.walls if k in scene.faces], [i for i in inside if not circles[i].fixed]
+        if faces and sum(not circle.fixed for circle in circles) > 1:
+            return False  # others may come in beside a face
+        if any(i in self._closing and self._closing[i].time < closing.time for i in movers):
             return False
         end = ball.constant(closing.time)
         span, wait = hull(now, end), hull(arb(0), end - now)
@@ -303,6 +369,10 @@ class Endings:
             x, y, vx, vy = rows[i]
             bent = arb(0) if circles[i].fixed else pull
             places.append(nx * y - ny * x + (nx * vy - ny * vx + bent * wait) * wait)
+        place = places[inside.index(closing.circle)]
+        if not all(self._is_over(k, lines[k], (nx, ny), place, now, wait) for k in faces):
+            return False
+        others = {scene.two_sided.start + ((k - scene.two_sided.start) ^ 1) for k in faces if k in scene.two_sided}
         radii = [ball.constant(circles[i].r) for i in inside]
         for k, i in enumerate(inside):
             for m in range(k):
@@ -314,9 +384,22 @@ class Endings:
             px, py = nx * across - ny * places[k], ny * across + nx * places[k]
             for w, (mx, my, x0, y0, ux, uy) in enumerate(lines):
                 height = mx * (px - x0 - ux * span) + my * (py - y0 - uy * span)
-                if w not in closing.walls and not abs(height) > radii[k] * (mx * mx + my * my).sqrt():
+                if w in closing.walls or w in others or abs(height) > radii[k] * (mx * mx + my * my).sqrt():
+                    continue
+                along = face_along(px, py, x0 + ux * span, y0 + uy * span, mx, my)
+                if w not in scene.faces or not (along < 0 or along > mx * mx + my * my):
                     return False
         return True
+
+    def _is_over(
+        self, face: int, line: tuple[arb, ...], normal: tuple[arb, arb], place: arb, now: arb, wait: arb
+    ) -> bool:
+        """Whether a circle whose place along two parallel surfaces is that for a time to come is over a face for all of
+        that time."""
+        (nx, ny), (mx, my, x0, y0, ux, uy) = normal, line
+        start = nx * (y0 + uy * now) - ny * (x0 + ux * now) + (nx * uy - ny * ux) * wait
+        end = start + (nx * -mx - ny * my)
+        return bool(start < place < end) or bool(end < place < start)
 
     def ends(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
         """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then."""
@@ -333,7 +416,10 @@ class Endings:
         pull = (gx * gx + gy * gy).sqrt()
         doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
         swing = doubled.sqrt() + pull * sum(masses, arb(0)).sqrt() * wait
-        ways = [arb(0) if k in pegs else swing / m.sqrt() * wait for k, m in enumerate(masses)]
+        ways = [
+            (vx * vx + vy * vy).sqrt() * wait if k in pegs else swing / m.sqrt() * wait
+            for k, (m, (_, _, vx, vy)) in enumerate(zip(masses, rows, strict=True))
+        ]
         i = link.circle
         x, y, vx, vy = rows[i]
         ux, uy, drift = self._pace(link.wall)
@@ -360,15 +446,17 @@ class Endings:
                 reach = (radii[i] + way + drift * wait) * length
                 if abs(nx * (x - x0) + ny * (y - y0)) > reach:
                     continue
-                if k not in self.scene.faces or not self._is_clear_of(k, link.wall, x, y, way * length):
+                clear = self._is_clear_of(k, link.wall, x - ux * now, y - uy * now, (way + drift * wait) * length)
+                if k not in self.scene.faces or not clear:
                     return False
         return True
 
     def _is_clear_of(self, face: int, own: int, x: arb, y: arb, way: arb) -> bool:
         """Whether a circle that bounces on one face, and is far from its ends, surely does not come to be over another.
 
-        Not the other side of the same segment: while it is over its own it stays on that side. Nor one before whose
-        start, or beyond whose end, it is by more than its way, which is in the scale of `formulas.face_along`.
+        Places are as seen from where the other was at time 0. Not the other side of the same segment: while it is over
+        its own it stays on that side. Nor one before whose start, or beyond whose end, it is by more than its way, in
+        the scale of `formulas.face_along`.
         """
         sides = self.scene.two_sided
         if face in sides and own in sides and (face - sides.start) ^ 1 == own - sides.start:
@@ -390,17 +478,17 @@ class Endings:
         Raises:
             Undecided: where hits come ever faster, though no proof is known that they accumulate.
         """
-        if self.scene.elastic and not self._closing:
+        if self.scene.elastic and not self._closing and not self.scene.moving_ends:
             return
         if self._enough is not None:
             self._look_at_bounces(time, [*impulses])
         self._times.append(time)
         times, count = self._times, len(self._times)
-        halved = self._closing and count >= 2 * WINDOW and count & (count - 1) == 0
+        halved = (self._closing or self.scene.moving_ends) and count >= 2 * WINDOW and count & (count - 1) == 0
         if halved and times[-1] - times[count // 2] < CROWDED * times[-1]:
             raise Undecided(
-                f"accumulation suspected: between walls that close the later half of {count} events took less than a "
-                f"thousandth of the time up to {time:.9g}; end the run before"
+                f"accumulation suspected: between surfaces that close the later half of {count} events took less than "
+                f"a thousandth of the time up to {time:.9g}; end the run before"
             )
         if not self.scene.elastic and len(times) >= 2 * WINDOW and len(times) % WINDOW == 0:
             before, last = times[-WINDOW] - times[-2 * WINDOW], times[-1] - times[-WINDOW]
@@ -438,7 +526,10 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
         x, y, vx, vy, t, *_ = body.flight
         if body.index in state.pegs:
             lag = time - t
-            rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
+            if (pace := state.paces.get(body.index)) is not None:
+                rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
+            else:
+                rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
         elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
         else:

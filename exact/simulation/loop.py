@@ -287,7 +287,7 @@ class Loop(Generic[N, K]):
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        if self.endings is not None and (self.scene.closing or not self.scene.elastic):
+        if self.endings is not None and (self.endings.closes or not self.scene.elastic):
             return None
         if self.scene.restitution.sign() == 0:
             return None
@@ -400,7 +400,7 @@ class Loop(Generic[N, K]):
 
     def _resolve(self, instant: Instant) -> Resolved[K]:
         """Resolves an instant and notes it; one at which a circle is crushed is none."""
-        if self.scene.closing and self._crushes(instant):
+        if self.endings is not None and self.endings.closes and self._crushes(instant):
             return Resolved(instant.number)
         decider, records = self.decider, len(self.history.records)
         decider.begin(instant.number)
@@ -447,7 +447,7 @@ class Loop(Generic[N, K]):
                     told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
                     self._ended = Stop(StopReason.ACCUMULATION, told)
                     return
-        if self.scene.closing and done.events and self.history.last is not None:
+        if endings.closes and done.events and self.history.last is not None:
             now = self.decider.reading.rough(self.history.last.time)
             for _, _, impulses, _, _ in done.events:
                 for closing in endings.squeezed(impulses, now):

@@ -340,6 +340,28 @@ def test_drops_of_adapted_engines_come_back(name: str) -> None:
         assert found.mean == pytest.approx(0.9 if asked == "9/10" else 1.0, abs=4e-3)
 
 
+@pytest.mark.parametrize("name", ["box2d", "rapier"])
+@pytest.mark.parametrize("gravity", [None, (0, -4)])
+def test_walls_that_move_push_by_the_speed_relative_to_them(name: str, gravity: tuple[int, int] | None) -> None:
+    """One quickens a disc by twice its speed at each hit; under gravity a floor rises, with a restitution."""
+    walls = [Wall(0, 0, 0, 1, id="left"), Wall(9, 0, 9, 1, id="right", vx="-1/2")]
+    scene = Scene([Circle(3, 0, vx=1, id="c")], walls)
+    if gravity is not None:
+        floor = Wall(0, 0, 1, 0, id="floor", vy="1/2")
+        circles = [Circle(3, 5, vx="1/3", id="c"), Circle(6, 9, id="d")]
+        scene = Scene(circles, [floor], gravity=gravity, restitution="9/10")
+    mine, truth = (
+        runner.run(scene, events=5) for runner in (engine(f"{installed(name)}:dt={2.0**-10}"), ExactEngine())
+    )
+    assert [event.contacts for event in mine.events] == [event.contacts for event in truth.events]
+    for event, exact in zip(mine.events, truth.events, strict=True):
+        assert float(event.time) == pytest.approx(float(exact.time), abs=1e-2)
+    for circle in scene.circles:
+        end, exact_end = mine.final[str(circle.id)], truth.final[str(circle.id)]
+        assert float(end.vx) == pytest.approx(float(exact_end.vx), abs=2e-2)
+        assert float(end.vy) == pytest.approx(float(exact_end.vy), abs=5e-2)
+
+
 @pytest.mark.parametrize("name", STEPPED)
 def test_a_reversal_under_gravity_is_refused_by_name(name: str) -> None:
     scene = Scene([Circle(0, 3, id="a")], [FLOOR], gravity=(0, -1), reverse_at=1)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
+import json
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -44,16 +47,43 @@ def started_node(paths: Iterable[Path]) -> subprocess.Popen[str]:
 def node_verdicts(process: subprocess.Popen[str], count: int) -> list[tuple[int, str]]:
     """What it said of so many."""
     out, errors = process.communicate()
-    lines = out.splitlines()
-    assert errors == "" and len(lines) == count, errors
+    assert errors == ""
+    return _verdicts(out.splitlines(), count)
+
+
+def _verdicts(lines: list[str], count: int) -> list[tuple[int, str]]:
+    """The exit code of each line, which says it in words."""
+    assert len(lines) == count, lines
     codes = {"verified": 0, "refuted": 1, "no certificate": 2, "not decided": 4, "declined": 4}
     return [(codes[line.partition(":")[0]], line) for line in lines]
 
 
+SERVED = Path(__file__).parent / "served.mjs"
+
+
+@cache
+def _serving() -> subprocess.Popen[str]:
+    """A process that runs the second checker, or one like it, as often as it is asked to; it ends with this one."""
+    assert NODE is not None
+    process = subprocess.Popen([NODE, str(SERVED)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    atexit.register(process.communicate)
+    return process
+
+
+def printed_by(program: Path, files: Iterable[Path]) -> tuple[int, list[str]]:
+    """The exit code of a checker for node, and its lines."""
+    process = _serving()
+    assert process.stdin is not None and process.stdout is not None
+    process.stdin.write(f"{json.dumps([str(program), *map(str, files)])}\n")
+    process.stdin.flush()
+    code, lines = json.loads(process.stdout.readline())
+    return code, lines
+
+
 def by_node(paths: Iterable[Path]) -> list[tuple[int, str]]:
-    """The second checker's verdicts, all by one process."""
+    """The second checker's verdicts."""
     files = list(paths)
-    return node_verdicts(started_node(files), len(files))
+    return _verdicts(printed_by(TOOLS / "verify.mjs", files)[1], len(files))
 
 
 def both_verify(certificates: Iterable[tuple[str, dict[str, Any]]], folder: Path) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from command_line import said
 
-from certificate.checkers import NODE, TOOLS, by_node, by_program
+from certificate.checkers import NODE, TOOLS, by_node, by_program, by_python
 from certificate.samples import built
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.tools.verify import BYTES
@@ -88,10 +88,17 @@ BAD = {
 def test_no_certificate(name: str, tmp_path: Path) -> None:
     path = tmp_path / "bad.json"
     path.write_text(BAD[name], encoding="utf-8")
-    code, sentence = by_program(path)
+    code, sentence = by_python(path)
     assert code == 2 and sentence.startswith("no certificate: ") and "\n" not in sentence and len(sentence) < 300
     if NODE is not None:
         assert by_node([path])[0][0] == 2
+
+
+@pytest.mark.parametrize("name", ["a key that comes twice", "a long number", "deep"])
+def test_the_program_says_of_a_bad_file_what_its_function_does(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "bad.json"
+    path.write_text(BAD[name], encoding="utf-8")
+    assert by_program(path) == by_python(path)
 
 
 def test_a_file_of_200_megabytes_is_not_read(tmp_path: Path) -> None:
