@@ -1,7 +1,6 @@
-"""Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed.
+"""Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed."""
 
-`schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: infinite, unknown.
-"""
+# `schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: infinite, unknown.
 
 from __future__ import annotations
 
@@ -20,18 +19,7 @@ from ..files.exact_text import ExactTexts
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import (
-        Assumption,
-        Contact,
-        Event,
-        Pocketing,
-        Settling,
-        State,
-        Stop,
-        Tie,
-        TieProof,
-        Trajectory,
-    )
+    from ...scenarios.trajectory import Assumption, Contact, Event, Pocketing, State, Stop, Tie, TieProof, Trajectory
     from ..alignment.align import Separation
     from ..audit.audit import Audit
     from ..candidate import Candidate
@@ -65,7 +53,7 @@ FORMS = {
     "scenarios.trajectory:State": "time circles",
     "scenarios.trajectory:CircleState": "id x y vx vy",
     "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "
-    "assumptions? notes? pocketed? settled? definitions?",
+    "assumptions? notes? pocketed? settled?=settlings definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon bounces?",
     "compare.audit.fits:BounceRatios": "asked mean low high count spread",
@@ -293,12 +281,6 @@ def _run_pocketed(run: Trajectory, _: Any) -> tuple[Pocketing, ...] | None:
     return run.pocketings if run.scene.pockets else None
 
 
-@computed("Trajectory.settled")
-def _run_settled(run: Trajectory, _: Any) -> tuple[Settling, ...] | None:
-    """Only for a scene in which what comes to rest goes on so: which wall began to carry which circle, and when."""
-    return run.settlings if run.scene.settle else None
-
-
 @computed("Trajectory.definitions")
 def _run_definitions(run: Trajectory, _: Any) -> Mapping[str, str] | None:
     """Only with exact texts of deep values: names for what they share, each defined by those before it."""
@@ -312,8 +294,8 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False, watch: Clock
     intervals adds the bounds as `..._interval`.
 
     Args:
-        exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots
-            refer to `definitions`, each a text of numbers and of the definitions before it.
+        exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots refer to
+            `definitions`, each a text of numbers and of the definitions before it.
         watch: the user's seconds; once they are over, every value that is left does.
     """
     texts = ExactTexts(watch=watch or Clock(None)) if exact else None

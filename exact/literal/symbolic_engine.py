@@ -179,8 +179,7 @@ class SymbolicEngine(Declared):
         refuse_settled(scene, "engine 'sympy'")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
-        until_, events_ = horizon(scene, until, events)
-        return _Run(scene, until_, events_, progress).trajectory()
+        return _Run(scene, *horizon(scene, until, events), progress).trajectory()
 
 
 @dataclass
