@@ -268,6 +268,8 @@ def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) ->
     end = until - t + (late + 8 * UNIT * (until + t))
     if end <= 0.0:
         return False
+    if reach == inf:  # which drops out where they touch as the flight begins
+        return True
     wx, wy = hx * t, hy * t
     ex, ey = x - px + wx * t, y - py + wy * t
     ux, uy = vx + 2.0 * wx, vy + 2.0 * wy

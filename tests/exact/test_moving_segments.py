@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from random import Random
 
 import edge_campaign
 import pytest
@@ -164,6 +165,34 @@ def test_a_scene_seen_from_what_moves_is_one_in_which_it_stands(gravity: tuple[i
     assert [e.contacts for e in one.events] == [e.contacts for e in other.events]
     assert len(one.events) > 2
     assert [e.time.digits(30) for e in one.events] == [e.time.digits(30) for e in other.events]
+
+
+def _off_the_end(seed: int) -> Scene:
+    """A ball that hops along platforms, off their ends, and onto others below."""
+    rng = Random(f"platforms {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 50, high * 50)}/50"
+
+    ball = Circle(some(-2, 2), some(1, 3), some(0, 1) + " + 1/50", some(-1, 1), id="ball")
+    rows = [Segment(x := rng.randint(-3, 1), -k, x + 2, -k, f"platform{k}", "1/10") for k in range(0, 6, 2)]
+    walls = [Wall(x, 0, x, 1, id=f"side{x}") for x in (-5, 5)]
+    return Scene([ball], walls, segments=rows, gravity=(0, -10), restitution=rng.choice(("9/10", "1", "1/2")))
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_ends_that_move_are_met_again_as_ends_that_stand(seed: int):
+    """Doubles that do not know how an end moves must not be asked as a flight begins at it either."""
+    try:
+        still = _off_the_end(seed)
+    except SceneError:
+        pytest.skip("the ball would begin in a platform")
+    rising = [replace(segment, vy=Quantity.of("1/2")) for segment in still.segments]
+    flung = [replace(circle, vy=circle.vy + Quantity.of("1/2")) for circle in still.circles]
+    moved = still.with_changes(segments=rising, circles=flung)
+    one, other = (ExactEngine().run(scene, events=12) for scene in (still, moved))
+    assert [event.impulses for event in one.events] == [event.impulses for event in other.events]
+    assert [event.time.digits(30) for event in one.events] == [event.time.digits(30) for event in other.events]
 
 
 @pytest.mark.parametrize(
