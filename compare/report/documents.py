@@ -1,6 +1,6 @@
 """Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed."""
 
-# `schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: infinite, unknown.
+# `schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: not known.
 
 from __future__ import annotations
 
