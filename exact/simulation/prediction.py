@@ -458,7 +458,8 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest or (self.falling is not None and a.index not in self.state.pegs):
+            free = self.falling is not None and a.index not in self.state.pegs
+            if (free or not a.flight.rest) and not self.scene.circles[a.index].fixed:
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
