@@ -354,6 +354,8 @@ class FallingPredictor(FilteredPredictor):
         """See `Predictor.walls`."""
         if self.falling is None:
             super().walls(a, walls, standing)
+        elif a.index in self.state.pegs:
+            self.unclear(a, [k for k in walls if k < self.wall_count], standing)
         else:
             self._meet_falling(a, walls, standing)
 
