@@ -268,6 +268,23 @@ def test_pictures_and_the_player_have_them_where_they_are():
     assert told["polygons"][0][2:] == (2.0, 0.0)
 
 
+@pytest.mark.parametrize("gravity", [None, (0, -8)])
+@pytest.mark.parametrize("drift", ["0", "1/3"])
+def test_a_point_that_hits_a_point_ends_the_run(gravity: tuple[int, int] | None, drift: str):
+    """There is no normal; one that passes beside it goes on."""
+    more = Segment(9, 0, 12, 0, "more", vy=1)
+
+    def run(x: str):
+        still = gravity is None and drift == "0"
+        ball = Circle(x, 5, 0, drift, -1, point=True, id="ball")
+        segments = [Segment(0, 0, 3, 0, "bar", vx=drift), *([] if still else [more])]
+        return ExactEngine().run(Scene([ball], segments=segments, gravity=gravity), until=3 if gravity else 9)
+
+    assert run("0").stop.reason is StopReason.UNDECIDED
+    assert run("-1/1000").stop.reason in (StopReason.HORIZON, StopReason.QUIET)
+    assert run("1/1000").events
+
+
 def test_what_goes_through_the_other_is_no_overlap():
     Scene([Circle(0, 9)], segments=[Segment(0, 0, 4, 0, vx=1), Segment(1, 0, 3, 0)])
     with pytest.raises(SceneError, match="lies on segment"):
