@@ -22,9 +22,9 @@ from ..exact.replay.contact import (
     name_of,
 )
 from ..exact.replay.landings import told_wait
-from ..exact.replay.state import ReplayState, Step
+from ..exact.replay.state import ReplayState, Step, true_rows
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
-from ..exact.simulation.endings import Accumulating, Rows, true_rows
+from ..exact.simulation.endings import Accumulating, Rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import ArrivalQueue

@@ -25,8 +25,8 @@ from ..question import BeforeTime, Decision, Moment, Question, Sooner
 from ..replay.contact import Body, Entry, Link
 from ..replay.landings import ExactMoment, exact_moment, order_exactly
 from ..replay.refinable import RefinableState
-from ..replay.state import ReplayState, Step, causal_past, replay, step_units
-from ..simulation.endings import Accumulating, Rows, true_rows
+from ..replay.state import ReplayState, Step, causal_past, replay, step_units, true_rows
+from ..simulation.endings import Accumulating, Rows
 from .filtered import QUICK_BITS
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.

@@ -13,6 +13,7 @@ from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
+    fall_speed,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -20,6 +21,7 @@ from ..laws.formulas import (
     pair_impulse,
     pair_last_time,
     pair_nearest_time,
+    sag,
     speed_change,
     wall_bounce,
 )
@@ -571,6 +573,32 @@ def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) 
             step = Go(step.source, tuple(i for i in step.bodies if i in held))
         state.steps_done = k
         state.do(step)
+
+
+def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
+    """(x, y, vx, vy) of every circle at a time, in true coordinates."""
+    falling = state.falling
+    rows: list[tuple[N, N, N, N]] = []
+    for body in state.bodies.values():
+        x, y, vx, vy, t, *_ = body.flight
+        if body.index in state.pegs:
+            ux, uy = state.paces.get(body.index, (vx, vy))
+            rows.append((x + ux * time, y + uy * time, ux, uy))
+        elif falling is None:
+            rows.append((x + vx * (time - t), y + vy * (time - t), vx, vy))
+        elif falling.bent:
+            rows.append(falling.flown((x, y, vx, vy), time - t))
+        else:
+            zero = state.zero
+            rows.append(
+                (
+                    x + vx * (time - t) + sag(zero, zero, falling.hx, time),
+                    y + vy * (time - t) + sag(zero, zero, falling.hy, time),
+                    fall_speed(vx, falling.hx, time),
+                    fall_speed(vy, falling.hy, time),
+                )
+            )
+    return rows
 
 
 # -- Numbers of a state that are asked for again and again.

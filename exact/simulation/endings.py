@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from functools import lru_cache
+from itertools import combinations, pairwise
 from math import ceil, inf, log
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
 from ...scenarios.numbers.precision import hull
-from ...scenarios.numbers.quantity import ZERO
+from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import face_along, fall_speed, sag
+from ..laws.formulas import face_along
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
+from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_arc, is_flat, is_pair, name_of
 from ..replay.state import Constant, ReplayState
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
@@ -74,31 +75,226 @@ Rows: TypeAlias = Sequence[tuple[arb, arb, arb, arb]]
 
 @dataclass(frozen=True)
 class Accumulating:
-    """Computes when the bounces of a circle on a wall end, from the state after one of them."""
+    """Computes when the bounces of a circle on a wall end, from the state after one of them; or the hits of `link` and
+    `other` in turns, on one line (see `Collapse`), from the state after one of `link`."""
 
-    link: AtWall
+    link: Touch
+    other: Touch | None = None
 
     @property
     def circles(self) -> tuple[int, ...]:
-        """The circle."""
-        return self.link.circles
+        """The circle, or all that are hit."""
+        return tuple(dict.fromkeys((*self.link.circles, *(() if self.other is None else self.other.circles))))
 
     def __call__(self, state: ReplayState[N]) -> N:
-        body = state.bodies[self.link.circle]
+        body = state.bodies[self.link[0]]
         return body.flight.instant + self.wait(state)
 
     def wait(self, state: ReplayState[N]) -> N:
         """How long after the bounce: 2 v / (|n.g| (1 - e)), with v relative to the wall."""
+        if self.other is not None:
+            collapse = Collapse.of(state.scene, self.link, self.other)
+            assert collapse is not None
+            return collapse.wait(state)
         assert state.falling is not None
+        assert is_flat(self.link)
         speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
         return -speed / (half * state.constant(1 - state.scene.restitution))
+
+
+# Of three bodies on one line, of which a wall or a fixed circle may be one, the middle one hits the outer ones in turns
+# (X, Y, X, Y...) with a restitution below 1. With u_k the speed at which the two of hit k part, the speed at which the
+# others close is a sum of the last two: u_{k+2} = g u_{k+1} - e u_k, g = (1 + e) w / (w + w'), w the inverse mass of
+# the middle one and w' of the outer one of hit k + 1. So after a hit of X
+#
+#     u_{k+2} = c u_{k+1} - e u_k,    u_{k+3} = d u_{k+2} - e u_{k+1}
+#
+# and a gap opens at u_k while the other closes at u_{k+1} / e. The time between two hits is e**k / (u_k u_{k+1}) times
+# a constant. With another solution v of the recurrence v_{k+1} / u_{k+1} - v_k / u_k is that, too, times another one
+# (Casorati's determinant shrinks by e a step). So all times add up to a difference of two such ratios. With v the
+# solution that shrinks faster, v_1 = (lambda + e) / c v_0, lambda the smaller zero of lambda^2 + (2 e - c d) lambda +
+# e^2, the ratio vanishes in the end. So after a hit of X, which parts at p, all end b / (-q - k p) later, b the gap of
+# Y, q < 0 the speed at which it grows, k = (lambda + e) / (c e). Of equal masses it is real up to e = 7 - 4 sqrt(3)
+# (McNamara and Young 1992). All u_k are above zero, and the hits have no last one, where -q > k p: then u_1 / u_0 is
+# above the ratio that this solution keeps, from which others go away.
+
+
+@dataclass(frozen=True)
+class Collapse:
+    """Two contacts in turns, of three bodies on a level or an upright line.
+
+    Attributes:
+        link, other: the one that was hit last, and the other.
+        axis: of the line: 0 for x.
+        signs: for each, 1 where the second of the two has the greater coordinate, as it has for ever.
+        share: k, the part of the speed at which the first parts that is taken from the speed at which the other closes.
+    """
+
+    link: Touch
+    other: Touch
+    axis: int
+    signs: tuple[int, int]
+    share: Quantity
+
+    @staticmethod
+    @lru_cache(maxsize=256)
+    def of(scene: Scene, link: Touch, other: Touch) -> Collapse | None:
+        """Of what shares one circle; None where such hits have a last one, or are not known to be on one line."""
+        e, circles = scene.restitution, scene.circles
+        middle = [i for i in link.circles if i in other.circles and not circles[i].fixed]
+        if (
+            len(middle) != 1
+            or e.sign() <= 0
+            or scene.elastic
+            or not all(is_pair(x) or is_flat(x) for x in (link, other))
+        ):
+            return None
+        (m,) = middle
+        w = circles[m].inverse_mass
+        after, before = _others_share(scene, other, m), _others_share(scene, link, m)
+        if after.sign() == 0 == before.sign():  # between two that stand it goes on for ever
+            return None
+        c, d = (1 + e) * w / (w + after), (1 + e) * w / (w + before)
+        root = c * d * (c * d - 4 * e)
+        axis = next((k for k in (0, 1) if all(_is_along(scene, x, k) for x in (link, other))), None)
+        if axis is None or root.sign() <= 0:
+            return None
+        small = (c * d - e - e - root.sqrt()) / 2
+        signs = _sign_of(scene, link, axis), _sign_of(scene, other, axis)
+        return Collapse(link, other, axis, signs, (small + e) / (c * e))
+
+    def rates(self, state: ReplayState[N]) -> tuple[N, N, N]:
+        """At the last hit: the speed at which its two part; the gap of the others, and how fast that grows."""
+        _, p = self._gap(state, self.link, self.signs[0])
+        gap, q = self._gap(state, self.other, self.signs[1])
+        return p, gap, q
+
+    def _gap(self, state: ReplayState[N], link: Touch, sign: int) -> tuple[N, N]:
+        if is_flat(link):
+            length = state.line(*link[:2]).length
+            return state.wall_gap(link) / length, state.wall_approach(link) / length
+        assert is_pair(link)
+        pair = state.relation(link)
+        late, far, fast = state.later(link).flight.late, pair[1 + self.axis], pair[3 + self.axis]
+        far, fast = (far, fast) if sign > 0 else (-far, -fast)
+        gap = far - pair.reach
+        return (gap if late is None else gap + fast * late), fast
+
+    def wait(self, state: ReplayState[N]) -> N:
+        """How long after the hit all of them have happened."""
+        p, gap, q = self.rates(state)
+        return gap / -(q + state.constant(self.share) * p)
+
+
+def _others_share(scene: Scene, link: Touch, middle: int) -> Quantity:
+    """The inverse mass of the other one of a contact."""
+    return ZERO if is_flat(link) else scene.circles[link[0] if link[1] == middle else link[1]].inverse_mass
+
+
+def _is_along(scene: Scene, link: Touch, axis: int) -> bool:
+    """Whether a contact is on a level line (0), or an upright one: told of the scene, where all begins."""
+    one = scene.circles[link[0]]
+    across, speed = ("y", "vy") if axis == 0 else ("x", "vx")
+    if getattr(one, speed).sign():
+        return False
+    if is_flat(link):
+        return scene.walls[link.wall].normal[1 - axis].sign() == 0 and not scene.moving_walls and scene.gravity is None
+    two = scene.circles[link[1]]
+    falls = scene.gravity is not None and (one.fixed or two.fixed)
+    return not getattr(two, speed).sign() and getattr(one, across) == getattr(two, across) and not falls
+
+
+def _sign_of(scene: Scene, link: Touch, axis: int) -> int:
+    key = "xy"[axis]
+    if is_flat(link):
+        return 1
+    return (getattr(scene.circles[link[1]], key) - getattr(scene.circles[link[0]], key)).sign()
+
+
+IN_TURNS = 8
+"""Hits in turns, of a middle circle, from which on the end of all of them is looked for."""
+
+
+def may_collapse(scene: Scene) -> bool:
+    """Whether three neighbours on a level or an upright line may hit in turns without a last time."""
+    if scene.elastic or scene.restitution.sign() == 0:
+        return False
+    walls = range(scene.faces.start)
+    for axis, (key, across) in enumerate((("x", "y"), ("y", "x"))):
+        rows: dict[Quantity, list[int]] = {}
+        for i, circle in enumerate(scene.circles):
+            if i not in scene.ends and not getattr(circle, f"v{across}").sign():
+                rows.setdefault(getattr(circle, across), []).append(i)
+        ends = [k for k in walls if scene.walls[k].normal[1 - axis].sign() == 0]
+        for row in rows.values():
+            row.sort(key=lambda i: getattr(scene.circles[i], key))  # pyright: ignore[reportUnknownLambdaType]
+            pairs = [Pair(min(i, j), max(i, j)) for i, j in pairwise(row)]
+            turns: list[tuple[Touch, Touch]] = [*pairwise(pairs)]
+            turns += [(pair, AtWall(i, k)) for pair in (*pairs[:1], *pairs[-1:]) for i in pair for k in ends]
+            if any(Collapse.of(scene, *two) is not None for two in turns):
+                return True
+    return False
+
+
+class LineRallies:
+    """Looks for circles that hit in turns on one line.
+
+    A circle is on a line as long as all that it was ever hit by is: told of the scene, no number is looked at.
+
+    Args:
+        scene: what runs: see `may_collapse`.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._off: list[set[int]] = [set(), set()]
+        self._recent: dict[int, list[Touch]] = {}
+        self._since: dict[int, arb] = {}
+
+    def note(self, impulses: Sequence[Touch]) -> list[Collapse]:
+        """Notes the impulses of an instant; the hits in turns, of which the last are among them."""
+        shares = Counter(i for link in impulses for i in link.circles)
+        found: list[Collapse] = []
+        for link in impulses:
+            for axis, off in enumerate(self._off):
+                if is_arc(link) or not off.isdisjoint(self._movers(link)) or not _is_along(self.scene, link, axis):
+                    off.update(self._movers(link))
+            for i in self._movers(link):
+                row = self._recent.setdefault(i, [])
+                row.append(link)
+                del row[:-IN_TURNS]
+                if shares[i] > 1 or (len(row) > 2 and row[-1] != row[-3]):
+                    self._since.pop(i, None)
+        for link in impulses:
+            found += [known for i in self._movers(link) if (known := self._in_turns(i)) is not None]
+        return found
+
+    def lately(self, collapse: Collapse, time: arb, wait: arb) -> bool:
+        """Whether little of the time of all such hits is left, of which this is one."""
+        (middle,) = {*collapse.link.circles} & {*collapse.other.circles}
+        return bool(wait * SQUEEZED < time - self._since.setdefault(middle, time))
+
+    def _movers(self, link: Touch) -> list[int]:
+        return [i for i in link.circles if not self.scene.circles[i].fixed]
+
+    def _in_turns(self, middle: int) -> Collapse | None:
+        row = self._recent[middle]
+        if len(row) < IN_TURNS or row[-1] == row[-2] or row[2:] != row[:-2]:
+            return None
+        found = Collapse.of(self.scene, row[-1], row[-2])
+        if found is None:
+            return None
+        mine = {*self._movers(found.link), *self._movers(found.other)}
+        outer = [row for i in mine - {middle} for row in [self._recent[i]]]
+        apart = all(len(row) >= IN_TURNS // 2 and len({*row[-IN_TURNS // 2 :]}) == 1 for row in outer)
+        return found if apart and self._off[found.axis].isdisjoint(mine) else None
 
 
 class Endings:
     """Looks for them, event by event.
 
     Args:
-        scene: what runs, under gravity or with walls that move.
+        scene: what runs, under gravity, with walls that move, or a restitution below 1.
 
     Attributes:
         found: the bounces that were proved to end, or when a circle is crushed.
@@ -115,6 +311,8 @@ class Endings:
         self._pinches: dict[tuple[int, int, int], Squeeze | None] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, tuple[int, int]] = {}
+        self.lines = LineRallies(scene) if may_collapse(scene) else None
+        self._marks: list[tuple[int, float]] = []
         self._spans: dict[int, tuple[Touch, float, float]] = {}
         self._times: list[float] = []
         e = float(scene.restitution)
@@ -310,6 +508,69 @@ class Endings:
         with ball.precision(PROOF_BITS):
             return self._meets_nothing(link, now, wait, rows)
 
+    def collapses(self, collapse: Collapse, wait: arb, rows: Rows) -> bool:
+        """Whether three bodies on a line, right after a hit, surely hit each other for so long, and nothing else.
+
+        No circle goes farther than a speed lets it that has all of the energy.
+        """
+        scene, circles = self.scene, self.scene.circles
+        if scene.moving_walls or not wait > 0:
+            return False
+        mine = {*collapse.link.circles, *collapse.other.circles}
+        walls = {link.wall for link in (collapse.link, collapse.other) if is_flat(link)}
+        with ball.precision(PROOF_BITS):
+            gx, gy = (ball.constant(part) for part in scene.gravity or (ZERO, ZERO))
+            masses = [arb(0) if c.fixed else 1 / ball.constant(c.inverse_mass) for c in circles]
+            doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
+            swing = doubled.sqrt() + (gx * gx + gy * gy).sqrt() * sum(masses, arb(0)).sqrt() * wait
+            ways = [arb(0) if c.fixed else swing / m.sqrt() * wait for c, m in zip(circles, masses, strict=True)]
+            radii = [ball.constant(c.r) for c in circles]
+            return all(
+                self._is_far(i, rows[i][:2], radii[i], ways[i], walls)
+                and all(
+                    (px - rows[i][0]) ** 2 + (py - rows[i][1]) ** 2 > (radii[i] + radii[j] + ways[i] + ways[j]) ** 2
+                    for j, (px, py, _, _) in enumerate(rows)
+                    if j not in mine
+                )
+                for i in mine
+                if not circles[i].fixed
+            )
+
+    def _is_far(self, i: int, place: tuple[arb, arb], r: arb, way: arb, own: Collection[int]) -> bool:
+        """Whether a circle is farther than its way from all that stands, and is no circle, but for some walls."""
+        x, y = place
+        for side in self.scene.arc_sides:
+            dx, dy = x - ball.constant(side.x), y - ball.constant(side.y)
+            if not abs((dx * dx + dy * dy).sqrt() - abs(ball.constant(side.r))) > r + way:
+                return False
+        for pocket in self.scene.pockets:
+            dx, dy = x - ball.constant(pocket.x), y - ball.constant(pocket.y)
+            if not abs((dx * dx + dy * dy).sqrt() - ball.constant(pocket.r)) > way:
+                return False
+        for k, wall in enumerate(self.scene.walls):
+            nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
+            height = abs(nx * (x - x0) + ny * (y - y0))
+            if k not in own and not height > (r + way) * (nx * nx + ny * ny).sqrt():
+                return False
+        return True
+
+    def glance(self, count: int, time: float) -> None:
+        """Looks at the time of an event, of which others were not looked at.
+
+        Raises:
+            Undecided: as `look`.
+        """
+        if self._marks and count - self._marks[-1][0] < WINDOW:
+            return
+        self._marks = [*self._marks[-2:], (count, time)]
+        if len(self._marks) == 3:
+            (_, first), (begun, middle), (_, last) = self._marks
+            if last - middle < CROWDED * (middle - first):
+                raise Undecided(
+                    f"accumulation suspected: the last {count - begun} events took less than a thousandth of the time "
+                    f"of as many before, up to time {time:.9g}; end the run before, or raise the restitution"
+                )
+
     def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
         circles, moving = self.scene.circles, self.scene.moving_walls
         if moving and sum(not circle.fixed for circle in circles) > 1:
@@ -403,44 +664,24 @@ class Endings:
                 )
 
     def _look_at_bounces(self, time: float, links: Sequence[Touch]) -> None:
-        """The same of a circle that bounces again and again on one round thing alone, of which no proof is known."""
+        """The same of circles that hit one round thing alone, again and again, of which no proof is known."""
         shares = Counter(i for link in links for i in link.circles)
         for link in links:
-            for i in link.circles:
-                known = self._spans.get(i)
-                if is_flat(link) or known is None or known[0] != link or shares[i] > 1:
-                    self._spans[i] = (link, time, inf)
-                    continue
-                _, last, first = known
-                span = time - last
-                if span * 2.0**SHRUNK < first < inf:
-                    raise Undecided(
-                        f"accumulation suspected: {name_of(self.scene, link)} meet again and again, and nothing else, "
-                        f"up to time {time:.9g}, a million times faster by then; end the run before"
-                    )
-                self._spans[i] = (link, time, span if first == inf else first)
-
-
-def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
-    """(x, y, vx, vy) of every circle at a time, in true coordinates."""
-    falling = state.falling
-    assert falling is not None
-    rows: list[tuple[N, N, N, N]] = []
-    for body in state.bodies.values():
-        x, y, vx, vy, t, *_ = body.flight
-        if body.index in state.pegs:
-            ux, uy = state.paces.get(body.index, (vx, vy))
-            rows.append((x + ux * time, y + uy * time, ux, uy))
-        elif falling.bent:
-            rows.append(falling.flown((x, y, vx, vy), time - t))
-        else:
-            zero = state.zero
-            rows.append(
-                (
-                    x + vx * (time - t) + sag(zero, zero, falling.hx, time),
-                    y + vy * (time - t) + sag(zero, zero, falling.hy, time),
-                    fall_speed(vx, falling.hx, time),
-                    fall_speed(vy, falling.hy, time),
+            movers = [i for i in link.circles if not self.scene.circles[i].fixed]
+            shrunk = [self._has_shrunk(i, link, time, alone=shares[i] == 1) for i in movers]
+            if all(shrunk):
+                raise Undecided(
+                    f"accumulation suspected: {name_of(self.scene, link)} meet again and again, and nothing else, "
+                    f"up to time {time:.9g}, a million times faster by then; end the run before"
                 )
-            )
-    return rows
+
+    def _has_shrunk(self, i: int, link: Touch, time: float, *, alone: bool) -> bool:
+        """Whether the time between a circle's hits on one round thing is 2**-SHRUNK of what it was at first."""
+        known = self._spans.get(i)
+        if is_flat(link) or known is None or known[0] != link or not alone:
+            self._spans[i] = (link, time, inf)
+            return False
+        _, last, first = known
+        span = time - last
+        self._spans[i] = (link, time, span if first == inf else first)
+        return span * 2.0**SHRUNK < first < inf
