@@ -313,6 +313,7 @@ class Endings:
         self._rows: dict[int, tuple[int, int]] = {}
         self.lines = LineRallies(scene) if may_collapse(scene) else None
         self._marks: list[tuple[int, float]] = []
+        self._stuck = 0, 0.0
         self._spans: dict[int, tuple[Touch, float, float]] = {}
         self._times: list[float] = []
         e = float(scene.restitution)
@@ -560,12 +561,15 @@ class Endings:
         Raises:
             Undecided: as `look`.
         """
-        if self._marks and count - self._marks[-1][0] < WINDOW:
+        if time != self._stuck[1]:
+            self._stuck = count, time
+        stuck = count - self._stuck[0] >= WINDOW // 2  # doubles do not tell so many apart
+        if self._marks and count - self._marks[-1][0] < WINDOW and not stuck:
             return
         self._marks = [*self._marks[-2:], (count, time)]
-        if len(self._marks) == 3:
-            (_, first), (begun, middle), (_, last) = self._marks
-            if last - middle < CROWDED * (middle - first):
+        if len(self._marks) == 3 or stuck:
+            (_, first), (begun, middle), (_, last) = self._marks if len(self._marks) == 3 else [self._stuck] * 3
+            if stuck or last - middle < CROWDED * (middle - first):
                 raise Undecided(
                     f"accumulation suspected: the last {count - begun} events took less than a thousandth of the time "
                     f"of as many before, up to time {time:.9g}; end the run before, or raise the restitution"
