@@ -273,10 +273,11 @@ class PlainDecider(Generic[M]):
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
-        zero, falls = self.state.zero, self.state.falling is not None
+        zero, falls, circles = self.state.zero, self.state.falling is not None, self.state.scene.circles
         for body in bodies:
             flight = body.flight
-            rest = not falls and bool(flight.vx == zero) and bool(flight.vy == zero)
+            flies = falls and not circles[body.index].fixed
+            rest = not flies and bool(flight.vx == zero) and bool(flight.vy == zero)
             if rest is not flight.rest:
                 body.flight = flight._replace(rest=rest)
             body.q = flight[:5]

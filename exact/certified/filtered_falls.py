@@ -101,7 +101,7 @@ def float_fall(
         if not (zero or (value.rel_accuracy_bits() > ACCURATE_BITS and TINY < abs(told) < BIG)):
             norm = size = inf
     if size == inf:
-        half = float(sign)
+        norm, half = inf, float(sign)
     return FloatFall(line.wall, other, is_face, *line[1:6], norm, size, half, drift, bend)
 
 
@@ -274,6 +274,8 @@ def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) ->
     end = until - t + (late + 8 * UNIT * (until + t))
     if end <= 0.0:
         return False
+    if reach == inf:  # which drops out where they touch as the flight begins
+        return True
     wx, wy = hx * t, hy * t
     ex, ey = x - px + wx * t, y - py + wy * t
     ux, uy = vx + 2.0 * wx, vy + 2.0 * wy

@@ -210,6 +210,8 @@ static int onto_peg(const double *a, const Peg *peg, double until, int stood, Sp
     double end = until - t + (late + 8 * UNIT * (until + t));
     if (end <= 0.0)
         return NONE;
+    if (!isfinite(peg->reach)) /* which drops out where they touch as the flight begins */
+        return UNCLEAR;
     double wx = hx * t, wy = hy * t;
     double ex = x - peg->x + wx * t, ey = y - peg->y + wy * t;
     double ux = vx + 2.0 * wx, uy = vy + 2.0 * wy;

@@ -458,7 +458,7 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest or (self.falling is not None and not self.scene.circles[a.index].fixed):
+            if not a.flight.rest if self.falling is None else not self.scene.circles[a.index].fixed:
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
