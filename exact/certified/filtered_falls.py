@@ -232,7 +232,7 @@ NARROW = 2.0**-24
 
 class FloatPeg(NamedTuple):
     """A circle that stands under gravity, as one that falls meets it, in doubles: its body, where it is, the sum of
-    radii, all infinite where doubles do not tell them; and half of gravity."""
+    radii, infinite where doubles do not tell all that; and half of gravity."""
 
     body: Body[arb]
     x: float
@@ -249,13 +249,7 @@ def float_peg(body: Body[arb], x: arb, y: arb, reach: arb, hx: arb, hy: arb) -> 
     sharp = all(number.is_zero() or number.rel_accuracy_bits() > ACCURATE_BITS for number in numbers)
     plain = all(number == 0.0 or TINY < abs(number) < BIG for number in (px, py, far, gx, gy))
     true = all((told == 0.0) == number.is_zero() for told, number in zip((px, py, far, gx, gy), numbers, strict=True))
-    found = FloatPeg(body, px, py, far, gx, gy)
-    return found if sharp and plain and true else unclear_peg(found)
-
-
-def unclear_peg(peg: FloatPeg) -> FloatPeg:
-    """One of which nothing is clear in doubles: nor right after a contact, where the gap is 0, whatever the radii."""
-    return peg._replace(x=inf, y=inf, reach=inf)
+    return FloatPeg(body, px, py, far if sharp and plain and true else inf, gx, gy)
 
 
 def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) -> tuple[float, float] | bool:
@@ -360,6 +354,8 @@ class FallingPredictor(FilteredPredictor):
         """See `Predictor.walls`."""
         if self.falling is None:
             super().walls(a, walls, standing)
+        elif a.index in self.state.pegs:
+            self.unclear(a, [k for k in walls if k < self.wall_count], standing)
         else:
             self._meet_falling(a, walls, standing)
 
@@ -428,4 +424,4 @@ class FallingPredictor(FilteredPredictor):
     def _as_it_stands(self, a: Body[arb], peg: int, hx: arb, hy: arb) -> FloatPeg:
         circle, body = self.scene.circles[peg], self.state.bodies[peg]
         found = float_peg(body, ball.constant(circle.x), ball.constant(circle.y), self.reach(a, body), hx, hy)
-        return unclear_peg(found) if peg in self.scene.moving_ends else found  # left to balls
+        return found._replace(reach=inf) if peg in self.scene.moving_ends else found  # left to balls

@@ -32,7 +32,7 @@ from ..replay.contact import (
     touching_at_start,
 )
 from ..replay.state import Constant
-from .decider import Decider, History, K, Limits, Ordinary
+from .decider import Decider, History, K, Limits, Ordinary, Reading
 from .endings import Accumulating, Collapse, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Policy, policy_for
@@ -455,7 +455,8 @@ class Loop(Generic[N, K]):
                     return
         if endings.lines is not None:
             for _, _, impulses, _, _ in done.events:
-                if self._collapses(endings, endings.lines.note(impulses)):
+                self._ended = _collapse(self.scene, self.decider.reading, endings, endings.lines.note(impulses))
+                if self._ended is not None:
                     return
         if endings.closes and done.events and self.history.last is not None:
             now = self.decider.reading.rough(self.history.last.time)
@@ -469,22 +470,6 @@ class Loop(Generic[N, K]):
         if self.decider.proves and done.events and self.history.last is not None:
             links = [link for _, _, impulses, _, _ in done.events for link in impulses]
             endings.look(self.decider.reading.rough(self.history.last.time), links)
-
-    def _collapses(self, endings: Endings, found: Iterable[Collapse]) -> bool:
-        """Whether hits in turns on a line are to end the run, as they have no last one."""
-        for collapse in found:
-            time, rows = self.decider.reading.fallen(collapse.link[0])
-            end = Accumulating(collapse.link, collapse.other)
-            wait = self.decider.reading.bounces(end)
-            if not wait > 0 or not endings.lines or not endings.lines.lately(collapse, time, wait):
-                continue
-            if endings.collapses(collapse, wait, rows):
-                endings.found = end
-                names = " as well as ".join(name_of(self.scene, link) for link in (collapse.link, collapse.other))
-                told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"
-                self._ended = Stop(StopReason.ACCUMULATION, told)
-                return True
-        return False
 
     def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""
@@ -515,6 +500,22 @@ class Loop(Generic[N, K]):
             last = self.history.last
             reached = 0.0 if last is None else self.decider.reading.rough(last.time)
             self.progress(Progress(len(self.history.records), reached, self.decider.reading.note()))
+
+
+def _collapse(scene: Scene, reading: Reading[N, K], endings: Endings, found: Iterable[Collapse]) -> Stop | None:
+    """Why hits in turns on a line end a run, if they do: as they have no last one."""
+    for collapse in found:
+        time, rows = reading.fallen(collapse.link[0])
+        end = Accumulating(collapse.link, collapse.other)
+        wait = reading.bounces(end)
+        if not wait > 0 or endings.lines is None or not endings.lines.lately(collapse, time, wait):
+            continue
+        if endings.collapses(collapse, wait, rows):
+            endings.found = end
+            names = " as well as ".join(name_of(scene, link) for link in (collapse.link, collapse.other))
+            told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"
+            return Stop(StopReason.ACCUMULATION, told)
+    return None
 
 
 def stopped(reason: StopReason, events: int, told: str = "") -> Stop:
