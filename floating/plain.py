@@ -22,13 +22,13 @@ from ..exact.replay.contact import (
     name_of,
 )
 from ..exact.replay.landings import told_wait
-from ..exact.replay.state import ReplayState, Step, true_rows
+from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
-from ..exact.simulation.endings import Accumulating, Rows
+from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import ArrivalQueue
-from ..scenarios.engine import ALL_KEYS, EventDriven
+from ..scenarios.engine import ALL_KEYS, EventDriven, refuse_settled
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double, hull
@@ -339,6 +339,7 @@ def run_plain(
         loop: makes the loop, where it is not the general one.
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
+    refuse_settled(scene, f"engine {engine!r}")
     limits = run_limits(scene, until, events)
     inner = decider.scene
     made = Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)
@@ -412,7 +413,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     an overlap that rounding has made collides at once.
     """
 
-    scene_keys = ALL_KEYS
+    scene_keys = ALL_KEYS - {"settle"}
 
     @property
     @abstractmethod

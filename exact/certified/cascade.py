@@ -25,8 +25,8 @@ from ..question import BeforeTime, Decision, Moment, Question, Sooner
 from ..replay.contact import Body, Entry, Link
 from ..replay.landings import ExactMoment, exact_moment, order_exactly
 from ..replay.refinable import RefinableState
-from ..replay.state import ReplayState, Step, causal_past, replay, step_units, true_rows
-from ..simulation.endings import Accumulating, Rows
+from ..replay.state import ReplayState, Step, causal_past, replay, step_units
+from ..simulation.endings import Accumulating, Rows, true_rows
 from .filtered import QUICK_BITS
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.
@@ -254,8 +254,8 @@ class InFractions:
         return Decision(order_exactly(*found), "field", TieProof.RATIONAL)
 
     def _is_exact(self, link: Link) -> bool:
-        """Whether the circles of a contact that fall are exact: one that stands is as it was."""
-        return all(self._state.exact[i] for i in link.circles if i not in self._state.balls.pegs)
+        """Whether the circles of a contact are exact: one that is fixed is as it was."""
+        return all(self._state.exact[i] for i in link.circles if i not in self._state.scene.pegs)
 
 
 def _kind(state: RefinableState, bodies: tuple[int, ...]) -> TieProof:

@@ -1,26 +1,27 @@
-"""Where a run ends though time goes on: a circle at rest, infinitely many hits in finite time, one that is crushed."""
+"""Where a run ends though time goes on: at rest, infinitely many hits in finite time, crushed; what goes on at rest."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import combinations, pairwise
+from itertools import combinations
 from math import ceil, inf, log
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
 from ...scenarios.numbers.precision import hull
-from ...scenarios.numbers.quantity import ZERO, Quantity
+from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import face_along
+from ..laws.formulas import advance, face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
-from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_arc, is_flat, is_pair, name_of
-from ..replay.state import Constant, ReplayState
+from ..question import Question, Slide
+from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
+from ..replay.state import Constant, Go, Lift, ReplayState, Settle
+from .policies import Collapse, LineRallies, may_collapse
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -43,6 +44,11 @@ from ..replay.state import Constant, ReplayState
 # the room between these, says; and no two of these places, nor one and another wall, are near enough to meet. Where one
 # of the two is a face, that ends, this is proved of a circle that alone moves, which is over the face for all of the
 # time, and far from its ends.
+
+# A scene may have walls carry what comes to rest so, or slides: on a wall across gravity, along which nothing pulls, it
+# then flies straight in true coordinates. One that falls meets it at a zero of a quartic, as it meets what is fixed;
+# what does not fall, at that of a quadratic. As something comes to it, it is let fall, so that its wall is one of the
+# contacts of that instant; and what these leave at the wall, neither approaching nor parting, is carried again.
 
 SHRUNK = 20
 """A bounce counts as one of the last once its speed is 2**-SHRUNK of the first one's: before that they are all told."""
@@ -102,192 +108,93 @@ class Accumulating:
         return -speed / (half * state.constant(1 - state.scene.restitution))
 
 
-# Of three bodies on one line, of which a wall or a fixed circle may be one, the middle one hits the outer ones in turns
-# (X, Y, X, Y...) with a restitution below 1. With u_k the speed at which the two of hit k part, the speed at which the
-# others close is a sum of the last two: u_{k+2} = g u_{k+1} - e u_k, g = (1 + e) w / (w + w'), w the inverse mass of
-# the middle one and w' of the outer one of hit k + 1. So after a hit of X
-#
-#     u_{k+2} = c u_{k+1} - e u_k,    u_{k+3} = d u_{k+2} - e u_{k+1}
-#
-# and a gap opens at u_k while the other closes at u_{k+1} / e. The time between two hits is e**k / (u_k u_{k+1}) times
-# a constant. With another solution v of the recurrence v_{k+1} / u_{k+1} - v_k / u_k is that, too, times another one
-# (Casorati's determinant shrinks by e a step). So all times add up to a difference of two such ratios. With v the
-# solution that shrinks faster, v_1 = (lambda + e) / c v_0, lambda the smaller zero of lambda^2 + (2 e - c d) lambda +
-# e^2, the ratio vanishes in the end. So after a hit of X, which parts at p, all end b / (-q - k p) later, b the gap of
-# Y, q < 0 the speed at which it grows, k = (lambda + e) / (c e). Of equal masses it is real up to e = 7 - 4 sqrt(3)
-# (McNamara and Young 1992). All u_k are above zero, and the hits have no last one, where -q > k p: then u_1 / u_0 is
-# above the ratio that this solution keeps, from which others go away.
-
-
-@dataclass(frozen=True)
-class Collapse:
-    """Two contacts in turns, of three bodies on a level or an upright line.
-
-    Attributes:
-        link, other: the one that was hit last, and the other.
-        axis: of the line: 0 for x.
-        signs: for each, 1 where the second of the two has the greater coordinate, as it has for ever.
-        share: k, the part of the speed at which the first parts that is taken from the speed at which the other closes.
-    """
-
-    link: Touch
-    other: Touch
-    axis: int
-    signs: tuple[int, int]
-    share: Quantity
-
-    @staticmethod
-    @lru_cache(maxsize=256)
-    def of(scene: Scene, link: Touch, other: Touch) -> Collapse | None:
-        """Of what shares one circle; None where such hits have a last one, or are not known to be on one line."""
-        e, circles = scene.restitution, scene.circles
-        middle = [i for i in link.circles if i in other.circles and not circles[i].fixed]
-        if (
-            len(middle) != 1
-            or e.sign() <= 0
-            or scene.elastic
-            or not all(is_pair(x) or is_flat(x) for x in (link, other))
-        ):
-            return None
-        (m,) = middle
-        w = circles[m].inverse_mass
-        after, before = _others_share(scene, other, m), _others_share(scene, link, m)
-        if after.sign() == 0 == before.sign():  # between two that stand it goes on for ever
-            return None
-        c, d = (1 + e) * w / (w + after), (1 + e) * w / (w + before)
-        root = c * d * (c * d - 4 * e)
-        axis = next((k for k in (0, 1) if all(_is_along(scene, x, k) for x in (link, other))), None)
-        if axis is None or root.sign() <= 0:
-            return None
-        small = (c * d - e - e - root.sqrt()) / 2
-        signs = _sign_of(scene, link, axis), _sign_of(scene, other, axis)
-        return Collapse(link, other, axis, signs, (small + e) / (c * e))
-
-    def rates(self, state: ReplayState[N]) -> tuple[N, N, N]:
-        """At the last hit: the speed at which its two part; the gap of the others, and how fast that grows."""
-        _, p = self._gap(state, self.link, self.signs[0])
-        gap, q = self._gap(state, self.other, self.signs[1])
-        return p, gap, q
-
-    def _gap(self, state: ReplayState[N], link: Touch, sign: int) -> tuple[N, N]:
-        if is_flat(link):
-            length = state.line(*link[:2]).length
-            return state.wall_gap(link) / length, state.wall_approach(link) / length
-        assert is_pair(link)
-        pair = state.relation(link)
-        late, far, fast = state.later(link).flight.late, pair[1 + self.axis], pair[3 + self.axis]
-        far, fast = (far, fast) if sign > 0 else (-far, -fast)
-        gap = far - pair.reach
-        return (gap if late is None else gap + fast * late), fast
-
-    def wait(self, state: ReplayState[N]) -> N:
-        """How long after the hit all of them have happened."""
-        p, gap, q = self.rates(state)
-        return gap / -(q + state.constant(self.share) * p)
-
-
-def _others_share(scene: Scene, link: Touch, middle: int) -> Quantity:
-    """The inverse mass of the other one of a contact."""
-    return ZERO if is_flat(link) else scene.circles[link[0] if link[1] == middle else link[1]].inverse_mass
-
-
-def _is_along(scene: Scene, link: Touch, axis: int) -> bool:
-    """Whether a contact is on a level line (0), or an upright one: told of the scene, where all begins."""
-    one = scene.circles[link[0]]
-    across, speed = ("y", "vy") if axis == 0 else ("x", "vx")
-    if getattr(one, speed).sign():
-        return False
-    if is_flat(link):
-        return scene.walls[link.wall].normal[1 - axis].sign() == 0 and not scene.moving_walls and scene.gravity is None
-    two = scene.circles[link[1]]
-    falls = scene.gravity is not None and (one.fixed or two.fixed)
-    return not getattr(two, speed).sign() and getattr(one, across) == getattr(two, across) and not falls
-
-
-def _sign_of(scene: Scene, link: Touch, axis: int) -> int:
-    key = "xy"[axis]
-    if is_flat(link):
-        return 1
-    return (getattr(scene.circles[link[1]], key) - getattr(scene.circles[link[0]], key)).sign()
-
-
-IN_TURNS = 8
-"""Hits in turns, of a middle circle, from which on the end of all of them is looked for."""
-
-
-def may_collapse(scene: Scene) -> bool:
-    """Whether three neighbours on a level or an upright line may hit in turns without a last time."""
-    if scene.elastic or scene.restitution.sign() == 0:
-        return False
-    walls = range(scene.faces.start)
-    for axis, (key, across) in enumerate((("x", "y"), ("y", "x"))):
-        rows: dict[Quantity, list[int]] = {}
-        for i, circle in enumerate(scene.circles):
-            if i not in scene.ends and not getattr(circle, f"v{across}").sign():
-                rows.setdefault(getattr(circle, across), []).append(i)
-        ends = [k for k in walls if scene.walls[k].normal[1 - axis].sign() == 0]
-        for row in rows.values():
-            row.sort(key=lambda i: getattr(scene.circles[i], key))  # pyright: ignore[reportUnknownLambdaType]
-            pairs = [Pair(min(i, j), max(i, j)) for i, j in pairwise(row)]
-            turns: list[tuple[Touch, Touch]] = [*pairwise(pairs)]
-            turns += [(pair, AtWall(i, k)) for pair in (*pairs[:1], *pairs[-1:]) for i in pair for k in ends]
-            if any(Collapse.of(scene, *two) is not None for two in turns):
-                return True
-    return False
-
-
-class LineRallies:
-    """Looks for circles that hit in turns on one line.
-
-    A circle is on a line as long as all that it was ever hit by is: told of the scene, no number is looked at.
+class Carrier:
+    """Knows the circles of a run that walls carry.
 
     Args:
-        scene: what runs: see `may_collapse`.
+        scene: what runs.
+        ask, ask_cheaply: decide the sign of a question on the state as it is; the other may leave it open.
+        do: carries a step out.
+
+    Attributes:
+        walls: the circles, with the wall of each.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._off: list[set[int]] = [set(), set()]
-        self._recent: dict[int, list[Touch]] = {}
-        self._since: dict[int, arb] = {}
+    def __init__(
+        self,
+        scene: Scene,
+        ask: Callable[[Question], int],
+        ask_cheaply: Callable[[Question], int | None],
+        do: Callable[[Go | Settle | Lift], None],
+    ) -> None:
+        self.walls: dict[int, int] = {}
+        self._scene, self._ask, self._ask_cheaply, self._do = scene, ask, ask_cheaply, do
+        self._sides = Sides(scene)
+        self._changed: set[int] = set()
 
-    def note(self, impulses: Sequence[Touch]) -> list[Collapse]:
-        """Notes the impulses of an instant; the hits in turns, of which the last are among them."""
-        shares = Counter(i for link in impulses for i in link.circles)
-        found: list[Collapse] = []
-        for link in impulses:
-            for axis, off in enumerate(self._off):
-                if is_arc(link) or not off.isdisjoint(self._movers(link)) or not _is_along(self.scene, link, axis):
-                    off.update(self._movers(link))
-            for i in self._movers(link):
-                row = self._recent.setdefault(i, [])
-                row.append(link)
-                del row[:-IN_TURNS]
-                if shares[i] > 1 or (len(row) > 2 and row[-1] != row[-3]):
-                    self._since.pop(i, None)
-        for link in impulses:
-            found += [known for i in self._movers(link) if (known := self._in_turns(i)) is not None]
+    def anchored(self, at_hand: Collection[int]) -> set[int]:
+        """The circles whose flights are new as a wall has begun to carry one, or has let it go, since last asked.
+
+        All that fall are then reckoned anew from here on: their clock is no earlier than that of what is carried, and
+        what a flight would meet after one that was, it may meet.
+
+        Args:
+            at_hand: those that stand at the instant already.
+        """
+        changed, self._changed = self._changed, set()
+        if not changed:
+            return changed
+        stand = self._scene.pegs.union(self.walls)
+        falling = [i for i in range(len(self._scene.circles)) if i not in stand]
+        others = tuple(i for i in falling if i not in at_hand)
+        if others:
+            self._do(Go(min(changed), others))
+        return changed.union(falling)
+
+    def lift(self, bodies: Iterable[int]) -> None:
+        """Lets circles fall, to which something has come."""
+        for i in bodies:
+            if self.walls.pop(i, None) is not None:
+                self._do(Lift(i))
+                self._changed.add(i)
+
+    def settle(self, standing: Mapping[Link, int]) -> list[AtWall]:
+        """Has walls carry the circles that neither approach them nor part, where they can; what these are.
+
+        Args:
+            standing: contacts at gap zero, with the sign of their closing speed.
+
+        Raises:
+            Undecided: for one that slides along a face, which ends.
+        """
+        found = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link) and self.carries(link))
+        for link in found:
+            self.carry(link)
         return found
 
-    def lately(self, collapse: Collapse, time: arb, wait: arb) -> bool:
-        """Whether little of the time of all such hits is left, of which this is one."""
-        (middle,) = {*collapse.link.circles} & {*collapse.other.circles}
-        return bool(wait * SQUEEZED < time - self._since.setdefault(middle, time))
+    def carries(self, link: AtWall) -> bool:
+        """Whether a wall can carry a circle, and carries it not yet."""
+        known = link.circle in self.walls or link.circle in self._scene.pegs
+        return not known and self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall)
 
-    def _movers(self, link: Touch) -> list[int]:
-        return [i for i in link.circles if not self.scene.circles[i].fixed]
+    def carry(self, link: AtWall) -> None:
+        """Has a wall carry a circle.
 
-    def _in_turns(self, middle: int) -> Collapse | None:
-        row = self._recent[middle]
-        if len(row) < IN_TURNS or row[-1] == row[-2] or row[2:] != row[:-2]:
-            return None
-        found = Collapse.of(self.scene, row[-1], row[-2])
-        if found is None:
-            return None
-        mine = {*self._movers(found.link), *self._movers(found.other)}
-        outer = [row for i in mine - {middle} for row in [self._recent[i]]]
-        apart = all(len(row) >= IN_TURNS // 2 and len({*row[-IN_TURNS // 2 :]}) == 1 for row in outer)
-        return found if apart and self._off[found.axis].isdisjoint(mine) else None
+        Raises:
+            Undecided: for one that slides along a face, which ends.
+        """
+        if link.wall not in self._scene.faces:
+            slides = self._ask_cheaply(Slide(link)) != 0
+        elif self._ask(Slide(link)) == 0:
+            slides = False
+        else:
+            raise Undecided(
+                f"{name_of(self._scene, link)} neither approach nor part, under gravity, and the one slides along the "
+                "other, which ends: that is not followed"
+            )
+        self._do(Settle(link.circle, link.wall, slides))
+        self.walls[link.circle] = link.wall
+        self._changed.add(link.circle)
 
 
 class Endings:
@@ -319,18 +226,19 @@ class Endings:
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
-    def at_rest(self, standing: Mapping[Link, int]) -> str | None:
+    def at_rest(self, standing: Mapping[Link, int], carried: Collection[int] = ()) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
+            carried: the circles that walls carry: these stand, as fixed ones do.
 
         Raises:
-            Undecided: where one stands on, or flies along, something round and fixed.
+            Undecided: where one stands on, or flies along, something round that stands.
         """
-        pegs = self.scene.pegs
+        stands = self.scene.pegs.union(carried)
         for link, sign in standing.items():
-            round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
+            round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
             if sign == 0 and round_one and self.scene.gravity is not None:
                 where = "beside ends that move" if self.scene.moving_ends else "under gravity"
                 raise Undecided(
@@ -340,7 +248,7 @@ class Endings:
         names = [
             name_of(self.scene, link)
             for link, sign in standing.items()
-            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0
+            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in carried
         ]
         return " as well as ".join(sorted(names)) or None
 
@@ -689,3 +597,32 @@ class Endings:
         span = time - last
         self._spans[i] = (link, time, span if first == inf else first)
         return span * 2.0**SHRUNK < first < inf
+
+
+def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
+    """(x, y, vx, vy) of every circle at a time, in true coordinates."""
+    falling = state.falling
+    rows: list[tuple[N, N, N, N]] = []
+    for body in state.bodies.values():
+        x, y, vx, vy, t, *_ = body.flight
+        if body.index in state.pegs:
+            lag = time - t
+            if (pace := state.paces.get(body.index)) is not None:
+                rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
+            else:
+                rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
+        elif falling is None:
+            rows.append((advance(x, vx, time - t), advance(y, vy, time - t), vx, vy))
+        elif falling.bent:
+            rows.append(falling.flown((x, y, vx, vy), time - t))
+        else:
+            zero = state.zero
+            rows.append(
+                (
+                    x + vx * (time - t) + sag(zero, zero, falling.hx, time),
+                    y + vy * (time - t) + sag(zero, zero, falling.hy, time),
+                    fall_speed(vx, falling.hx, time),
+                    fall_speed(vy, falling.hy, time),
+                )
+            )
+    return rows

@@ -33,9 +33,9 @@ from ..replay.contact import (
 )
 from ..replay.state import Constant
 from .decider import Decider, History, K, Limits, Ordinary, Reading
-from .endings import Accumulating, Collapse, Endings
+from .endings import Accumulating, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
-from .policies import Policy, policy_for
+from .policies import Collapse, Policy, policy_for
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -440,7 +440,8 @@ class Loop(Generic[N, K]):
         endings = self.endings
         if endings is None or self._ended is not None:
             return
-        resting = endings.at_rest(standing)
+        carrier = self.resolver.carrier
+        resting = endings.at_rest(standing, () if carrier is None else carrier.walls)
         if resting is not None:
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return

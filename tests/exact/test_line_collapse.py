@@ -11,8 +11,8 @@ from mpmath import mpf, workdps
 
 from truebreak.compare.files.saved import load_run, save_run
 from truebreak.exact import ExactEngine
-from truebreak.exact.simulation import endings
-from truebreak.exact.simulation.endings import Collapse, may_collapse
+from truebreak.exact.simulation import policies
+from truebreak.exact.simulation.policies import Collapse, may_collapse
 from truebreak.floating import DoubleEngine, QuadEngine
 from truebreak.scenarios import Circle, Quantity, Scene, StopReason, Wall
 
@@ -120,7 +120,7 @@ def test_a_planted_fault_is_found(fault: str, monkeypatch: pytest.MonkeyPatch):
         e = scene.restitution
         (m,) = {*link.circles} & {*other.circles}
         w = scene.circles[m].inverse_mass
-        c, d = ((1 + e) * w / (w + endings._others_share(scene, x, m)) for x in (other, link))
+        c, d = ((1 + e) * w / (w + policies._others_share(scene, x, m)) for x in (other, link))
         return Collapse(found.link, found.other, found.axis, found.signs, FAULTS[fault](found.share, e, c, d))
 
     monkeypatch.setattr(Collapse, "of", staticmethod(spoilt))

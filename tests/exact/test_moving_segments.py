@@ -27,6 +27,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.certified.filtered_falls import FallingPredictor, falls_in_doubles, peg_in_doubles
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import state as states
+from truebreak.exact.replay.ball_state import LoneContacts
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.state import Flights
 from truebreak.exact.replay.wall_flights import SeenWall
@@ -102,9 +103,14 @@ def _no_pull(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
-def _half_a_push(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = states.pair_impulse
-    monkeypatch.setattr(states, "pair_impulse", lambda *args: tuple(part / 2 for part in plain(*args)))
+def _too_strong_a_push(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain, alone = states.pair_impulse, LoneContacts._off_peg
+    monkeypatch.setattr(states, "pair_impulse", lambda *args: tuple(part + part / 8 for part in plain(*args)))
+    monkeypatch.setattr(
+        LoneContacts,
+        "_off_peg",
+        lambda self, link, a, peg, w, *rest: alone(self, link, a, peg, w * 9 / 8, *rest),
+    )
 
 
 FAULTS = {
@@ -114,7 +120,7 @@ FAULTS = {
     "ends push as if they stood": _pace_that_only_places_have,
     "lines stand": lambda monkeypatch: monkeypatch.setattr(SeenWall, "moved", lambda self, drift, time: self),
     "nothing pulls towards an end": _no_pull,
-    "a mirror is halved": _half_a_push,
+    "a push is an eighth too strong": _too_strong_a_push,
 }
 
 
