@@ -97,6 +97,7 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
         "reverse_after": scene.reverse_after is not None,
         "restitution": not scene.elastic,
         "gravity": scene.gravity is not None,
+        "settle": scene.settle,
         "fixed": bool(scene.surfaces.pegs),
         "moving walls": scene.moving_walls,
         "wall kinds": bool(scene.other_walls),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from operator import lt
+from operator import itemgetter, lt
 
 from flint import arb
 
@@ -17,7 +18,7 @@ from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.numbers.tower_element import AnyTower, Element
 from ..scenarios.numbers.tower_ring import TowerLimit
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
+from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Settling, Stop, StopReason, Trajectory
 from .certified.cascade import TieRule
 from .certified.certified_decider import FIRST_BITS, CertifiedDecider
 from .exact_motion import (
@@ -34,7 +35,8 @@ from .exact_motion import (
 from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
-from .replay.contact import NamedContacts
+from .replay.contact import AtWall, NamedContacts, contact_of
+from .replay.state import Settle
 from .simulation import cells
 from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, RunLog, run_limits
 from .simulation.instant import Instant
@@ -456,7 +458,22 @@ class ExactEngine(Declared):
             ending=ending_of(
                 log, None if history.last is None else history.last.step, loop.endings and loop.endings.found
             ),
+            settlings=settlings_of(motion),
         )
+
+
+def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
+    """Where walls began to carry circles, told by the log; not where one was let fall and carried on at one instant."""
+    log, knots = motion.log, motion.knots
+    found: list[tuple[int, int, Settling]] = []
+    for k, step in enumerate(log.steps if log.given.settle else (), start=1):
+        if isinstance(step, Settle):
+            i, row = step.body, knots[step.body]
+            at = bisect_left(row, k, key=itemgetter(5))
+            if at == 0 or not log.carries(i, row[at - 1][5]):
+                circle, wall = contact_of(log.scene, AtWall(i, step.wall))
+                found.append((row[at][6], i, Settling(circle, wall, motion.knot_time(i, at))))
+    return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1)))
 
 
 def _in_order(records: Sequence[Record[Known]]) -> None:

@@ -376,6 +376,8 @@ class FallSpeed:
     def __call__(self, state: ReplayState[N]) -> N:
         assert state.falling is not None
         speed = Velocity(self.body, self.axis)(state)
+        if self.body in state.pegs:
+            return speed
         return fall_speed(speed, state.falling.half(self.axis), _moment(self.time, state))
 
 
@@ -423,6 +425,11 @@ class ExactMotion:
         assert hx is not None
         assert hy is not None
         return hx, hy
+
+    def _falls(self, i: int, k: int) -> bool:
+        """Whether a circle falls from a knot on: then that is in the falling frame (see `Gravity`)."""
+        stands = self._halves is None or i in self.log.scene.pegs
+        return not stands and not self.log.carries(i, self.knots[i][k][5])
 
     @kept
     def _rough(self) -> list[list[float]]:
@@ -508,7 +515,7 @@ class ExactMotion:
         near = float(time.ball(ROUGH_BITS))  # infinite beyond doubles, where every knot is looked at
         room = abs(near) * 2.0**-50
         k = bisect_right(rough, near + room) - 1
-        while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):
+        while k > 0 and not rough[k] < near - room and self._after(self.knot_time(i, k), time):
             k -= 1
         return max(k, 0)
 
@@ -520,7 +527,7 @@ class ExactMotion:
             raise ValueError(f"whether an event falls on time {_shown(time)} is not known; ask for a time beside it")
         return (left - right).sign() > 0
 
-    def _time_value(self, i: int, k: int) -> ExactValue:
+    def knot_time(self, i: int, k: int) -> ExactValue:
         """The instant of a knot. In balls the knot's own number is only a clock beside it."""
         t, *_, upto, instant = self.knots[i][k]
         near = t if not isinstance(t, arb) else self.log.events.time_at(instant) if self.log.events else arb.nan()
@@ -542,7 +549,8 @@ class ExactMotion:
 
         near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
-        if self._halves is not None and i not in self.log.scene.pegs:
+        if self._falls(i, k):
+            assert self._halves is not None
             speeds: list[ExactValue] = []
             for axis, v in enumerate((vx, vy)):
                 near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
@@ -572,17 +580,19 @@ class ExactMotion:
         result = np.empty((len(at), len(self.knots), 4))
         for i, found in enumerate(self._knots_at(at)):
             used, which = np.unique(found, return_inverse=True)
+            falls = np.array([self._falls(i, int(k)) for k in used])[which]
             pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
-                if self._halves is not None and i not in self.log.scene.pegs:
+                if self._halves is not None and falls.any():
                     hx, hy = (pair_of(_ball(half)) for half in self._halves)
                     result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
                     result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
-                    continue
-                result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
-                result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
+                on = ~falls
+                t, x, y, vx, vy = (part[on] for part in (t, x, y, vx, vy))
+                result[on, i, 0], result[on, i, 1] = advanced_pairs(x, vx, t, at[on]), advanced_pairs(y, vy, t, at[on])
+                result[on, i, 2], result[on, i, 3] = vx[:, 0], vy[:, 0]
             else:
                 for row, time in enumerate(times):
                     t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]
@@ -623,7 +633,8 @@ class ExactMotion:
         Under gravity in true coordinates, at the knot.
         """
         t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
-        if self._halves is not None and i not in self.log.scene.pegs:
+        if self._falls(i, k):
+            assert self._halves is not None
             with ball.precision(READ_BITS):
                 hx, hy = map(_ball, self._halves)
                 x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)

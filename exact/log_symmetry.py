@@ -17,7 +17,7 @@ from .numbers.ball import LeavesField, field_ball
 from .question import BeforeTime, Discriminant, Moment, Question, Sooner
 from .replay.contact import Body, Link, Pair, Touch, can_push, is_flat, is_pair
 from .replay.refinable import Projection
-from .replay.state import Flip, Go, Kick, Step, Take
+from .replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
 
 # -- The causal past of a run as a graph: for each circle, the rounds of impulses that it took part in, in order.
 
@@ -30,7 +30,8 @@ class Block:
     Attributes:
         number: its place among all blocks, in the order of the log.
         instant: the number of the instant that it belongs to.
-        kind: "" for impulses; FLIP for the negation of one circle's velocity, TAKE for its capture.
+        kind: "" for impulses; FLIP for the negation of one circle's velocity, TAKE for its capture, or where a wall
+            begins to carry it, or ends to: no isometry is known to map that.
         among: the contacts whose law it is (see `Kick`).
         links: those of them that push.
         places: for each movable circle in it, its place in that circle's row.
@@ -94,7 +95,7 @@ class Past:
                 return [self._add(instant, alone, alone, step.among[0].circles)]
             pushing = set(step.links)
             return [self._add(instant, among, among & pushing, bodies) for bodies, among in self._apart(step.among)]
-        if isinstance(step, Take):
+        if isinstance(step, Take | Settle | Lift):
             return [self._add(instant, frozenset(), frozenset(), (step.body,), TAKE)]
         assert isinstance(step, Flip)
         movers = (i for i in range(self.n) if self.movable[i])

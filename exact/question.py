@@ -7,7 +7,7 @@ from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
-from .laws.formulas import fall_speed, sag, speed_change
+from .laws.formulas import face_along, fall_speed, sag, speed_change
 from .numbers.system import N, solve_positive
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
 from .replay.landings import arc_chord, within_arc
@@ -152,6 +152,16 @@ class Closing(OfOne[Link]):
 
     def is_zero_by(self, form: Form) -> bool:
         return form.alike(self.link)
+
+
+class Slide(OfOne[AtWall]):
+    """Does a circle move along a wall across gravity, towards its end (positive) or its start (negative)?"""
+
+    words = "whether {} move along each other"
+
+    def value(self, state: ReplayState[N]) -> N:
+        flight, line = state.bodies[self.link.circle].flight, state.line(*self.link[:2])
+        return face_along(flight.vx, flight.vy, state.zero, state.zero, line.nx, line.ny)
 
 
 class Gap(OfOne[Link]):

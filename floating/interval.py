@@ -374,7 +374,7 @@ class IntervalEngine(EventDriven):
     """
 
     bits: int = 53
-    scene_keys = ALL_KEYS
+    scene_keys = ALL_KEYS - {"settle"}
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:

@@ -28,7 +28,7 @@ from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import ArrivalQueue
-from ..scenarios.engine import ALL_KEYS, EventDriven
+from ..scenarios.engine import ALL_KEYS, EventDriven, refuse_settled
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double, hull
@@ -273,10 +273,11 @@ class PlainDecider(Generic[M]):
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
-        zero, falls = self.state.zero, self.state.falling is not None
+        zero, falls, circles = self.state.zero, self.state.falling is not None, self.state.scene.circles
         for body in bodies:
             flight = body.flight
-            rest = not falls and bool(flight.vx == zero) and bool(flight.vy == zero)
+            flies = falls and not circles[body.index].fixed
+            rest = not flies and bool(flight.vx == zero) and bool(flight.vy == zero)
             if rest is not flight.rest:
                 body.flight = flight._replace(rest=rest)
             body.q = flight[:5]
@@ -338,6 +339,7 @@ def run_plain(
         loop: makes the loop, where it is not the general one.
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
+    refuse_settled(scene, f"engine {engine!r}")
     limits = run_limits(scene, until, events)
     inner = decider.scene
     made = Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)
@@ -411,7 +413,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     an overlap that rounding has made collides at once.
     """
 
-    scene_keys = ALL_KEYS
+    scene_keys = ALL_KEYS - {"settle"}
 
     @property
     @abstractmethod

@@ -193,7 +193,7 @@ class PlainMeetings(Generic[M]):
 
     def _pull(self, link: AtWall) -> int:
         """See `Sides.pull`; 0 without gravity."""
-        return 0 if self._state.falling is None else self._state.sides.pull(*link[:2])
+        return self._state.pull(link)
 
     def _meeting_fallen(self, link: AtWall, pull: int) -> tuple[M, bool] | None:
         """As `_meeting`, under gravity; what rounding has put into a wall to which it is pulled comes back to it."""

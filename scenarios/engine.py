@@ -21,7 +21,7 @@ SCENE_KEYS = frozenset(
 )
 """What a scene may ask of an engine beyond its circles: keys of a scene file."""
 
-ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "fixed", "moving walls", "wall kinds"}
+ALL_KEYS = SCENE_KEYS | {"polygon", "arc", "gravity", "settle", "fixed", "moving walls", "wall kinds"}
 """These, and the keys that an engine follows only where it says so: `Declared` leaves them out. `moving walls` have a
 `vx` or `vy`; `fixed` is a circle that stands under gravity; `wall kinds` are those that recipes add to `WALL_KINDS`."""
 
@@ -121,6 +121,23 @@ def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
     for kind, bows in (("arc", scene.arcs), ("pocket", scene.pockets)):
         if bows and scene.gravity is not None:
             raise SceneError(f"{kind} {bows[0].id!r} is round, under gravity, and {who} do not take that; {remedy}")
+
+
+def refuse_settled(scene: Scene, who: str) -> None:
+    """Refuses a scene in which what comes to rest goes on so.
+
+    Raises:
+        SceneError: naming who does not follow it, and what to do.
+
+    >>> from truebreak.scenarios import Circle
+    >>> refuse_settled(Scene([Circle(0, 9)], gravity=(0, -1), settle=True), "engine 'sympy'")
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: settle = true: engine 'sympy' does not follow what has settled; use exact, \
+or leave settle out
+    """
+    if scene.settle:
+        raise SceneError(f"settle = true: {who} does not follow what has settled; use exact, or leave settle out")
 
 
 class Unchangeable:

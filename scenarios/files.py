@@ -28,8 +28,9 @@ HALF_PAIR = re.compile("[\ud800-\udfff]")
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
+TRUTHS = ("capture", "settle")
 TOP = (
-    *(*TEXTS, *COUNTS, *TIMES, "restitution", "gravity", "capture"),
+    *(*TEXTS, *COUNTS, *TIMES, "restitution", "gravity", *TRUTHS),
     *("circle", "wall", "segment", "polygon", "arc", "pocket"),
 )
 CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
@@ -44,7 +45,7 @@ ABSENT = frozenset(
     [
         *("acceleration", "angle", "angular_velocity", "bounce", "box", "capsule", "constraint", "damping"),
         *("drag", "elasticity", "field", "force", "friction", "joint", "line", "motor", "mu", "omega"),
-        *("period_x", "period_y", "rectangle", "rotation", "settle", "spin"),
+        *("period_x", "period_y", "rectangle", "rotation", "spin"),
         *("spring", "torque"),
     ]
 )
@@ -78,8 +79,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
         values |= {key: _number("", key, data[key]) for key in (*TIMES, "restitution") if key in data}
         if "gravity" in data:
             values["gravity"] = _gravity(data["gravity"])
-        if "capture" in data:
-            values["capture"] = _truth("capture", data["capture"])
+        values |= {key: _truth(key, data[key]) for key in TRUTHS if key in data}
         return Scene(
             circles=_things(data, "circle", _circle, remedy),
             walls=_things(data, "wall", _wall, remedy),

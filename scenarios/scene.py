@@ -52,6 +52,8 @@ class Scene:
         arcs: parts of circles, after the polygons in that order.
         restitution: e of every contact, 0 <= e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         gravity: (gx, gy), a uniform acceleration of every circle; None without.
+        settle: whether a circle that comes to rest on a wall across gravity, or slides along it, goes on so; else a run
+            ends there.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: faces, sides and ends of segments, polygons and arcs.
 
@@ -59,7 +61,8 @@ class Scene:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
             restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
             beside pockets that capture, and beside a reversal where a circle is fixed or something has ends or is
-            round; for a circle that two walls crush at time 0.
+            round; for a circle that two walls crush at time 0; for settle without gravity, and beside a reversal,
+            walls that move, arcs or pockets.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -83,6 +86,7 @@ class Scene:
     restitution: Quantity = ELASTIC
     arcs: tuple[Arc, ...] = ()
     gravity: tuple[Quantity, Quantity] | None = None
+    settle: bool = False
     touching: tuple[tuple[int, int], ...] = field(init=False, repr=False, compare=False)
 
     def __init__(
@@ -104,6 +108,7 @@ class Scene:
         restitution: QuantityLike = 1,
         arcs: Iterable[Arc] = (),
         gravity: tuple[QuantityLike, QuantityLike] | None = None,
+        settle: bool = False,
     ) -> None:
         put = object.__setattr__
         put(self, "circles", tuple(_named(circles, "c")))
@@ -124,6 +129,7 @@ class Scene:
             source=source,
             restitution=restitution,
             gravity=gravity,
+            settle=settle,
         )
         _check_things(self)
         _check_kinds(self)
@@ -163,6 +169,7 @@ class Scene:
         source: str,
         restitution: QuantityLike,
         gravity: tuple[QuantityLike, QuantityLike] | None,
+        settle: object,
     ) -> None:
         """Sets all but the circles, walls and pockets."""
         put = object.__setattr__
@@ -176,6 +183,7 @@ class Scene:
         put(self, "capture", checked_truth("capture", capture))
         put(self, "restitution", checked_restitution(restitution))
         put(self, "gravity", checked_gravity(gravity))
+        put(self, "settle", checked_truth("settle", settle))
         if not isinstance(name, str) or not name:
             raise SceneError(f"name = {name!r} is not text; give the scene a name")
         put(self, "name", name)
@@ -188,6 +196,8 @@ class Scene:
             )
         if self.gravity is not None:
             _check_falling(self)
+        if self.settle:
+            _check_settling(self)
 
     @kept
     def moving_walls(self) -> bool:
@@ -352,6 +362,8 @@ class Scene:
             data["restitution"] = self.restitution.text()
         if self.gravity is not None:
             data["gravity"] = [part.text() for part in self.gravity]
+        if self.settle:
+            data["settle"] = True
         data["circle"] = [_texts(c, ("x", "y", "r", "vx", "vy", "m")) for c in self.circles]
         for circle, row in zip(self.circles, data["circle"], strict=True):
             if circle.point:
@@ -478,6 +490,23 @@ def _check_falling(scene: Scene) -> None:
             f"gravity: pocket {scene.pockets[0].id!r} captures, and under gravity no circle is taken out of play yet; "
             "leave capture out"
         )
+
+
+def _check_settling(scene: Scene) -> None:
+    """Refuses what settling has no meaning for, and what it is not followed beside."""
+    if scene.gravity is None:
+        raise SceneError(
+            "settle = true: without gravity nothing is at rest on a wall; write gravity, or leave settle out"
+        )
+    for key in ("reverse_after", "reverse_at"):
+        if getattr(scene, key) is not None:
+            raise SceneError(f"settle = true: cannot be turned back, as what has settled stays; leave {key} out")
+    moving = next((f"wall {wall.id!r}" for wall in scene.walls if wall.moves), scene.moving_solid)
+    found = "" if moving is None else f"{moving} moves"
+    for kind, things in (("arc", scene.arcs), ("pocket", scene.pockets)):
+        found = found or (f"{kind} {things[0].id!r} is round" if things else "")
+    if found:
+        raise SceneError(f"settle = true: {found}, and what has settled is not followed beside it; leave settle out")
 
 
 def _check_kinds(scene: Scene) -> None:

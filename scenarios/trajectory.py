@@ -132,6 +132,21 @@ class Pocketing:
     time: Real
 
 
+@dataclass(frozen=True)
+class Settling:
+    """A wall begins to carry a circle, which is at rest on it from then on, or slides along it.
+
+    Attributes:
+        circle: the circle's id.
+        wall: the wall's id.
+        time: the instant.
+    """
+
+    circle: str
+    wall: str
+    time: Real
+
+
 # -- What a run gives back: events, the reason it stopped, and the motion between them.
 
 
@@ -243,6 +258,7 @@ class Trajectory:
         notes: what the run says of itself, one sentence each (such as an exact return to the start).
         ending: where it stopped at an ACCUMULATION, the time by which all of the infinitely many have happened; where
             it was CRUSHED, when no room is left.
+        settlings: where walls began to carry circles, in order; none but with `settle`.
     """
 
     scene: Scene
@@ -258,6 +274,7 @@ class Trajectory:
     plan: Mapping[str, Any] = field(default_factory=dict[str, Any])
     notes: tuple[str, ...] = ()
     ending: Real | None = None
+    settlings: tuple[Settling, ...] = ()
 
     def at(self, time: str | SupportsFloat) -> State:
         """The state at a time from 0 to `final_time`; at an event, as it leaves it.

@@ -237,6 +237,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:
         raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
+    if trajectory.scene.settle:
+        raise CertificateError("the scene has settle = true: certificates do not know what walls carry; leave it out")
     if trajectory.scene.moving_solid is not None:
         raise CertificateError(f"{trajectory.scene.moving_solid} moves, and certificates know only walls that do")
     if trajectory.scene.gravity is not None and (bows := (*trajectory.scene.arcs, *trajectory.scene.pockets)):

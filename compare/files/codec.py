@@ -21,7 +21,7 @@ from mpmath.libmp import MPZ
 from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
-from ...exact.replay.state import Flip, Go, Kick, Step, Take
+from ...exact.replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
 from ...exact.simulation.decider import PackedRows
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
@@ -65,7 +65,9 @@ StepData: TypeAlias = Annotated[
     tuple[Literal["go"], SourceData, list[Count]]
     | tuple[Literal["kick"], list[LinkData], list[LinkData]]
     | tuple[Literal["flip"]]
-    | tuple[Literal["take"], Count],
+    | tuple[Literal["take"], Count]
+    | tuple[Literal["settle"], Count, Count, bool]
+    | tuple[Literal["lift"], Count],
     InSchema("step", has_reader=True),
 ]
 
@@ -164,7 +166,11 @@ def step_data(step: Step) -> Written:
         return ["go", source_data(step.source), list(step.bodies)]
     if isinstance(step, Kick):
         return ["kick", links_data(step.links), links_data(step.among)]
-    return ["take", step.body] if isinstance(step, Take) else ["flip"]
+    if isinstance(step, Settle):
+        return ["settle", *step]
+    return (
+        ["take", step.body] if isinstance(step, Take) else ["lift", step.body] if isinstance(step, Lift) else ["flip"]
+    )
 
 
 def step_of(data: Written) -> Step:
@@ -187,6 +193,10 @@ def step_of(data: Written) -> Step:
             return Kick(links_of(links), links_of(among))
         case ["take", int(body)]:
             return Take(body)
+        case ["settle", int(body), int(wall), bool(slides)]:
+            return Settle(body, wall, slides)
+        case ["lift", int(body)]:
+            return Lift(body)
         case ["flip"]:
             return Flip()
         case _:

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
-from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
+from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, settlings_of, tape_of
 from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, ending_of, time_of
 from ...exact.replay.contact import AtWall, Entry, can_push
 from ...exact.replay.state import Constant
@@ -327,6 +327,7 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         plan=data["plan"],
         notes=tuple(data["notes"]),
         ending=ending_of(log, last, ending),
+        settlings=settlings_of(motion),
     )
 
 

@@ -310,7 +310,7 @@ class LogEngine(Unchangeable):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but those that it lacks."""
-        return ALL_KEYS - {"wall kinds"} - self.lacks
+        return ALL_KEYS - {"settle", "wall kinds"} - self.lacks
 
     @property
     def last(self) -> Trajectory:

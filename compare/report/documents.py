@@ -1,7 +1,6 @@
-"""Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed.
+"""Results as JSON objects: for each class the keys that it has there, each an attribute of it, or computed."""
 
-`schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: infinite, unknown.
-"""
+# `schema.py` makes the JSON Schemas of it, by types and docstrings. Numbers are nearest doubles; null: not known.
 
 from __future__ import annotations
 
@@ -50,10 +49,11 @@ FORMS = {
     "scenarios.trajectory:Event": "index time contacts impulses ties? coupled? rests_on?",
     "scenarios.trajectory:Reversal": "after time",
     "scenarios.trajectory:Pocketing": "circle pocket time",
+    "scenarios.trajectory:Settling": "circle wall time",
     "scenarios.trajectory:State": "time circles",
     "scenarios.trajectory:CircleState": "id x y vx vy",
     "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "
-    "assumptions? notes? pocketed? definitions?",
+    "assumptions? notes? pocketed? settled?=settlings definitions?",
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon bounces?",
     "compare.audit.fits:BounceRatios": "asked mean low high count spread",
@@ -294,8 +294,8 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False, watch: Clock
     intervals adds the bounds as `..._interval`.
 
     Args:
-        exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots
-            refer to `definitions`, each a text of numbers and of the definitions before it.
+        exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots refer to
+            `definitions`, each a text of numbers and of the definitions before it.
         watch: the user's seconds; once they are over, every value that is left does.
     """
     texts = ExactTexts(watch=watch or Clock(None)) if exact else None

@@ -254,8 +254,8 @@ class InFractions:
         return Decision(order_exactly(*found), "field", TieProof.RATIONAL)
 
     def _is_exact(self, link: Link) -> bool:
-        """Whether the circles of a contact that fall are exact: one that stands is as it was."""
-        return all(self._state.exact[i] for i in link.circles if i not in self._state.balls.pegs)
+        """Whether the circles of a contact are exact: one that is fixed is as it was."""
+        return all(self._state.exact[i] for i in link.circles if i not in self._state.scene.pegs)
 
 
 def _kind(state: RefinableState, bodies: tuple[int, ...]) -> TieProof:

@@ -349,7 +349,7 @@ class CertifiedMeetings:
 
     def _pull(self, link: AtWall) -> int:
         """See `Sides.pull`; 0 without gravity."""
-        return 0 if self.predictor.falling is None else self._state.balls.sides.pull(*link[:2])
+        return self._state.balls.pull(link)
 
     def _reached(self, link: Link) -> Question | None:
         """Whether two that approach meet at all; None where they always do."""

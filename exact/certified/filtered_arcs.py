@@ -196,7 +196,8 @@ class PegPredictor(FallingPredictor):
         """See `Predictor.predict`; in one go where what stands at gap zero as flights begin is what was pushed."""
         pegs, on_peg = self.scene.pegs, self.state.on_peg
         known = {link for link in standing if on_peg(link)}
-        if all(a.index not in pegs and self._stood(a) == {link for link in known if a.index in link} for a in moved):
+        plain = self.state.pegs == pegs and not pegs.intersection(a.index for a in moved)
+        if plain and all(self._stood(a) == {link for link in known if a.index in link} for a in moved):
             super().predict(moved, standing, gone)
         else:
             self.at_length(moved, standing, gone)
@@ -295,8 +296,8 @@ class PegPredictor(FallingPredictor):
     def misses_exactly(self, link: Round) -> bool:
         """Whether a circle whose flight is of fractions surely does not fall onto something round, but may graze it."""
         state = self.refinable
-        faller = state.balls.faller(link).index
-        return state.field is not None and state.exact[faller] and never_lands(state.field, link)
+        exact = all(state.exact[i] for i in link.circles if i not in self.scene.pegs)
+        return state.field is not None and exact and never_lands(state.field, link)
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""

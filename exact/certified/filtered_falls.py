@@ -101,7 +101,7 @@ def float_fall(
         if not (zero or (value.rel_accuracy_bits() > ACCURATE_BITS and TINY < abs(told) < BIG)):
             norm = size = inf
     if size == inf:
-        half = float(sign)
+        norm, half = inf, float(sign)
     return FloatFall(line.wall, other, is_face, *line[1:6], norm, size, half, drift, bend)
 
 
@@ -354,6 +354,8 @@ class FallingPredictor(FilteredPredictor):
         """See `Predictor.walls`."""
         if self.falling is None:
             super().walls(a, walls, standing)
+        elif a.index in self.state.pegs:
+            self.unclear(a, [k for k in walls if k < self.wall_count], standing)
         else:
             self._meet_falling(a, walls, standing)
 
@@ -406,7 +408,7 @@ class FallingPredictor(FilteredPredictor):
         other = first + ((wall - first) ^ 1) if wall in self.two_sided else -1
         line = self.float_line(a, wall)
         if exact.is_face and exact.moves:  # where along it a circle is goes by its velocity too: not told in doubles
-            line = line._replace(size=inf)
+            line = line._replace(norm=inf, size=inf)
         return float_fall(line, other, exact.is_face, pulls, zeros, half.sign())
 
     def pegs_of(self, a: Body[arb]) -> Sequence[FloatPeg]:

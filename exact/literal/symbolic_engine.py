@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Integer, Poly, Symbol
 
-from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_ends
+from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_ends, refuse_settled
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
@@ -154,7 +154,7 @@ class SymbolicEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`: no circle is ever taken out of play."""
-        return ALL_KEYS - {"capture"}
+        return ALL_KEYS - {"capture", "settle"}
 
     @property
     def name(self) -> str:
@@ -176,10 +176,10 @@ class SymbolicEngine(Declared):
                 or polygons under gravity.
         """
         refuse_ends(scene, "square roots", "a fall onto one is a zero of a quartic: use exact, or leave gravity out")
+        refuse_settled(scene, "engine 'sympy'")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
-        until_, events_ = horizon(scene, until, events)
-        return _Run(scene, until_, events_, progress).trajectory()
+        return _Run(scene, *horizon(scene, until, events), progress).trajectory()
 
 
 @dataclass

@@ -129,7 +129,7 @@ class BallState(ReplayState[arb]):
         for mine, new in zip((*self.pockets, *self.arcs), (*other.pockets, *other.arcs), strict=True):
             mine.become(new)
         self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
-        self.contacts = other.contacts
+        self.contacts, self.pegs = other.contacts, other.pegs
         self.zero, self.one, self.flip_time, self.share = other.zero, other.one, other.flip_time, other.share
         self.instant, self.late, self.met = other.instant, other.late, other.met
         self.falling, self.drifts = other.falling, other.drifts

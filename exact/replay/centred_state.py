@@ -199,6 +199,17 @@ class CentredState(BallState):
         self.loosen()
         super().take(index)
 
+    def settle(self, index: int, wall: int, slides: bool) -> None:
+        """As `State.settle`."""
+        self.loosen()
+        super().settle(index, wall, slides)
+
+    def lift(self, index: int) -> None:
+        """As `State.lift`; what the law of the meeting told is of the flight before."""
+        self.loosen()
+        super().lift(index)
+        self.met = self._told = self._root = None
+
     def flip(self) -> None:
         """As `State.flip`."""
         self.loosen()

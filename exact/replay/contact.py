@@ -594,6 +594,7 @@ class Sides:
         self.scene = scene
         self._known: dict[tuple[int, int], bool] = {}
         self._pulls: dict[int, int] = {}
+        self._level: dict[int, bool] = {}
         self._walls: dict[int, tuple[float, float, float, float] | None] = {}
 
     def negative(self, circle: int, wall: int) -> bool:
@@ -613,6 +614,13 @@ class Sides:
             self._pulls[wall] = 0 if g is None else (nx * g[0] + ny * g[1]).sign()
         sign = self._pulls[wall]
         return -sign if sign and self.negative(circle, wall) else sign
+
+    def level(self, wall: int) -> bool:
+        """Whether a wall lies across gravity: along it nothing pulls."""
+        if wall not in self._level:
+            (nx, ny), g = self.scene.walls[wall].normal, self.scene.gravity
+            self._level[wall] = g is not None and (nx * g[1] - ny * g[0]).sign() == 0
+        return self._level[wall]
 
     def _in_doubles(self, circle: int, wall: int) -> bool | None:
         """The same, where doubles tell it."""

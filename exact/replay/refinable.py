@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from flint import arb
 
@@ -19,7 +19,7 @@ from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
 from .ball_state import SPARE_BITS
 from .centred_state import CentredState, lone_contacts
 from .contact import Body, Flight, Link, Touch, can_push, is_pair
-from .state import Flip, Go, Kick, ReplayState, Step, circles_of
+from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, circles_of
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -148,10 +148,17 @@ class RefinableState:
             self.balls.steps_done = len(self.steps)
             self.length = self.bits
             self.lowest = min(self.lowest, self._step_in_balls(self.balls, step, taking_part, self.bits))
+        self._carry(step, self.balls if in_field else self.field)
         self.steps.append(step)
         self._in_field.append(in_field)
         if self.held is not None and not in_field and isinstance(step, Kick):
             self._hold(taking_part)
+
+    def _carry(self, step: Step, other: Flights[Any] | None) -> None:
+        """Notes in a state that has not carried out a step whom a wall carries from it on."""
+        if other is None or not isinstance(step, Settle | Lift):
+            return
+        other.pegs = other.pegs | {step.body} if isinstance(step, Settle) else other.pegs - {step.body}
 
     def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:
         """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.
@@ -326,6 +333,8 @@ class RefinableState:
             state.forget_contact()
         elif isinstance(step, Flip):
             state.flip_time = self.balls.flip_time
+        else:
+            self._carry(step, state)
 
     def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""

@@ -15,6 +15,7 @@ from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..compiled import predictions
+from ..laws.formulas import advance
 from ..numbers.ball import LeavesField, bits_in_use, sign_of
 from ..numbers.system import N
 from .contact import (
@@ -534,9 +535,9 @@ class RoundFalls(Generic[N]):
     """What of a state concerns round things that stand under gravity: circles, the sides of arcs, rims of pockets.
 
     Attributes:
-        stands: whether there are any.
-        pegs: the circles that do.
-        paces: the velocities of those of them that move.
+        stands: whether there are any, or may be.
+        pegs: the circles that do; and those that a wall carries, which fly straight, in true coordinates.
+        paces: the velocities of those of the fixed ones that move.
         curved: whether anything pulls, so that flights are parabolas.
         contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
     """
@@ -559,10 +560,14 @@ class RoundFalls(Generic[N]):
         raise NotImplementedError
 
     def on_peg(self, link: Link) -> bool:
-        """Whether one of the two of a contact is round and stands under gravity."""
+        """Whether one of the two of a contact is round and stands under gravity, or is carried, and the other falls."""
         if is_pair(link):
-            return link.a in self.pegs or link.b in self.pegs
+            return (link.a in self.pegs) is not (link.b in self.pegs)
         return self.stands and not is_flat(link)
+
+    def carried(self, link: Round) -> bool:
+        """Whether neither of the two of a contact falls."""
+        return self.pegs.issuperset(link.circles)
 
     def _stands_first(self, link: Round) -> bool:
         """Whether the first of a contact's two is the one that stands, a circle."""
@@ -582,10 +587,12 @@ class RoundFalls(Generic[N]):
         if not falling.bent:
             wx, wy = falling.hx * t, falling.hy * t
             x, y, vx, vy = x + wx * t, y + wy * t, vx + (wx + wx), vy + (wy + wy)
-        px, py = peg.flight.x, peg.flight.y
+        px, py, pvx, pvy, since, *_ = peg.flight
         pace = self.paces.get(peg.index) if is_pair(link) else None
         if pace is not None:  # an end that moves, as seen from it
             px, py, vx, vy = px + pace[0] * t, py + pace[1] * t, vx - pace[0], vy - pace[1]
+        elif not peg.flight.rest:  # what a wall carries
+            px, py, vx, vy = advance(px, pvx, t - since), advance(py, pvy, t - since), vx - pvx, vy - pvy
         dx, dy = px - x, py - y
         reach = self.reach(body, peg)
         return Relation(t, -dx, -dy, vx, vy, reach) if first else Relation(t, dx, dy, -vx, -vy, reach)

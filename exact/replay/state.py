@@ -72,7 +72,29 @@ class Take(NamedTuple):
     body: int
 
 
-Step: TypeAlias = Go | Kick | Flip | Take
+class Settle(NamedTuple):
+    """From the instant at which a body stands on, a wall carries it, against gravity: it flies straight along it.
+
+    Its flight is kept in true coordinates from then on.
+
+    Attributes:
+        body: the circle.
+        wall: what carries it: a wall across gravity.
+        slides: whether it moves along the wall.
+    """
+
+    body: int
+    wall: int
+    slides: bool
+
+
+class Lift(NamedTuple):
+    """Nothing carries a body any more, from the instant at which it stands on: it falls as others do."""
+
+    body: int
+
+
+Step: TypeAlias = Go | Kick | Flip | Take | Settle | Lift
 
 
 STEP_UNITS = 60
@@ -114,7 +136,7 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int]
             if wanted & touched:
                 needed.append(k)
                 wanted |= touched
-        elif isinstance(step, Take):
+        elif isinstance(step, Take | Settle | Lift):
             if step.body in wanted:
                 needed.append(k)
         else:
@@ -135,7 +157,7 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
         if len(step.links) == 1:
             return step.links[0].circles
         return tuple({i for link in step.links for i in link.circles})
-    if isinstance(step, Take):
+    if isinstance(step, Take | Settle | Lift):
         return (step.body,)
     return tuple(range(count))
 
@@ -188,7 +210,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self.pegs, self.contacts = scene.pegs, {}
         self.paces = {i: (constant(end.drift[0]), constant(end.drift[1])) for i, end in scene.moving_ends.items()}
         self.curved = self.bends or (scene.gravity is not None and any(part.sign() for part in scene.gravity))
-        self.stands = scene.gravity is not None and bool(self.pegs or self.arcs or self.pockets)
+        self.stands = scene.gravity is not None and bool(scene.settle or self.pegs or self.arcs or self.pockets)
 
     def _circle(self, i: int) -> Body[N]:
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
@@ -215,7 +237,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         f, g = a.flight, b.flight
         if self.stands and self.on_peg(link):
             return self.peg_relation(link)
-        if self.falling is not None and self.falling.bent:
+        if self.falling is not None and self.falling.bent and not self.carried(link):
             return self.bent_relation(self.falling, a, b)
         ax, ay, bx, by = f.x, f.y, g.x, g.y
         if f.last >= g.last:
@@ -354,6 +376,10 @@ class ReplayState(Flights[N]):
                 self.note_stood(step.among)
         elif type(step) is Take:
             self.take(step.body)
+        elif type(step) is Settle:
+            self.settle(*step)
+        elif type(step) is Lift:
+            self.lift(step.body)
         else:
             self.flip()
 
@@ -373,8 +399,8 @@ class ReplayState(Flights[N]):
         for index in bodies:
             body = self.bodies[index]
             x, y, vx, vy, t, _, _, _, rest = body.flight
-            if falls is not None and falls.bent:
-                if t is not clock and index not in self.pegs:
+            if falls is not None and falls.bent and index not in self.pegs:
+                if t is not clock:
                     x, y, vx, vy = falls.flown((x, y, vx, vy), lag if lag is not None and t is base else clock - t)
             elif not rest and t is not clock:
                 step = lag if lag is not None and t is base else clock - t

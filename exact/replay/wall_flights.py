@@ -19,7 +19,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, N
-from .contact import AtWall, Body, Gravity, Sides, WallFall
+from .contact import AtWall, Body, Flight, Gravity, Sides, WallFall
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -170,6 +170,7 @@ class WallFlights(Generic[N]):
     one: N
     bodies: dict[int, Body[N]]
     sides: Sides
+    pegs: frozenset[int]
     falling: Gravity[N] | None
     drifts: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
@@ -185,11 +186,19 @@ class WallFlights(Generic[N]):
             self._lines[wall] = (SeenWall(x0, y0, mx, my, nn, length), SeenWall(x0, y0, -mx, -my, nn, length))
         return self._lines[wall][self.sides.negative(circle, wall)]
 
+    def falls(self, circle: int) -> Gravity[N] | None:
+        """What bends the gap of a circle and walls; None where nothing does: what a wall carries flies straight."""
+        return None if circle in self.pegs else self.falling
+
+    def pull(self, link: AtWall) -> int:
+        """Whether gravity pulls a circle that falls towards a wall (negative), along it (0) or away from it."""
+        return 0 if self.falls(link.circle) is None else self.sides.pull(*link[:2])
+
     def wall_gap(self, link: AtWall) -> N:
         """The distance of a circle from a wall, less its radius, times |n|; when, see `round_gap`."""
         x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
-        if self.falling is not None:
-            fall = self.fall(self.falling, link)
+        if (falling := self.falls(link.circle)) is not None:
+            fall = self.fall(falling, link)
             return fall.gap if late is None else sag(fall.gap, fall.approach, fall.half, late)
         if late is None:
             return self._wall_gap(link, x, y)
@@ -202,17 +211,17 @@ class WallFlights(Generic[N]):
     def wall_approach(self, link: AtWall) -> N:
         """n.v relative to the wall: negative while the two come nearer; under gravity as the flight begins."""
         flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
-        if self.falling is not None:
-            fall = self.fall(self.falling, link)
+        if (falling := self.falls(link.circle)) is not None:
+            fall = self.fall(falling, link)
             return fall.approach if flight.late is None else fall_speed(fall.approach, fall.half, flight.late)
         return wall_approach(flight.vx, flight.vy, line.nx, line.ny)
 
     def wall_hit(self, link: AtWall) -> tuple[N, N]:
         """As `round_hit`."""
         flight = self.bodies[link.circle].flight
-        pull = 0 if self.falling is None else self.sides.pull(*link[:2])
-        if self.falling is not None and (pull or link.wall in self.drifts):
-            fall = self.fall(self.falling, link)
+        pull, falling = self.pull(link), self.falls(link.circle)
+        if falling is not None and (pull or link.wall in self.drifts):
+            fall = self.fall(falling, link)
             if not pull:
                 return flight.t, wall_hit_time(fall.gap, fall.approach)
             root = self.root(fall_discriminant(fall.gap, fall.approach, fall.half))
@@ -224,7 +233,7 @@ class WallFlights(Generic[N]):
     def wall_parts(self, link: AtWall) -> tuple[N, N, N]:
         """As `round_parts`; without gravity across the wall there is no root in it."""
         clock = self.bodies[link.circle].flight.t
-        if self.falling is not None and self.sides.pull(*link[:2]):
+        if self.falling is not None and self.pull(link):
             fall = self.fall(self.falling, link)
             pull = fall.half + fall.half
             return (
@@ -285,9 +294,47 @@ class WallFlights(Generic[N]):
         ux, uy = (self.zero, self.zero) if drift is None else drift
         slide = face_along(flight.vx, flight.vy, ux, uy, line.nx, line.ny)
         bend = None
-        if self.falling is not None and self.scene.gravity is not None:
-            place = along_of(self.falling, (along, slide), line, flight.t, self.zero)
+        if (falling := self.falls(link.circle)) is not None and self.scene.gravity is not None:
+            place = along_of(falling, (along, slide), line, flight.t, self.zero)
             along, slide, bend = place
         if not far:
             return along, slide, bend, flight.t
         return line.nn - along, -slide, None if bend is None else -bend, flight.t
+
+    # -- circles that walls carry
+
+    def settle(self, index: int, wall: int, slides: bool) -> None:
+        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
+        body, falls = self.bodies[index], self.falling
+        assert falls is not None
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        zero = self.zero
+        if not falls.bent:
+            x, y = x + falls.hx * t * t, y + falls.hy * t * t
+            vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
+        if late is not None:
+            x, y, vx, vy = falls.flown((x, y, vx, vy), late)
+        if slides:
+            line = self.line(index, wall)
+            slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn
+            vx, vy = line.ny * slide, -(line.nx * slide)
+            if late is not None:
+                x, y = advance(x, vx, -late), advance(y, vy, -late)
+        else:
+            vx = vy = zero
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last, rest=not slides)
+        self.pegs |= {index}
+
+    def lift(self, index: int) -> None:
+        """Lets a body fall from the instant on: its velocity is as it was."""
+        body, falls = self.bodies[index], self.falling
+        assert falls is not None
+        self.pegs -= {index}
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        back = self.zero if late is None else late
+        if falls.bent:
+            assert late is None
+        else:  # x + h (s - T)^2 at the time s, less h s^2, with T = t + late
+            rest, twice = (back - t) * (back + t), -(instant + instant)
+            x, y, vx, vy = x + falls.hx * rest, y + falls.hy * rest, vx + falls.hx * twice, vy + falls.hy * twice
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last)

@@ -218,9 +218,9 @@ def predict_falls(
 ) -> None:
     """As `Predictor.predict`, where something round stands under gravity: walls and arcs first, then circles that stand
     and rims, then circles that fall."""
-    pegs = predictor.scene.pegs
+    pegs, fixed = predictor.state.pegs, predictor.scene.pegs
     moved = [a for a in moved if a.index not in gone]
-    walls([a for a in moved if a.index not in pegs], standing)
+    walls([a for a in moved if a.index not in fixed], standing)
     others = [b for b in predictor.state.bodies.values() if b.index not in gone]
     predicted = 0
     for a in moved:
@@ -230,6 +230,10 @@ def predict_falls(
             for b in movers:
                 predictor.land(b, Pair(*sorted((a.index, b.index))), standing)
             predicted += len(movers)
+            if not a.flight.rest:  # carried along a wall, as what it meets may be
+                predictor.pairs(a, [b for b in others if b.index in pegs], standing)
+            elif a.index not in fixed:
+                predictor.pairs(a, [b for b in others if b.index in pegs and not b.flight.rest], standing)
             continue
         for b in others:
             if b.index in pegs:

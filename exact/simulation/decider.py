@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from array import array
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast, overload
 
 from flint import arb, arb_mat
@@ -26,7 +27,7 @@ from ..numbers.system import N, number_system
 from ..question import Decision, Question
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
-from ..replay.state import ReplayState, Step, causal_past, replay, step_units
+from ..replay.state import Lift, ReplayState, Settle, Step, causal_past, replay, step_units
 from .endings import Accumulating, Rows
 from .prediction import Arrival, ArrivalQueue
 
@@ -433,6 +434,21 @@ class RunLog:
         same = other is self or (len(other.steps) >= upto and other.scene == self.scene)
         ours, theirs = (self.steps, other.steps) if other is not self else ((), ())
         return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
+
+    def carries(self, circle: int, upto: int) -> bool:
+        """Whether a wall carries a circle after the first `upto` steps (see `Settle`)."""
+        known = self._carried.get(circle, [])
+        before = bisect_right(known, upto, key=itemgetter(0))
+        return before > 0 and known[before - 1][1]
+
+    @cached_property
+    def _carried(self) -> dict[int, list[tuple[int, bool]]]:
+        """For each circle that walls have carried, how many steps led to where one does, or none any more."""
+        found: dict[int, list[tuple[int, bool]]] = {}
+        for k, step in enumerate(self.steps if self.given.settle else (), start=1):
+            if isinstance(step, Settle | Lift):
+                found.setdefault(step.body, []).append((k, isinstance(step, Settle)))
+        return found
 
     def units(self, bits: int, upto: int) -> int:
         """The work of that."""

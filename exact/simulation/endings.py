@@ -1,9 +1,9 @@
-"""Where a run ends though time goes on: a circle at rest, infinitely many hits in finite time, one that is crushed."""
+"""Where a run ends though time goes on: at rest, infinitely many hits in finite time, crushed; what goes on at rest."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import ceil, inf, log
@@ -15,11 +15,12 @@ from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import face_along, fall_speed, sag
+from ..laws.formulas import advance, face_along, fall_speed, sag
 from ..numbers import ball
 from ..numbers.system import N, Undecided
+from ..question import Question, Slide
 from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
-from ..replay.state import Constant, ReplayState
+from ..replay.state import Constant, Go, Lift, ReplayState, Settle
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -42,6 +43,11 @@ from ..replay.state import Constant, ReplayState
 # the room between these, says; and no two of these places, nor one and another wall, are near enough to meet. Where one
 # of the two is a face, that ends, this is proved of a circle that alone moves, which is over the face for all of the
 # time, and far from its ends.
+
+# A scene may have walls carry what comes to rest so, or slides: on a wall across gravity, along which nothing pulls, it
+# then flies straight in true coordinates. One that falls meets it at a zero of a quartic, as it meets what is fixed;
+# what does not fall, at that of a quadratic. As something comes to it, it is let fall, so that its wall is one of the
+# contacts of that instant; and what these leave at the wall, neither approaching nor parting, is carried again.
 
 SHRUNK = 20
 """A bounce counts as one of the last once its speed is 2**-SHRUNK of the first one's: before that they are all told."""
@@ -94,6 +100,95 @@ class Accumulating:
         return -speed / (half * state.constant(1 - state.scene.restitution))
 
 
+class Carrier:
+    """Knows the circles of a run that walls carry.
+
+    Args:
+        scene: what runs.
+        ask, ask_cheaply: decide the sign of a question on the state as it is; the other may leave it open.
+        do: carries a step out.
+
+    Attributes:
+        walls: the circles, with the wall of each.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        ask: Callable[[Question], int],
+        ask_cheaply: Callable[[Question], int | None],
+        do: Callable[[Go | Settle | Lift], None],
+    ) -> None:
+        self.walls: dict[int, int] = {}
+        self._scene, self._ask, self._ask_cheaply, self._do = scene, ask, ask_cheaply, do
+        self._sides = Sides(scene)
+        self._changed: set[int] = set()
+
+    def anchored(self, at_hand: Collection[int]) -> set[int]:
+        """The circles whose flights are new as a wall has begun to carry one, or has let it go, since last asked.
+
+        All that fall are then reckoned anew from here on: their clock is no earlier than that of what is carried, and
+        what a flight would meet after one that was, it may meet.
+
+        Args:
+            at_hand: those that stand at the instant already.
+        """
+        changed, self._changed = self._changed, set()
+        if not changed:
+            return changed
+        stand = self._scene.pegs.union(self.walls)
+        falling = [i for i in range(len(self._scene.circles)) if i not in stand]
+        others = tuple(i for i in falling if i not in at_hand)
+        if others:
+            self._do(Go(min(changed), others))
+        return changed.union(falling)
+
+    def lift(self, bodies: Iterable[int]) -> None:
+        """Lets circles fall, to which something has come."""
+        for i in bodies:
+            if self.walls.pop(i, None) is not None:
+                self._do(Lift(i))
+                self._changed.add(i)
+
+    def settle(self, standing: Mapping[Link, int]) -> list[AtWall]:
+        """Has walls carry the circles that neither approach them nor part, where they can; what these are.
+
+        Args:
+            standing: contacts at gap zero, with the sign of their closing speed.
+
+        Raises:
+            Undecided: for one that slides along a face, which ends.
+        """
+        found = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link) and self.carries(link))
+        for link in found:
+            self.carry(link)
+        return found
+
+    def carries(self, link: AtWall) -> bool:
+        """Whether a wall can carry a circle, and carries it not yet."""
+        known = link.circle in self.walls or link.circle in self._scene.pegs
+        return not known and self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall)
+
+    def carry(self, link: AtWall) -> None:
+        """Has a wall carry a circle.
+
+        Raises:
+            Undecided: for one that slides along a face, which ends.
+        """
+        if link.wall not in self._scene.faces:
+            slides = self._ask_cheaply(Slide(link)) != 0
+        elif self._ask(Slide(link)) == 0:
+            slides = False
+        else:
+            raise Undecided(
+                f"{name_of(self._scene, link)} neither approach nor part, under gravity, and the one slides along the "
+                "other, which ends: that is not followed"
+            )
+        self._do(Settle(link.circle, link.wall, slides))
+        self.walls[link.circle] = link.wall
+        self._changed.add(link.circle)
+
+
 class Endings:
     """Looks for them, event by event.
 
@@ -120,18 +215,19 @@ class Endings:
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
-    def at_rest(self, standing: Mapping[Link, int]) -> str | None:
+    def at_rest(self, standing: Mapping[Link, int], carried: Collection[int] = ()) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
+            carried: the circles that walls carry: these stand, as fixed ones do.
 
         Raises:
-            Undecided: where one stands on, or flies along, something round and fixed.
+            Undecided: where one stands on, or flies along, something round that stands.
         """
-        pegs = self.scene.pegs
+        stands = self.scene.pegs.union(carried)
         for link, sign in standing.items():
-            round_one = is_arc(link) or (is_pair(link) and not pegs.isdisjoint(link.circles))
+            round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
             if sign == 0 and round_one and self.scene.gravity is not None:
                 where = "beside ends that move" if self.scene.moving_ends else "under gravity"
                 raise Undecided(
@@ -141,7 +237,7 @@ class Endings:
         names = [
             name_of(self.scene, link)
             for link, sign in standing.items()
-            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0
+            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in carried
         ]
         return " as well as ".join(sorted(names)) or None
 
@@ -429,8 +525,11 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
     for body in state.bodies.values():
         x, y, vx, vy, t, *_ = body.flight
         if body.index in state.pegs:
-            ux, uy = state.paces.get(body.index, (vx, vy))
-            rows.append((x + ux * time, y + uy * time, ux, uy))
+            lag = time - t
+            if (pace := state.paces.get(body.index)) is not None:
+                rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
+            else:
+                rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
         elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
         else:

@@ -28,6 +28,7 @@ from ..replay.contact import (
 )
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
+from .endings import Carrier
 from .policies import Lasting, Policy, Rounds, components, settle
 from .prediction import Arrival
 
@@ -115,6 +116,7 @@ class Resolver(Generic[N, K]):
     Attributes:
         touching: the contacts that last.
         gone: circles out of play.
+        carrier: knows the circles that walls carry; None where none settles.
     """
 
     def __init__(self, scene: Scene, decider: Decider[N, K], policy: Policy) -> None:
@@ -126,6 +128,7 @@ class Resolver(Generic[N, K]):
         self._closes = scene.restitution.sign() == 0
         self.touching = Lasting()
         self.gone: set[int] = set()
+        self.carrier = Carrier(scene, decider.ask, decider.ask_cheaply, decider.do) if scene.settle else None
 
     def resolve(self, instant: Instant, events_left: int | None, reverse_in: int | None) -> Resolved[K]:
         """Carries an instant out.
@@ -140,6 +143,11 @@ class Resolver(Generic[N, K]):
             self._alone(instant.hits[0], instant.ties, done)
         elif instant.hits:
             self._contacts(instant.hits, instant.touches, instant, done)
+        if self.carrier is not None:
+            for link in self.carrier.settle({**instant.touches, **done.standing}):
+                self.touching.add(link)
+            here = range(self.n) if done.number == 0 else done.advanced | done.moved
+            done.moved |= self.carrier.anchored(here)
         if self.scene.pockets:
             self._entries(instant.arrivals, instant.rims, done)
         if instant.reversal or (reverse_in is not None and len(done.events) == reverse_in):
@@ -168,6 +176,9 @@ class Resolver(Generic[N, K]):
             elif note.last is None:
                 note.last = Mark(done.number, decider.reading.entry_time(link), step, link)
             note.entries.append(Arrived(i, link.pocket, note.last))
+        if done.number == 0 and note.last is None and self.carrier is not None and self.carrier.walls:
+            first = min(self.carrier.walls)  # what settles as time begins is kept
+            note.last = Mark(0, decider.reading.now(bodies[first]), step, first)
         note.knots = [(i, (*decider.reading.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
         return note
 
@@ -205,6 +216,8 @@ class Resolver(Generic[N, K]):
             if instant.clock is not None and not done.flipped:
                 self.decider.do(Go(first, component.bodies))
                 done.advanced.update(component.bodies)
+                if self.carrier is not None:
+                    self.carrier.lift(component.bodies)
             turn, again = (
                 (self._refuse_turns, self._refuse_collapse)
                 if self.decider.proves and not self.scene.elastic

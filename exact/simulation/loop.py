@@ -433,7 +433,8 @@ class Loop(Generic[N, K]):
         endings = self.endings
         if endings is None or self._ended is not None:
             return
-        resting = endings.at_rest(standing)
+        carrier = self.resolver.carrier
+        resting = endings.at_rest(standing, () if carrier is None else carrier.walls)
         if resting is not None:
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return

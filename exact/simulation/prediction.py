@@ -458,7 +458,8 @@ class Predictor(Generic[M]):
         flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
-            if not a.flight.rest or (self.falling is not None and not self.scene.circles[a.index].fixed):
+            free = self.falling is not None and a.index not in self.state.pegs
+            if (free or not a.flight.rest) and not self.scene.circles[a.index].fixed:
                 flying += 1
                 self.walls(a, every, standing)
                 if self.faces:
@@ -499,7 +500,7 @@ class Predictor(Generic[M]):
         """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
-        if self.falling is not None and self.falling.bent:
+        if self.falling is not None and self.falling.bent and a.index not in self.state.pegs:
             bx, by, bvx, bvy = self.falling.flown((bx, by, bvx, bvy), at - bt)
             dx, dy, vx, vy = bx - ax, by - ay, bvx - avx, bvy - avy
         elif b.flight.rest:
@@ -531,8 +532,9 @@ class Predictor(Generic[M]):
 
     def wall(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a wall."""
-        if self.falling is not None and ((pull := self.state.sides.pull(a.index, wall)) or wall in self.state.drifts):
-            self._fall(self.falling, a, wall, pull, standing)
+        falling = self.state.falls(a.index)
+        if falling is not None and ((pull := self.state.sides.pull(a.index, wall)) or wall in self.state.drifts):
+            self._fall(falling, a, wall, pull, standing)
             return
         x0, y0, nx, ny, offset = self.line(a, wall)
         ax, ay, avx, avy, at = a.q

@@ -30,7 +30,7 @@ from truebreak.exact.replay.state import Flights, ReplayState
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.exact.simulation import prediction
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, SingleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall, catalogue, pictures
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Segment, StopReason, Wall, catalogue, pictures
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.pictures import as_at
 
@@ -391,10 +391,30 @@ def test_a_point_meets_a_wall_that_moves():
         assert float(run.final["c1"].vy) == -2.0
 
 
-def test_walls_pass_what_is_fixed():
-    scene = Scene([Circle(0, 0, m="oo", id="post"), Circle(9, 0)], [Wall(-3, 0, -3, 1, vx=1)])
-    run = ExactEngine().run(scene, until=20)
-    assert [(event.contacts, event.time.text()) for event in run.events] == [((("c2", "w1"),), "11")]
+@pytest.mark.parametrize(
+    "engine",
+    [
+        ExactEngine(),
+        SymbolicEngine(),
+        DoubleEngine(),
+        SingleEngine(),
+        QuadEngine(),
+        IntervalEngine(300),
+        PymunkEngine(),
+    ],
+    ids=lambda engine: engine.name,
+)
+@pytest.mark.parametrize("gravity", [None, (0, 0)])
+def test_walls_pass_what_is_fixed(engine, gravity):
+    post = Circle(0, 0, m="oo", id="post")
+    rail = Segment(-1, 4, 0, 5, "rail", "1/5")
+    push = Wall(-3, 0, -3, 1, "push", vx=1)
+    for segments in ((), (rail,)):
+        scene = Scene([post, Circle(9, 0, id="ball")], [push], segments=segments, gravity=gravity)
+        run = engine.run(scene, until=20)
+        assert [event.contacts for event in run.events] == [(("ball", "push"),)]
+        assert abs(float(run.events[0].time) - 11.0) < 0.02
+        assert (float(run.final["post"].vx), float(run.final["post"].x)) == (0.0, 0.0)
 
 
 def test_what_does_not_know_walls_that_move_refuses_them_in_one_line():

@@ -876,7 +876,7 @@ TOLD = (
     ),
     Mutant(
         "at_in_doubles", MOTION,
-        "while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):",
+        "while k > 0 and not rough[k] < near - room and self._after(self.knot_time(i, k), time):",
         "while k > 0 and rough[k] > near:",
         "at() tells before from after in doubles",
     ),
