@@ -144,7 +144,7 @@ class SavedRun(TypedDict):
     end: TimeData
     returned: bool
     set_times: list[tuple[str, Count]]
-    ending: str | tuple[Count, LinkData] | None
+    ending: str | tuple[Count, LinkData] | tuple[Count, LinkData, LinkData] | None
     reversal: tuple[Count, TimeData] | None
     entries: list[tuple[str, str, TimeData]]
     steps: list[StepData]
@@ -264,7 +264,8 @@ def _ending_data(ending: Real | None) -> Written:
     if isinstance(ending.formula, Constant):
         return set_time_data(ending.formula.value)
     assert isinstance(ending.formula, Accumulating)
-    return [ending.upto, list(ending.formula.link)]
+    other = ending.formula.other
+    return [ending.upto, list(ending.formula.link), *([] if other is None else [list(other)])]
 
 
 # -- reading
@@ -301,10 +302,10 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
     if isinstance(ending, str):
         ending = Constant(Quantity.of(ending))
     elif ending is not None:
-        last, link = ending[0], link_of(ending[1])
-        if not isinstance(link, AtWall):
-            raise ValueError(f"{link} is no bounce on a wall")
-        ending = Accumulating(link)
+        last, links = ending[0], [link for told in ending[1:] if can_push(link := link_of(told))]
+        if len(links) != len(ending) - 1 or not (len(links) == 2 or isinstance(links[0], AtWall)):
+            raise ValueError(f"{ending[1:]} is no bounce on a wall, and no hits in turns")
+        ending = Accumulating(*links)
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]

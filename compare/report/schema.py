@@ -260,7 +260,8 @@ class _Maker:
         if origin in (Union, UnionType):
             if NoneType not in parts:
                 return {"anyOf": [self.of(part) for part in parts]}
-            return self._nullable(self.of(next(part for part in parts if part is not NoneType)))
+            others = [self.of(part) for part in parts if part is not NoneType]
+            return self._nullable(others[0]) if len(others) == 1 else {"anyOf": [*others, {"type": "null"}]}
         if isinstance(origin, type) and issubclass(origin, Mapping):
             return {"type": "object", "additionalProperties": self.of(parts[1])}
         if origin is tuple and parts[-1:] != (Ellipsis,):

@@ -11,7 +11,7 @@ from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import arc_range, pair_approach, pair_gap
-from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, sign_of
+from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sign_of
 from ..numbers.system import M, N
 from .contact import AtArc, Link, Round, can_push, is_arc, is_flat, is_pair
 from .round_falls import (
@@ -279,9 +279,10 @@ def gap_in_fractions(state: Flights[FieldNumber], link: Link) -> tuple[fmpq, lis
 
 def never_lands(state: Flights[FieldNumber], link: Round) -> bool:
     """Whether the gap of a contact is known as a polynomial of fractions that never falls through zero: two that miss
-    each other, or graze, which its factors tell."""
+    each other, or graze, which its factors tell. Two points that graze hit each other, and there is no normal."""
     known = gap_in_fractions(state, link)
-    return known is not None and isinstance(falling_zero_exactly(known[1]), bool)
+    found = None if known is None else falling_zero_exactly(known[1])
+    return isinstance(found, bool) and not (found and field_sign(state.reach(*link.ends(state))) == 0)
 
 
 def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:

@@ -21,6 +21,7 @@ from ..numbers.system import N, Undecided
 from ..question import Question, Slide
 from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
 from ..replay.state import Constant, Go, Lift, ReplayState, Settle
+from .policies import Collapse, LineRallies, may_collapse
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -80,22 +81,29 @@ Rows: TypeAlias = Sequence[tuple[arb, arb, arb, arb]]
 
 @dataclass(frozen=True)
 class Accumulating:
-    """Computes when the bounces of a circle on a wall end, from the state after one of them."""
+    """Computes when the bounces of a circle on a wall end, from the state after one of them; or the hits of `link` and
+    `other` in turns, on one line (see `Collapse`), from the state after one of `link`."""
 
-    link: AtWall
+    link: Touch
+    other: Touch | None = None
 
     @property
     def circles(self) -> tuple[int, ...]:
-        """The circle."""
-        return self.link.circles
+        """The circle, or all that are hit."""
+        return tuple(dict.fromkeys((*self.link.circles, *(() if self.other is None else self.other.circles))))
 
     def __call__(self, state: ReplayState[N]) -> N:
-        body = state.bodies[self.link.circle]
+        body = state.bodies[self.link[0]]
         return body.flight.instant + self.wait(state)
 
     def wait(self, state: ReplayState[N]) -> N:
         """How long after the bounce: 2 v / (|n.g| (1 - e)), with v relative to the wall."""
+        if self.other is not None:
+            collapse = Collapse.of(state.scene, self.link, self.other)
+            assert collapse is not None
+            return collapse.wait(state)
         assert state.falling is not None
+        assert is_flat(self.link)
         speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
         return -speed / (half * state.constant(1 - state.scene.restitution))
 
@@ -193,7 +201,7 @@ class Endings:
     """Looks for them, event by event.
 
     Args:
-        scene: what runs, under gravity or with walls that move.
+        scene: what runs, under gravity, with walls that move, or a restitution below 1.
 
     Attributes:
         found: the bounces that were proved to end, or when a circle is crushed.
@@ -210,6 +218,9 @@ class Endings:
         self._pinches: dict[tuple[int, int, int], Squeeze | None] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, tuple[int, int]] = {}
+        self.lines = LineRallies(scene) if may_collapse(scene) else None
+        self._marks: list[tuple[int, float]] = []
+        self._stuck = 0, 0.0
         self._spans: dict[int, tuple[Touch, float, float]] = {}
         self._times: list[float] = []
         e = float(scene.restitution)
@@ -406,6 +417,72 @@ class Endings:
         with ball.precision(PROOF_BITS):
             return self._meets_nothing(link, now, wait, rows)
 
+    def collapses(self, collapse: Collapse, wait: arb, rows: Rows) -> bool:
+        """Whether three bodies on a line, right after a hit, surely hit each other for so long, and nothing else.
+
+        No circle goes farther than a speed lets it that has all of the energy.
+        """
+        scene, circles = self.scene, self.scene.circles
+        if scene.moving_walls or not wait > 0:
+            return False
+        mine = {*collapse.link.circles, *collapse.other.circles}
+        walls = {link.wall for link in (collapse.link, collapse.other) if is_flat(link)}
+        with ball.precision(PROOF_BITS):
+            gx, gy = (ball.constant(part) for part in scene.gravity or (ZERO, ZERO))
+            masses = [arb(0) if c.fixed else 1 / ball.constant(c.inverse_mass) for c in circles]
+            doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
+            swing = doubled.sqrt() + (gx * gx + gy * gy).sqrt() * sum(masses, arb(0)).sqrt() * wait
+            ways = [arb(0) if c.fixed else swing / m.sqrt() * wait for c, m in zip(circles, masses, strict=True)]
+            radii = [ball.constant(c.r) for c in circles]
+            return all(
+                self._is_far(i, rows[i][:2], radii[i], ways[i], walls)
+                and all(
+                    (px - rows[i][0]) ** 2 + (py - rows[i][1]) ** 2 > (radii[i] + radii[j] + ways[i] + ways[j]) ** 2
+                    for j, (px, py, _, _) in enumerate(rows)
+                    if j not in mine
+                )
+                for i in mine
+                if not circles[i].fixed
+            )
+
+    def _is_far(self, i: int, place: tuple[arb, arb], r: arb, way: arb, own: Collection[int]) -> bool:
+        """Whether a circle is farther than its way from all that stands, and is no circle, but for some walls."""
+        x, y = place
+        for side in self.scene.arc_sides:
+            dx, dy = x - ball.constant(side.x), y - ball.constant(side.y)
+            if not abs((dx * dx + dy * dy).sqrt() - abs(ball.constant(side.r))) > r + way:
+                return False
+        for pocket in self.scene.pockets:
+            dx, dy = x - ball.constant(pocket.x), y - ball.constant(pocket.y)
+            if not abs((dx * dx + dy * dy).sqrt() - ball.constant(pocket.r)) > way:
+                return False
+        for k, wall in enumerate(self.scene.walls):
+            nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
+            height = abs(nx * (x - x0) + ny * (y - y0))
+            if k not in own and not height > (r + way) * (nx * nx + ny * ny).sqrt():
+                return False
+        return True
+
+    def glance(self, count: int, time: float) -> None:
+        """Looks at the time of an event, of which others were not looked at.
+
+        Raises:
+            Undecided: as `look`.
+        """
+        if time != self._stuck[1]:
+            self._stuck = count, time
+        stuck = count - self._stuck[0] >= WINDOW // 2  # doubles do not tell so many apart
+        if self._marks and count - self._marks[-1][0] < WINDOW and not stuck:
+            return
+        self._marks = [*self._marks[-2:], (count, time)]
+        if len(self._marks) == 3 or stuck:
+            (_, first), (begun, middle), (_, last) = self._marks if len(self._marks) == 3 else [self._stuck] * 3
+            if stuck or last - middle < CROWDED * (middle - first):
+                raise Undecided(
+                    f"accumulation suspected: the last {count - begun} events took less than a thousandth of the time "
+                    f"of as many before, up to time {time:.9g}; end the run before, or raise the restitution"
+                )
+
     def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
         circles, moving = self.scene.circles, self.scene.moving_walls
         if moving and sum(not circle.fixed for circle in circles) > 1:
@@ -499,28 +576,32 @@ class Endings:
                 )
 
     def _look_at_bounces(self, time: float, links: Sequence[Touch]) -> None:
-        """The same of a circle that bounces again and again on one round thing alone, of which no proof is known."""
+        """The same of circles that hit one round thing alone, again and again, of which no proof is known."""
         shares = Counter(i for link in links for i in link.circles)
         for link in links:
-            for i in link.circles:
-                known = self._spans.get(i)
-                if is_flat(link) or known is None or known[0] != link or shares[i] > 1:
-                    self._spans[i] = (link, time, inf)
-                    continue
-                _, last, first = known
-                span = time - last
-                if span * 2.0**SHRUNK < first < inf:
-                    raise Undecided(
-                        f"accumulation suspected: {name_of(self.scene, link)} meet again and again, and nothing else, "
-                        f"up to time {time:.9g}, a million times faster by then; end the run before"
-                    )
-                self._spans[i] = (link, time, span if first == inf else first)
+            movers = [i for i in link.circles if not self.scene.circles[i].fixed]
+            shrunk = [self._has_shrunk(i, link, time, alone=shares[i] == 1) for i in movers]
+            if all(shrunk):
+                raise Undecided(
+                    f"accumulation suspected: {name_of(self.scene, link)} meet again and again, and nothing else, "
+                    f"up to time {time:.9g}, a million times faster by then; end the run before"
+                )
+
+    def _has_shrunk(self, i: int, link: Touch, time: float, *, alone: bool) -> bool:
+        """Whether the time between a circle's hits on one round thing is 2**-SHRUNK of what it was at first."""
+        known = self._spans.get(i)
+        if is_flat(link) or known is None or known[0] != link or not alone:
+            self._spans[i] = (link, time, inf)
+            return False
+        _, last, first = known
+        span = time - last
+        self._spans[i] = (link, time, span if first == inf else first)
+        return span * 2.0**SHRUNK < first < inf
 
 
 def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
     """(x, y, vx, vy) of every circle at a time, in true coordinates."""
     falling = state.falling
-    assert falling is not None
     rows: list[tuple[N, N, N, N]] = []
     for body in state.bodies.values():
         x, y, vx, vy, t, *_ = body.flight
@@ -530,6 +611,8 @@ def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
                 rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
             else:
                 rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
+        elif falling is None:
+            rows.append((advance(x, vx, time - t), advance(y, vy, time - t), vx, vy))
         elif falling.bent:
             rows.append(falling.flown((x, y, vx, vy), time - t))
         else:

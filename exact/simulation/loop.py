@@ -32,10 +32,10 @@ from ..replay.contact import (
     touching_at_start,
 )
 from ..replay.state import Constant
-from .decider import Decider, History, K, Limits, Ordinary
+from .decider import Decider, History, K, Limits, Ordinary, Reading
 from .endings import Accumulating, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
-from .policies import Policy, policy_for
+from .policies import Collapse, Policy, policy_for
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -219,7 +219,9 @@ class Loop(Generic[N, K]):
         self.resolver = Resolver(scene, decider, policy or policy_for(scene.tie_policy))
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
         self.tape = Tape(limits)
-        self.endings = Endings(scene) if scene.gravity is not None or scene.moving_walls else None
+        straight = scene.gravity is None and not scene.moving_walls
+        self.endings = None if straight and scene.elastic else Endings(scene)
+        self._loses = straight and not scene.elastic
         self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
         self._instants = 0
@@ -283,11 +285,16 @@ class Loop(Generic[N, K]):
         self._take_slides(self.decider.meetings.slides)
         if self._instants != before:
             self._split = False
+            if self._loses and self.endings is not None and self.history.last is not None and self.decider.proves:
+                self.endings.glance(len(self.history.records), self.decider.reading.rough(self.history.last.time))
             self._report()
 
     def _strides(self) -> Ordinary | None:
         """What carries out ordinary instants, where it may."""
-        if self.endings is not None and (self.endings.closes or not self.scene.elastic):
+        endings = self.endings
+        if endings is not None and (endings.closes or not (self.scene.elastic or self._loses)):
+            return None
+        if endings is not None and endings.lines is not None:
             return None
         if self.scene.restitution.sign() == 0:
             return None
@@ -303,7 +310,7 @@ class Loop(Generic[N, K]):
     def _most(self) -> float:
         """How many events may come before a limit on them, the reversal, or the next look at the clock."""
         records, due = len(self.history.records), self.scene.reverse_after
-        most = inf if self.progress is None else EVENTS_A_LOOK
+        most = inf if self.progress is None and not self._loses else EVENTS_A_LOOK
         if self.limits.events is not None:
             most = min(most, self.limits.events - records)
         if due is not None and self.history.reversal is None:
@@ -447,6 +454,11 @@ class Loop(Generic[N, K]):
                     told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
                     self._ended = Stop(StopReason.ACCUMULATION, told)
                     return
+        if endings.lines is not None:
+            for _, _, impulses, _, _ in done.events:
+                self._ended = _collapse(self.scene, self.decider.reading, endings, endings.lines.note(impulses))
+                if self._ended is not None:
+                    return
         if endings.closes and done.events and self.history.last is not None:
             now = self.decider.reading.rough(self.history.last.time)
             for _, _, impulses, _, _ in done.events:
@@ -489,6 +501,22 @@ class Loop(Generic[N, K]):
             last = self.history.last
             reached = 0.0 if last is None else self.decider.reading.rough(last.time)
             self.progress(Progress(len(self.history.records), reached, self.decider.reading.note()))
+
+
+def _collapse(scene: Scene, reading: Reading[N, K], endings: Endings, found: Iterable[Collapse]) -> Stop | None:
+    """Why hits in turns on a line end a run, if they do: as they have no last one."""
+    for collapse in found:
+        time, rows = reading.fallen(collapse.link[0])
+        end = Accumulating(collapse.link, collapse.other)
+        wait = reading.bounces(end)
+        if not wait > 0 or endings.lines is None or not endings.lines.lately(collapse, time, wait):
+            continue
+        if endings.collapses(collapse, wait, rows):
+            endings.found = end
+            names = " as well as ".join(name_of(scene, link) for link in (collapse.link, collapse.other))
+            told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"
+            return Stop(StopReason.ACCUMULATION, told)
+    return None
 
 
 def stopped(reason: StopReason, events: int, told: str = "") -> Stop:

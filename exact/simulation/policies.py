@@ -1,18 +1,25 @@
-"""Tie policies: which of several approaching contacts at one instant push, round by round until none approaches."""
+"""Which of several approaching contacts at one instant push, by policy; and contacts in turns without a last one."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
+from itertools import pairwise
 from typing import Protocol
 
+from flint import arb
+
 from ...scenarios import settings
+from ...scenarios.numbers.quantity import ZERO, Quantity
+from ...scenarios.scene import Scene
 from ...scenarios.settings import TiePolicy
-from ..numbers.system import BudgetSpent
+from ..numbers.system import BudgetSpent, N
 from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength
-from ..replay.contact import Touch, scene_order
-from ..replay.state import Kick
+from ..replay.contact import AtWall, Pair, Touch, is_arc, is_flat, is_pair, scene_order
+from ..replay.state import Kick, ReplayState
 
 # -- Which of several approaching contacts push: the linear complementarity problem of one round, by criss-cross.
 #
@@ -306,3 +313,196 @@ def settle(
         parted, after = (chosen, 0) if closes else (among, 1)
         apart = {link for link in links if hit.isdisjoint(link.circles)}
         signs = {link: after if link in parted else told[link] if link in apart else None for link in links}
+
+
+# -- Contacts in turns, at one instant after the other, without a last one: three bodies on a line.
+#
+# Of three bodies on one line, of which a wall or a fixed circle may be one, the middle one hits the outer ones in turns
+# (X, Y, X, Y...) with a restitution below 1. With u_k the speed at which the two of hit k part, the speed at which the
+# others close is a sum of the last two: u_{k+2} = g u_{k+1} - e u_k, g = (1 + e) w / (w + w'), w the inverse mass of
+# the middle one and w' of the outer one of hit k + 1. So after a hit of X
+#
+#     u_{k+2} = c u_{k+1} - e u_k,    u_{k+3} = d u_{k+2} - e u_{k+1}
+#
+# and a gap opens at u_k while the other closes at u_{k+1} / e. The time between two hits is e**k / (u_k u_{k+1}) times
+# a constant. With another solution v of the recurrence v_{k+1} / u_{k+1} - v_k / u_k is that, too, times another one
+# (Casorati's determinant shrinks by e a step). So all times add up to a difference of two such ratios. With v the
+# solution that shrinks faster, v_1 = (lambda + e) / c v_0, lambda the smaller zero of lambda^2 + (2 e - c d) lambda +
+# e^2, the ratio vanishes in the end. So after a hit of X, which parts at p, all end b / (-q - k p) later, b the gap of
+# Y, q < 0 the speed at which it grows, k = (lambda + e) / (c e). Of equal masses it is real up to e = 7 - 4 sqrt(3)
+# (McNamara and Young 1992). All u_k are above zero, and the hits have no last one, where -q > k p: then u_1 / u_0 is
+# above the ratio that this solution keeps, from which others go away.
+
+
+@dataclass(frozen=True)
+class Collapse:
+    """Two contacts in turns, of three bodies on a level or an upright line.
+
+    Attributes:
+        link, other: the one that was hit last, and the other.
+        axis: of the line: 0 for x.
+        signs: for each, 1 where the second of the two has the greater coordinate, as it has for ever.
+        share: k, the part of the speed at which the first parts that is taken from the speed at which the other closes.
+    """
+
+    link: Touch
+    other: Touch
+    axis: int
+    signs: tuple[int, int]
+    share: Quantity
+
+    @staticmethod
+    @lru_cache(maxsize=256)
+    def of(scene: Scene, link: Touch, other: Touch) -> Collapse | None:
+        """Of what shares one circle; None where such hits have a last one, or are not known to be on one line."""
+        e, circles = scene.restitution, scene.circles
+        middle = [i for i in link.circles if i in other.circles and not circles[i].fixed]
+        if (
+            len(middle) != 1
+            or e.sign() <= 0
+            or scene.elastic
+            or not all(is_pair(x) or is_flat(x) for x in (link, other))
+        ):
+            return None
+        (m,) = middle
+        w = circles[m].inverse_mass
+        after, before = _others_share(scene, other, m), _others_share(scene, link, m)
+        if after.sign() == 0 == before.sign():  # between two that stand it goes on for ever
+            return None
+        c, d = (1 + e) * w / (w + after), (1 + e) * w / (w + before)
+        root = c * d * (c * d - 4 * e)
+        axis = next((k for k in (0, 1) if all(_is_along(scene, x, k) for x in (link, other))), None)
+        if axis is None or root.sign() <= 0:
+            return None
+        small = (c * d - e - e - root.sqrt()) / 2
+        signs = _sign_of(scene, link, axis), _sign_of(scene, other, axis)
+        return Collapse(link, other, axis, signs, (small + e) / (c * e))
+
+    def rates(self, state: ReplayState[N]) -> tuple[N, N, N]:
+        """At the last hit: the speed at which its two part; the gap of the others, and how fast that grows."""
+        _, p = self._gap(state, self.link, self.signs[0])
+        gap, q = self._gap(state, self.other, self.signs[1])
+        return p, gap, q
+
+    def _gap(self, state: ReplayState[N], link: Touch, sign: int) -> tuple[N, N]:
+        if is_flat(link):
+            length = state.line(*link[:2]).length
+            return state.wall_gap(link) / length, state.wall_approach(link) / length
+        assert is_pair(link)
+        pair = state.relation(link)
+        late, far, fast = state.later(link).flight.late, pair[1 + self.axis], pair[3 + self.axis]
+        far, fast = (far, fast) if sign > 0 else (-far, -fast)
+        gap = far - pair.reach
+        return (gap if late is None else gap + fast * late), fast
+
+    def wait(self, state: ReplayState[N]) -> N:
+        """How long after the hit all of them have happened."""
+        p, gap, q = self.rates(state)
+        return gap / -(q + state.constant(self.share) * p)
+
+
+def _others_share(scene: Scene, link: Touch, middle: int) -> Quantity:
+    """The inverse mass of the other one of a contact."""
+    return ZERO if is_flat(link) else scene.circles[link[0] if link[1] == middle else link[1]].inverse_mass
+
+
+def _is_along(scene: Scene, link: Touch, axis: int) -> bool:
+    """Whether a contact is on a level line (0), or an upright one: told of the scene, where all begins."""
+    one = scene.circles[link[0]]
+    across, speed = ("y", "vy") if axis == 0 else ("x", "vx")
+    if getattr(one, speed).sign():
+        return False
+    if is_flat(link):
+        return scene.walls[link.wall].normal[1 - axis].sign() == 0 and not scene.moving_walls and scene.gravity is None
+    two = scene.circles[link[1]]
+    falls = scene.gravity is not None and (one.fixed or two.fixed)
+    return not getattr(two, speed).sign() and getattr(one, across) == getattr(two, across) and not falls
+
+
+def _sign_of(scene: Scene, link: Touch, axis: int) -> int:
+    key = "xy"[axis]
+    if is_flat(link):
+        return 1
+    return (getattr(scene.circles[link[1]], key) - getattr(scene.circles[link[0]], key)).sign()
+
+
+LEFT = 31
+"""Such hits are all told while more than one part in LEFT + 1 of their time is left."""
+
+IN_TURNS = 8
+"""Hits in turns, of a middle circle, from which on the end of all of them is looked for."""
+
+
+def may_collapse(scene: Scene) -> bool:
+    """Whether three neighbours on a level or an upright line may hit in turns without a last time."""
+    if scene.elastic or scene.restitution.sign() == 0:
+        return False
+    walls = range(scene.faces.start)
+    for axis, (key, across) in enumerate((("x", "y"), ("y", "x"))):
+        rows: dict[Quantity, list[int]] = {}
+        for i, circle in enumerate(scene.circles):
+            if i not in scene.ends and not getattr(circle, f"v{across}").sign():
+                rows.setdefault(getattr(circle, across), []).append(i)
+        ends = [k for k in walls if scene.walls[k].normal[1 - axis].sign() == 0]
+        for row in rows.values():
+            row.sort(key=lambda i: getattr(scene.circles[i], key))  # pyright: ignore[reportUnknownLambdaType]
+            pairs = [Pair(min(i, j), max(i, j)) for i, j in pairwise(row)]
+            turns: list[tuple[Touch, Touch]] = [*pairwise(pairs)]
+            turns += [(pair, AtWall(i, k)) for pair in (*pairs[:1], *pairs[-1:]) for i in pair for k in ends]
+            if any(Collapse.of(scene, *two) is not None for two in turns):
+                return True
+    return False
+
+
+class LineRallies:
+    """Looks for circles that hit in turns on one line.
+
+    A circle is on a line as long as all that it was ever hit by is: told of the scene, no number is looked at.
+
+    Args:
+        scene: what runs: see `may_collapse`.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._off: list[set[int]] = [set(), set()]
+        self._recent: dict[int, list[Touch]] = {}
+        self._since: dict[int, arb] = {}
+
+    def note(self, impulses: Sequence[Touch]) -> list[Collapse]:
+        """Notes the impulses of an instant; the hits in turns, of which the last are among them."""
+        shares = Counter(i for link in impulses for i in link.circles)
+        found: list[Collapse] = []
+        for link in impulses:
+            for axis, off in enumerate(self._off):
+                if is_arc(link) or not off.isdisjoint(self._movers(link)) or not _is_along(self.scene, link, axis):
+                    off.update(self._movers(link))
+            for i in self._movers(link):
+                row = self._recent.setdefault(i, [])
+                row.append(link)
+                del row[:-IN_TURNS]
+                if shares[i] > 1 or (len(row) > 2 and row[-1] != row[-3]):
+                    self._since.pop(i, None)
+        for link in impulses:
+            found += [known for i in self._movers(link) if (known := self._in_turns(i)) is not None]
+        return found
+
+    def lately(self, collapse: Collapse, time: arb, wait: arb) -> bool:
+        """Whether little of the time of all such hits is left, of which this is one."""
+        (middle,) = {*collapse.link.circles} & {*collapse.other.circles}
+        return bool(wait * LEFT < time - self._since.setdefault(middle, time))
+
+    def _movers(self, link: Touch) -> list[int]:
+        return [i for i in link.circles if not self.scene.circles[i].fixed]
+
+    def _in_turns(self, middle: int) -> Collapse | None:
+        row = self._recent[middle]
+        if len(row) < IN_TURNS or row[-1] == row[-2] or row[2:] != row[:-2]:
+            return None
+        found = Collapse.of(self.scene, row[-1], row[-2])
+        if found is None:
+            return None
+        mine = {*self._movers(found.link), *self._movers(found.other)}
+        outer = [row for i in mine - {middle} for row in [self._recent[i]]]
+        apart = all(len(row) >= IN_TURNS // 2 and len({*row[-IN_TURNS // 2 :]}) == 1 for row in outer)
+        return found if apart and self._off[found.axis].isdisjoint(mine) else None

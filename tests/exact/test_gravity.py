@@ -8,7 +8,7 @@ import edge_campaign
 import pytest
 import segment_referee
 from falling_campaign import FALLING
-from gravity_referee import GravityReferee, TieMet
+from gravity_referee import DIGITS, GravityReferee, TieMet
 from mpmath import mpf, workdps
 
 from truebreak.exact import ExactEngine, exact_motion
@@ -206,3 +206,19 @@ def test_the_campaign_finds_planted_faults(fault: str, monkeypatch: pytest.Monke
     FAULTS[fault](monkeypatch)
     rows = (edge_campaign.verdict(seed, FALLING) for seed in range(60))
     assert any(row["outcome"] == "failure" for row in rows if row)
+
+
+def test_late_times_cost_bits_once() -> None:
+    """Up to time 1,000,000 the referee agrees, and an event loses as many bits at the end as at the start."""
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(-9, 0, -9, 1, id="left"), Wall(9, 0, 9, 1, id="right")]
+    scene = Scene([Circle(0, "20000*sqrt(2)", vx="1/700", id="ball")], walls, gravity=(0, -1))
+    runs = [ExactEngine().run(scene, until=until) for until in (100_000, 900_000, 1_000_000)]
+    course = GravityReferee(scene).run(mpf(1_000_000), 10_000)
+    assert [hit.pair for hit in course.hits] == [tuple(event.impulses[0]) for event in runs[2].events]
+    with workdps(DIGITS):
+        for name in ("x", "y", "vx", "vy"):
+            value, theirs = getattr(runs[2].final["ball"], name).ball(256), getattr(course.bodies[0], name)
+            assert abs(mpf(value.mid().str(80, radius=False)) - theirs) < mpf(10) ** -60
+    (first, lost), (late, before), (end, after) = [(len(run.events), run.motion.log.lost) for run in runs]
+    assert end > 2000
+    assert abs((after - before) / (end - late) - lost / first) < 0.1 * lost / first

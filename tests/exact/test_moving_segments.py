@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from random import Random
@@ -23,11 +24,14 @@ from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts
 from truebreak.compare.testing.check import check
 from truebreak.exact import ExactEngine
+from truebreak.exact.certified.filtered_falls import FallingPredictor, falls_in_doubles, peg_in_doubles
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import state as states
 from truebreak.exact.replay.ball_state import LoneContacts
+from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.state import Flights
 from truebreak.exact.replay.wall_flights import SeenWall
+from truebreak.exact.simulation.prediction import ArrivalQueue
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, StopReason, Wall
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
@@ -328,6 +332,23 @@ def test_pictures_and_the_player_have_them_where_they_are():
     assert told["polygons"][0][2:] == (2.0, 0.0)
 
 
+@pytest.mark.parametrize("gravity", [None, (0, -8)])
+@pytest.mark.parametrize("drift", ["0", "1/3"])
+def test_a_point_that_hits_a_point_ends_the_run(gravity: tuple[int, int] | None, drift: str):
+    """There is no normal; one that passes beside it goes on."""
+    more = Segment(9, 0, 12, 0, "more", vy=1)
+
+    def run(x: str):
+        still = gravity is None and drift == "0"
+        ball = Circle(x, 5, 0, drift, -1, point=True, id="ball")
+        segments = [Segment(0, 0, 3, 0, "bar", vx=drift), *([] if still else [more])]
+        return ExactEngine().run(Scene([ball], segments=segments, gravity=gravity), until=3 if gravity else 9)
+
+    assert run("0").stop.reason is StopReason.UNDECIDED
+    assert run("-1/1000").stop.reason in (StopReason.HORIZON, StopReason.QUIET)
+    assert run("1/1000").events
+
+
 def test_what_goes_through_the_other_is_no_overlap():
     Scene([Circle(0, 9)], segments=[Segment(0, 0, 4, 0, vx=1), Segment(1, 0, 3, 0)])
     with pytest.raises(SceneError, match="lies on segment"):
@@ -358,3 +379,18 @@ def test_what_does_not_know_them_says_so_in_one_line():
     assert audit_run(run, DoubleEngine()).reason == "segment 'pad' moves, and what meets it is not audited yet"
     with pytest.raises(NoTangentMap, match="of whose ends there is no tangent map yet"):
         impacts(run, 1)
+
+
+@pytest.mark.parametrize("stood", [False, True])
+def test_what_moves_and_ends_is_never_told_in_doubles(stood: bool):
+    """Not right after a contact either, when the gap is not looked at: a campaign found one that was."""
+    scene = Scene([Circle(0, 6, "1/2", id="ball")], segments=[PAD], gravity=(0, -10)).surfaces
+    state = RefinableState(scene, 256)
+    predictor = FallingPredictor(scene, state, ArrivalQueue(state.balls.bodies), Counter(), lambda link: None)
+    ball_body, flight = state.balls.bodies[0], (0.25, 3.0, 0.5, 2.0, 0.5, 1e-17)
+    for peg in predictor.pegs_of(ball_body):
+        assert peg_in_doubles(flight, peg, 99.0, stood) is True
+    lines = predictor._as_they_fall(ball_body, range(len(scene.walls)))
+    found, unclear = falls_in_doubles(flight, lines, 1e-15, 1e-15, [line.wall for line in lines[:1] if stood])
+    assert found == []
+    assert 0 in unclear
