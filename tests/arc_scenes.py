@@ -129,3 +129,19 @@ def scene_of(seed: int) -> Scene | None:
         return Scene(discs, BOX if rng.random() < 0.8 else [], segments=bars, arcs=arcs, restitution=e)
     except SceneError:
         return None
+
+
+SPANS = ((1, -4, -1, -4), (-1, -4, 1, -4), (0, -5, 0, -3), ("3/5", "-16/5", "-3/5", "-16/5"))
+"""Ends of a bow about (0, -4)."""
+
+
+def falls_to_arcs(seed: int) -> Scene:
+    """A disc that falls in a bowl beside a bow, with a ring high above, of which it may meet the outside."""
+    rng = Random(seed)
+    at = lambda low, high: Quantity.of(rng.randint(10 * low, 10 * high)) / 10  # noqa: E731
+    ball = Circle(at(-5, 5), at(2, 4), r=at(1, 9) / 10, vx=at(-4, 4), vy=at(-3, 3), id="ball")
+    bow = Arc(0, -4, 1, *rng.choice(SPANS), id="bow")
+    things = [Arc(0, 0, 9, -9, 0, 9, 0, id="bowl"), bow, Arc(0, 9, 2, id="ring", full=True)]
+    return Scene(
+        [ball], arcs=things, gravity=(at(-1, 1), -10), restitution=rng.choice(("1", "9/10")), name=f"falls {seed}"
+    )

@@ -171,8 +171,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.gravity is not None and (run.scene.arcs or run.scene.pockets):
-        return Audit(None, f"{'arcs' if run.scene.arcs else 'pockets'} are not audited yet under gravity")
+    if run.scene.gravity is not None and run.scene.pockets:
+        return Audit(None, "pockets are not audited yet under gravity")
     if run.scene.moving_solid is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet")
     if run.scene.other_walls:

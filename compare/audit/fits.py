@@ -310,6 +310,10 @@ def _began(laws: Laws, pair: tuple[int, int], instant: ReportedInstant) -> float
         vx, vy = flight.vx - laws.fall.gx * gain, flight.vy - laws.fall.gy * gain
         span = start - flight.t
         places.append((x + vx * span + laws.fall.gx * way, y + vy * span + laws.fall.gy * way))
+    if j >= laws.first_side:
+        side, ((x, y),) = laws.sides[j - laws.first_side], places
+        apart = ((side.x - x) ** 2 + (side.y - y) ** 2).sqrt()
+        return float((side.inward * (apart - side.r) - laws.things[i].r).mid())
     if j >= laws.count:
         line, ((x, y),) = laws.line(i, j - laws.count).at(start), places
         return float((line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[i].r).mid())

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb
 
 from ...exact.replay.round_falls import RoundFall, told_falling_zero
-from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, WallInBalls, size_of
+from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, SideInBalls, WallInBalls, size_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -110,7 +110,9 @@ def passages(
                 if found is not None:
                     yield found
             for side in range(len(laws.sides)):
-                found = _into_side(laws, leg, side)
+                found = (
+                    _into_side(laws, leg, side) if laws.fall is None else _fallen_to_side(laws, leg, side, laws.fall)
+                )
                 if found is not None:
                     yield found
         for other in near.beside(leg):
@@ -574,3 +576,94 @@ def _into_side(laws: Laws, leg: Leg, place: int) -> Passage | None:
         return None
     time = leg.start + last / speed
     return Passage(time, Residual("depth", (leg.circle, laws.first_side + place), size, room), leg.start)
+
+
+def _fallen_to_side(laws: Laws, leg: Leg, place: int, fall: Fall) -> Passage | None:
+    """How far into a side of an arc a circle falls: as `_into_side`, up to where it is deepest.
+
+    All zeros of the gap are gone through: the circle has to come from where it certainly is on the side, and within the
+    range by more than rounding; a zero that is beyond it is passed over.
+    """
+    side, circle = laws.sides[place], laws.things[leg.circle]
+    sign, start, end = float(side.inward), leg.start, min(leg.end, 1e300)
+    reach = side.radius + sign * circle.radius
+    if reach <= 0.0 or end <= start or (sign < 0.0 and not (side.r - circle.r).mid() > 0):
+        return None
+    x, y, vx, vy = _as_fallen(leg, start, fall)
+    now = RoundFall(float(side.x) - x, float(side.y) - y, -vx, -vy, float(fall.gx) / 2, float(fall.gy) / 2, reach)
+    sizes = math.hypot(x, y) + side.place + side.radius + circle.radius + leg.speed * abs(start)
+
+    def blur(after: float) -> float:
+        """What rounding may make of a place after a time."""
+        fast = leg.speed + math.hypot(now.vx, now.vy)
+        rounded = max(CLOSE, ROOT_UNITS * laws.unit) * (sizes + 2 * fast * (start + after))
+        return rounded + leg.apart + leg.turned * after
+
+    def is_on_it(then: RoundFall[float], after: float) -> bool:
+        """Whether a centre is on the side by more than rounding."""
+        return sign * (math.hypot(then.dx, then.dy) - side.radius) > blur(after)
+
+    since, stood = 0.0, False
+    came, overlaps = is_on_it(now, 0.0), sign * now.gap() <= 0.0
+    for _ in range(4):  # zeros at most
+        if overlaps and not (came and sign * now.approach() < 0.0 and since == 0.0):
+            out = told_falling_zero([-sign * value for value in now.polynomial(stood)])
+            if out is None:
+                return None
+            since, now, stood, overlaps, came = since + out, now.after(out), True, False, False
+        if not overlaps:
+            wait = told_falling_zero([sign * value for value in now.polynomial(stood)])
+            if wait is None or not start + since + wait < end:
+                return None
+            if not came:
+                _, *rates = now.polynomial(False)
+                top = told_falling_zero([sign * k * value for k, value in enumerate(rates, 1)])
+                came = top is not None and is_on_it(now.after(top), since + top)
+            since, now, stood = since + wait, now.after(wait), True
+        if came and _is_within(side, now, blur(since)):
+            found = _fallen_deep_in_side(laws, leg, place, fall, now, since)
+            if found is not None:
+                return found
+        overlaps, came = True, False
+    return None
+
+
+def _is_within(side: SideInBalls, now: RoundFall[float], blur: float) -> bool:
+    """Whether a circle that comes to an arc's circle is within the range, by more than rounding makes of it."""
+    if side.full:
+        return True
+    speed, half = math.hypot(now.vx, now.vy), abs(now.approach())
+    turn = math.hypot(side.nx, side.ny) * 2.0 * blur * (1.0 + now.reach * speed / half) if half else math.inf
+    return -side.nx * now.dx - side.ny * now.dy - side.h * math.hypot(now.dx, now.dy) > turn
+
+
+def _fallen_deep_in_side(
+    laws: Laws, leg: Leg, place: int, fall: Fall, now: RoundFall[float], since: float
+) -> Passage | None:
+    """How deep it comes to be in a side, from a zero of the gap on, enclosed; None: by no more than rounding."""
+    side, circle = laws.sides[place], laws.things[leg.circle]
+    sign, start, end = float(side.inward), leg.start, min(leg.end, 1e300)
+    _, *rates = now.polynomial(False)
+    deepest = told_falling_zero([-sign * k * value for k, value in enumerate(rates, 1)])
+    enter = start + since
+    gone = end if end < 1e300 else enter + since + 1.0  # of what never comes back
+    time = gone if deepest is None else min(enter + deepest, end)
+    gaps: list[arb] = []
+    fastest = leg.speed
+    for moment in (start, time):
+        x, y, vx, vy = _fallen(leg, moment, fall)
+        gaps.append(side.inward * (((side.x - x) ** 2 + (side.y - y) ** 2).sqrt() - side.r) - circle.r)
+        fastest = max(fastest, math.hypot(float(vx.mid()), float(vy.mid())))
+    first = gaps[0].min(arb(0)) if since == 0.0 else arb(0)
+    deeper = (first - gaps[1]).mid()
+    size, reach = size_of(deeper) if deeper > 0 else 0.0, now.reach
+    far = side.radius + circle.radius + abs(float(gaps[0].mid())) + 2 * fastest * (time - start)
+    sizes = far + math.hypot(leg.x, leg.y) + side.place + 2 * fastest * time
+    steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
+    room = laws.unit * steps * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / reach) + reach + side.radius))
+    room += LEAST + leg.apart + leg.turned * (time - leg.t) + laws.underflown(fastest, 0.0)
+    if size <= room:
+        return None
+    out = told_falling_zero([-sign * value for value in now.polynomial(True)])
+    leave = math.inf if out is None or since == 0.0 or not enter + out < end else enter + out
+    return Passage(time, Residual("depth", (leg.circle, laws.first_side + place), size, room), start, enter, leave)

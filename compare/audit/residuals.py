@@ -457,14 +457,16 @@ class Laws:
         blur += ROOT_UNITS * self.unit * (side.place + side.radius + self.things[i].radius)
         if not near:  # in the very middle: no line leads to the arc
             return ImpactLaws(dx, dy, gap, arb(0), a.speed, blur, 1.0)
-        far = near + a.speed * max(0.0, instant.time - a.time)
+        fast = a.speed if self.fall is None else 2 * a.speed  # as of two circles
+        far = near + fast * max(0.0, instant.time - a.time)
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + abs(wide))) + abs(wide))
         nx, ny = dx / distance, dy / distance
         opening = -(nx * a.vx + ny * a.vy)
         room += self.underflown(a.speed, abs(float(opening.mid()) * wide))
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         turned = min(1.0, blur / near) + _bent_beside(self, side, x, y, near, blur, self.things[i].radius)
-        return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched)
+        opening, bounced = (opening, None) if self.fall is None else self._bounced(opening, nx, ny, self.fall)
+        return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced)
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.

@@ -143,6 +143,47 @@ class RoundSide(NamedTuple):
             leave = -ball.root(through) - approach if ball.sign_of(through) == 1 else leave
         return wait, leave / square
 
+    def meets(self, way: Way, gx: float, gy: float) -> tuple[float, float, float, float] | None:
+        """How long until a flight under gravity (0, 0 without) meets it; the unit vector from the centre to the contact
+        then, and how fast they approach. None where it does not come to it.
+
+        >>> bow = RoundSide(arb(0), arb(0), arb(5), arb(1), True, ((arb(-5), arb(0)), (arb(5), arb(0))))
+        >>> met = bow.meets((arb(0), arb(12), arb(0), arb(0)), 0.0, -2.0)  # through the opening, down to the bottom
+        >>> [round(number, 9) + 0.0 for number in met]
+        [4.0, 0.0, -1.0, 8.0]
+        """
+        x, y, vx, vy = map(middle, way)
+        reach = middle(self.reach)
+        fall = RoundFall(middle(self.x) - x, middle(self.y) - y, -vx, -vy, gx / 2, gy / 2, reach)
+        if gx or gy:
+            wait = self._fallen_to(fall) if reach > 0.0 else None
+        else:
+            waits = self.waits(way)
+            wait = None if waits is None else max(middle(waits[0]), 0.0)
+        if wait is None:
+            return None
+        then = fall.after(wait)
+        far = hypot(then.dx, then.dy) * (-1.0 if self.hollow else 1.0)
+        nx, ny = then.dx / far, then.dy / far
+        return wait, nx, ny, -(nx * then.vx + ny * then.vy)
+
+    def _fallen_to(self, fall: RoundFall[float]) -> float | None:
+        """The time to the first zero at which the gap falls within the range; others are passed over."""
+        sign, since, now = -1.0 if self.hollow else 1.0, 0.0, fall
+        stood = abs(now.gap()) <= ON_IT * (now.dx**2 + now.dy**2 + now.reach**2)
+        if stood and sign * now.approach() < 0.0 and self._faces(-now.dx, -now.dy):
+            return 0.0
+        for _ in range(4):  # zeros at most
+            gap = [sign * value for value in now.polynomial(stood)]
+            falls = gap[0] > 0.0
+            wait = told_falling_zero(gap if falls else [-value for value in gap])
+            if wait is None:
+                return None
+            since, now, stood = since + wait, now.after(wait), True
+            if falls and self._faces(-now.dx, -now.dy):
+                return since
+        return None
+
     def spans(self, way: Way) -> list[AsideSpan]:
         """What it covers of a line across a flight.
 

@@ -224,23 +224,16 @@ class Course:
     def _sides_of(self, i: int, at: Collection[int]) -> list[Others]:
         """The sides of arcs in its way, but for those that it is at."""
         found: list[Others] = []
-        (x, y), (ux, uy) = self.places[i], self.speeds[i]
-        if not (ux or uy):
+        (x, y), (ux, uy), (gx, gy) = self.places[i].tolist(), self.speeds[i].tolist(), self.pulls[i].tolist()
+        if not (ux or uy or gx or gy):
             return found
-        way = arb(float(x)), arb(float(y)), arb(float(ux)), arb(float(uy))
+        way = arb(x), arb(y), arb(ux), arb(uy)
         for thing in self._arcs:
             for k in thing.sides:
-                side = self._side(i, k, thing)
-                waits = None if k in at else side.waits(way)
-                if waits is None:
-                    continue
-                wait, sign = float(waits[0].mid()), -1.0 if side.hollow else 1.0
-                normal = sign * (self.places[self._count + k] - self.places[i] - wait * self.speeds[i])
-                normal /= np.hypot(*normal)
-                rate = float(normal @ self.speeds[i])
-                if rate > 0.0:
-                    place, late = np.array([self._count + k]), np.array([max(wait, 0.0)])
-                    found.append(Others(place, late, np.array([rate]), normal[None]))
+                met = None if k in at else self._side(i, k, thing).meets(way, gx, gy)
+                if met is not None and met[3] > 0.0:
+                    wait, nx, ny, rate = map(np.atleast_1d, met)
+                    found.append(Others(np.array([self._count + k]), wait, rate, np.array((nx, ny)).T))
         return found
 
     def _things_of(self, impact: Impact) -> list[ThingParts]:

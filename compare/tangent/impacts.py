@@ -215,8 +215,8 @@ def check_start(scene: Scene) -> None:
 
     Raises:
         NoTangentMap: if walls are of kinds of their own, if segments or polygons move, if circles go out of play, touch
-            at time 0 and go on touching, if a restitution is 0, what has settled goes on, or arcs or pockets are there
-            under gravity.
+            at time 0 and go on touching, if a restitution is 0, what has settled goes on, or pockets are there under
+            gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -224,9 +224,8 @@ def check_start(scene: Scene) -> None:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
     if scene.settle:
         raise NoTangentMap("the scene has settle = true, and of what walls carry there is no tangent map")
-    if scene.gravity is not None and (scene.arcs or scene.pockets):
-        told = "arcs" if scene.arcs else "pockets"
-        raise NoTangentMap(f"the scene has gravity and {told}, of which there is no tangent map yet")
+    if scene.gravity is not None and scene.pockets:
+        raise NoTangentMap("the scene has gravity and pockets, of which there is no tangent map yet")
     if scene.moving_solid is not None:
         raise NoTangentMap(f"{scene.moving_solid} moves, of whose ends there is no tangent map yet")
     if scene.capture:

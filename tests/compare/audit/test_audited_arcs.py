@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from arc_faults import SEEN, ArcFault
-from arc_scenes import scene_of
+from arc_scenes import falls_to_arcs, scene_of
 
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Arc, Circle, Scene, SceneError
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, catalogue
 
 SCENES = [scene for seed in range(120) if (scene := scene_of(seed)) is not None and scene.elastic]
 UNTIL, EVENTS = 20, 30
@@ -78,3 +79,70 @@ def test_the_words_of_what_is_found() -> None:
     lost = audited(ArcFault(fault="outside only"), scene)
     assert lost.first is not None
     assert (lost.first.kind, lost.first.bodies) == ("depth", ("ball", "ring"))
+
+
+# -- Under gravity.
+
+FALLS = [catalogue.build("bowl"), catalogue.build("pinball-table"), *map(falls_to_arcs, range(40))]
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("double", 42), ("single", 42), ("quad", 8), ("rounded:bits=40", 12), ("rounded:bits=12", 14), ("interval", 8),
+     ("exact", 8)],
+)  # fmt: skip
+def test_engines_of_events_keep_the_laws_where_discs_fall_onto_arcs(name: str, count: int) -> None:
+    chosen = engine(name)
+    found = [audit_run(chosen.run(scene, events=30), chosen) for scene in FALLS[:count]]
+    assert [audit.sentence for audit in found if not audit.kept] == []
+    assert sum(audit.impacts for audit in found) > 5 * count
+
+
+@pytest.mark.parametrize("fault", SEEN)
+def test_a_fault_of_arcs_is_found_under_gravity(fault: str) -> None:
+    faulty, found = ArcFault(fault=fault), 0
+    for scene in FALLS[2:]:
+        try:
+            honest, run = (each.run(scene, events=20, until=4) for each in (DoubleEngine(), faulty))
+        except SceneError:  # a circle lies across the rest of the circle
+            continue
+        if abs(honest.final.array() - run.final.array()).max() > 1e-3:
+            audit = audit_run(run, faulty)
+            assert audit.kept is False, (fault, scene.data())
+            found += 1
+    assert found > 1
+
+
+class Heavier(DoubleEngine):
+    """Falls by a millionth more than the scene says."""
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        """The run, as if it were of the scene itself."""
+        assert scene.gravity is not None
+        more = Quantity.of("1 + 1/10**6")
+        found = super().run(scene.with_changes(gravity=tuple(part * more for part in scene.gravity)), **limits)
+        return replace(found, scene=scene)
+
+
+def test_a_fall_that_is_faster_by_a_millionth_is_described_in_a_bowl() -> None:
+    run = Heavier().run(catalogue.build("bowl"), events=20)
+    found = audit_run(run, Heavier())
+    assert found.kept is False
+    assert "an acceleration of -1e-05 along y fits" in found.sentence
+
+
+def test_a_disc_that_comes_through_a_bowl_is_found_where_it_does_so_late() -> None:
+    """It leaves by the opening, falls back in, and is not stopped by the bottom: the third zero of the gap."""
+    bowl = Arc(0, 0, 5, -4, 3, 4, 3, id="bowl")
+    scene = Scene([Circle(0, 0, r="1/2", vy=12, id="ball")], arcs=[bowl], gravity=(0, -8), events=1)
+    run = DoubleEngine().run(scene.with_changes(arcs=[]), until=5)
+    found = audit_run(replace(run, scene=scene), DoubleEngine())
+    assert found.first is not None
+    assert (found.first.kind, found.first.bodies) == ("depth", ("ball", "bowl"))
+    honest = DoubleEngine().run(scene)
+    assert float(honest.events[0].time) < found.first.time
+
+
+def test_pockets_under_gravity_are_not_audited() -> None:
+    scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
+    assert "pockets are not audited yet under gravity" in audited(DoubleEngine(), scene).sentence
