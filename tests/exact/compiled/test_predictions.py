@@ -149,7 +149,7 @@ def test_pegs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch:
             assert repr(compiled) == repr(peg_in_doubles(a.f, peg, until, stood))
         found[compiled if isinstance(compiled, bool) else "met"] += 1
     assert min(found[True], found[False]) > 30
-    assert found["met"] > (20 if place < 1e45 or speed > 1.0 else -1)  # times beyond 10**60 are left to balls
+    assert found["met"] > (12 if place < 1e45 or speed > 1.0 else -1)  # times beyond 10**60 are left to balls
 
 
 def polynomial(rng: Random) -> list[float]:
