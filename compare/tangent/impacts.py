@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from math import hypot
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
@@ -38,16 +39,25 @@ from ...exact.replay.contact import (
     places_of,
 )
 from ...exact.replay.state import Go, Kick
+from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ...exact.replay.contact import Link
     from ...scenarios.scene import Scene
     from ...scenarios.things import Circle, Wall
     from ...scenarios.trajectory import Event, Trajectory
 
+else:
+    np = Later("numpy")
+
 BITS = 128
 """Accuracy of the times that are compared; where they are not told apart the graze counts as one."""
+
+SKIMMED = 1e-6
+"""The same, as a share, of those at zeros of quartics."""
 
 
 class Graze(NamedTuple):
@@ -102,8 +112,9 @@ def _graze(trajectory: Trajectory, motion: ExactMotion, events: int, instant: in
             time = _apex(motion, link, instant)
         else:
             i, j = places_of(scene, link)
-            assert scene.pegs.isdisjoint((i, j)), "a graze at a zero of a quartic ends a run undecided"
-            time = _nearest(motion, i, j, instant)
+            stands = not scene.pegs.isdisjoint((i, j)) or max(i, j) >= len(scene.circles)
+            falls = scene.gravity is not None and stands
+            time = _skimmed(motion, i, j, instant) if falls else _nearest(motion, i, j, instant)
         for event in trajectory.events[before:events]:
             if not event.time.ball(BITS) < time:
                 return Graze(before, one, other)
@@ -146,6 +157,30 @@ def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
     (s, ax, ay, avx, avy), (t, bx, by, bvx, bvy) = rows
     dx, dy = bx - advance(ax, avx, t - s), by - advance(ay, avy, t - s)
     return t + pair_nearest_time(pair_approach(dx, dy, bvx - avx, bvy - avy), bvx - avx, bvy - avy)
+
+
+def _skimmed(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
+    """When a circle that falls grazes something round that stands: about a zero of the distance's derivative, a cubic.
+
+    The first of those that may be it; the instant itself where doubles tell of none.
+    """
+    scene = motion.log.scene
+    i, j = (j, i) if i in scene.pegs else (i, j)
+    beyond = len(scene.circles) + len(scene.walls)
+    still = scene.arc_sides[j - beyond] if j >= beyond else scene.circles[j]
+    reach = abs(float(still.r + scene.circles[i].r))
+    knots = motion.knots[i]
+    knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]
+    t, x, y, vx, vy = (float(known_ball(number, BITS)) for number in knot[:5])
+    assert scene.gravity is not None
+    gx, gy = map(float, scene.gravity)
+    x, y = x + gx * t * t / 2 - float(still.x), y + gy * t * t / 2 - float(still.y)
+    vx, vy = vx + gx * t, vy + gy * t
+    cubic = [(gx * gx + gy * gy) / 2, 1.5 * (vx * gx + vy * gy), vx * vx + vy * vy + x * gx + y * gy, x * vx + y * vy]
+    waits = [float(root.real) for root in np.roots(cubic) if abs(root.imag) <= SKIMMED * (1 + abs(root))]
+    away = [(s, hypot(x + (vx + gx * s / 2) * s, y + (vy + gy * s / 2) * s) - reach) for s in waits if s > 0.0]
+    since = min((s for s, gap in away if abs(gap) <= SKIMMED * (reach + hypot(x, y))), default=0.0)
+    return arb(t + since, SKIMMED * (1 + t + since))
 
 
 def _number(event: Event) -> int:

@@ -282,11 +282,14 @@ class CertifiedMeetings:
         assert isinstance(predictor, PegPredictor)
         while True:
             found = predictor.in_full(link)
-            if found is None or (not spent and not isinstance(found, arb) and predictor.misses_exactly(link)):
-                return None
             if isinstance(found, arb):
                 low, high = ball.double_bounds(found)
                 return arrival._replace(low=low, high=high, certain=True, time=found)
+            grazes = False if found is None else predictor.passes(link) if not spent else None
+            if grazes is not None:
+                if grazes:
+                    self._grazes(link)
+                return None
             why = f"whether {self._judge.name(link)} hit, graze or miss, at a zero of a quartic, which no field holds"
             bits = 2 * self._state.bits  # so often the interval is halved with the next ones, before nothing is said
             spent += self._precision.units() + bits * step_units(bits)
@@ -344,8 +347,7 @@ class CertifiedMeetings:
         return self._judge.decide(question).sign
 
     def _overlap(self, link: Link) -> NoReturn:
-        who, when = self._judge.name(link), self._precision.where()
-        raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+        raise AssertionError(f"{self._judge.name(link)} overlap, or touch unseen, {self._precision.where()}: a defect")
 
     def _pull(self, link: AtWall) -> int:
         """See `Sides.pull`; 0 without gravity."""
@@ -353,9 +355,7 @@ class CertifiedMeetings:
 
     def _reached(self, link: Link) -> Question | None:
         """Whether two that approach meet at all; None where they always do."""
-        if is_flat(link):
-            return Arrives(link) if self._pull(link) else None
-        return Discriminant(link)
+        return Discriminant(link) if not is_flat(link) else Arrives(link) if self._pull(link) else None
 
     def _meeting(self, link: Link, disc: int) -> arb:
         """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""

@@ -14,7 +14,7 @@ from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
 from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_flat, name_of
-from ..replay.landings import Landing, landing, never_lands
+from ..replay.landings import Landing, landing, passes
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
@@ -293,11 +293,11 @@ class PegPredictor(FallingPredictor):
         """Nothing is plain before it is asked: doubles are of the frame that falls."""
         return False
 
-    def misses_exactly(self, link: Round) -> bool:
-        """Whether a circle whose flight is of fractions surely does not fall onto something round, but may graze it."""
+    def passes(self, link: Round) -> bool | None:
+        """Whether a circle whose flight is of fractions grazes something round, or misses it; None: it may hit it."""
         state = self.refinable
         exact = all(state.exact[i] for i in link.circles if i not in self.scene.pegs)
-        return state.field is not None and exact and never_lands(state.field, link)
+        return passes(state.field, link) if state.field is not None and exact else None
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""

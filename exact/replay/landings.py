@@ -277,12 +277,14 @@ def gap_in_fractions(state: Flights[FieldNumber], link: Link) -> tuple[fmpq, lis
     return fractions[0], fractions[1:]
 
 
-def never_lands(state: Flights[FieldNumber], link: Round) -> bool:
-    """Whether the gap of a contact is known as a polynomial of fractions that never falls through zero: two that miss
-    each other, or graze, which its factors tell. Two points that graze hit each other, and there is no normal."""
+def passes(state: Flights[FieldNumber], link: Round) -> bool | None:
+    """Whether two whose gap is a polynomial of fractions that never falls through zero graze each other, True, or miss,
+    False, which its factors tell; None where they may hit. Two points that graze do, and there is no normal."""
     known = gap_in_fractions(state, link)
     found = None if known is None else falling_zero_exactly(known[1])
-    return isinstance(found, bool) and not (found and field_sign(state.reach(*link.ends(state))) == 0)
+    if not isinstance(found, bool) or (found and field_sign(state.reach(*link.ends(state))) == 0):
+        return None
+    return found
 
 
 def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:

@@ -14,7 +14,7 @@ from truebreak.compare.tangent import growth
 from truebreak.compare.tangent import impacts as impacts_of
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
 from truebreak.compare.tangent.hazard import Course
-from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
+from truebreak.compare.tangent.impacts import Graze, NoTangentMap, first_graze, impacts, moving
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_motion import ExactMotion
 from truebreak.exact.laws.derivation import LawError
@@ -22,7 +22,7 @@ from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
 from truebreak.exact.replay.contact import Pair
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, Segment, Trajectory, Wall, catalogue
 
 TEXT = law_forms.tangent_text()
 
@@ -522,3 +522,22 @@ def test_what_has_no_map_under_gravity_is_refused_by_name() -> None:
     assert len(run.events) == 2
     with pytest.raises(NoTangentMap, match="before event 0, c1 and top graze"):  # up by 4**2 / 2, to the ceiling
         impacts(run, 2)
+
+
+@pytest.mark.parametrize(("r", "events"), [("1", 1), ("99/100", None), ("101/100", None)])
+@pytest.mark.parametrize("thing", ["a circle", "a ring"])
+def test_a_graze_under_gravity_has_no_tangent_map(r, events, thing):
+    """A ball rises to 5 at the time 1, and there just touches something round of radius r, or does not."""
+    ball, beside = Circle(0, 0, 1, 0, 10, id="ball"), Circle(30, 0, 1, vy=3, id="beside")
+    circles, arcs = [ball, beside], [Arc(0, 7, r, id="thing", full=True)]
+    if thing == "a circle":
+        circles, arcs = [*circles, Circle(0, 7, r, m="oo", id="thing")], []
+    scene = Scene(circles, [Wall(0, -2, 1, -2, id="floor")], arcs=arcs, gravity=(0, -10))
+    run = ExactEngine().run(scene, events=3)
+    found = first_graze(run, run.motion, 3)
+    assert found == (None if events is None else Graze(events, "ball", "thing"))
+    if events is None:
+        assert len([*impacts(run, 3)]) >= 3
+    else:
+        with pytest.raises(NoTangentMap, match="ball and thing graze: nearby they hit or miss"):
+            [*impacts(run, 3)]
