@@ -625,9 +625,10 @@ class Predictor(Generic[M]):
         return AtWall(link.circle, first + ((link.wall - first) ^ 1))
 
     def push(self, time: M, link: Link, graze: bool = False) -> None:
-        """Queues a meeting that is certain to come if nothing else does first."""
+        """Queues a meeting that is certain to come if nothing else does first; one beyond all numbers never comes."""
         low, high = self.bounds(time)
-        self.queue.push(low, high, time, link, graze)
+        if low < inf:
+            self.queue.push(low, high, time, link, graze)
 
     def push_doubtful(self, link: Link) -> None:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
+from math import isfinite
 from random import Random
 
 import pytest
 
 from truebreak.compare.engines import engine
-from truebreak.scenarios import Circle, Scene, Wall
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Circle, Scene, StopReason, Wall
 
 ROUNDING = {"double": 1e-12, "single": 1e-4, "quad": 1e-25, "rounded:bits=30": 1e-6}
 """For each engine, more than a last bit of its clock."""
@@ -57,3 +59,16 @@ def test_enclosures_meet_at_any_speed(digits: int) -> None:
     scene = Scene([Circle(0, 0, vx=f"10**-{digits}"), Circle(4, 0)])
     run = engine("interval").run(scene)
     assert len(run.events) == 1 or not run.certified
+
+
+def test_what_all_but_rests_in_a_corner_never_comes_to_it() -> None:
+    """A speed of 5e-324 towards a wall is left of a push: in doubles that leads nowhere."""
+    discs = [
+        Circle("-1/10", "27/20", "1/2", "-4/5", "11/20", id="one"),
+        Circle("16/5", "49/10", "1/2", "5/4", "-9/5", id="other"),
+    ]
+    box = [(-6, -6, 6, -6), (6, -6, 6, 6), (6, 6, -6, 6), (-6, 6, -6, -6)]
+    walls = [Wall(*ends, id=f"w{k}") for k, ends in enumerate(box)]
+    run = DoubleEngine().run(Scene(discs, walls, restitution=0), events=40)
+    assert run.stop.reason is StopReason.QUIET
+    assert all(isfinite(float(event.time)) for event in run.events)
