@@ -179,6 +179,8 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
         what = "walls that move" if scene.moving_solid is None else "what moves and is no circle"
         less = "" if scene.elastic else ", less what contacts lost"
         say(out, f"energy: {what} brought in {energy_gained(trajectory):.9g}{less}")
+    for settled in trajectory.settlings:
+        say(out, f"settled: {settled.circle} on {settled.wall} at time {number(settled.time, exact)}")
     if trajectory.assumptions:
         for assumption in trajectory.assumptions[:1]:
             say(out, str(assumption), "bold yellow")

@@ -10,7 +10,9 @@ import settle_campaign
 from settle_campaign import differs, drawn, examined
 
 from truebreak.compare import compare
+from truebreak.compare.deadline import Clock
 from truebreak.compare.files.saved import run_of, saved_run
+from truebreak.compare.report.listing import print_trajectory
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.state import Lift, ReplayState, Settle
@@ -167,6 +169,13 @@ def test_files_and_saved_runs_keep_it() -> None:
     steps = again.motion.log.steps
     assert Settle(1, 0, True) in steps
     assert Lift(0) in steps
+
+
+def test_a_printed_run_says_what_has_settled(capsys: pytest.CaptureFixture[str]) -> None:
+    ball, floor = Circle(0, 6, vx=1, id="ball"), Wall(0, 0, 1, 0, id="floor")
+    scene = Scene([ball], [floor], gravity=(0, -10), restitution=0, settle=True)
+    print_trajectory(ExactEngine().run(scene), exact=True, watch=Clock(None))
+    assert "settled: ball on floor at time 1\n" in capsys.readouterr().out
 
 
 def test_engines_that_do_not_follow_it_say_so() -> None:
