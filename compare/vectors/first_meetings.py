@@ -127,7 +127,8 @@ def answered(question: MeetingQuestion) -> Vector:
         return Vector(question, False)
     event = run.events[0]
     time = float(event.time)
-    rest = float(event.time.ball(160) - Quantity.of(time).ball(160)) if math.isfinite(time) else 0.0
+    with ball.precision(160):
+        rest = float(event.time.ball(160) - Quantity.of(time).ball(160)) if math.isfinite(time) else 0.0
     return Vector(question, True, time, rest, event.time.digits(DIGITS), _part(question, run.after(0)["disc"]))
 
 

@@ -88,6 +88,10 @@ def differs(scene: Scene, events: int = EVENTS) -> str:
             return f"event {theirs.index}: {names}, not {mine.approaching}"
     if "collapse" in run.stop.message:  # the referee, whose numbers end, is through with it after many rounds
         return "" if told.events[len(run.events)].rounds > 20 else "no collapse"
+    if run.stop.reason is StopReason.ACCUMULATION:  # the referee goes on, ever nearer to where they end
+        end, more = mpf(run.ending.digits(60)), Referee(scene).run(mpf(UNTIL), len(run.events) + 20).events
+        left = [end - each.time for each in (more[len(run.events) - 1], more[-1])]
+        return "" if 0 < left[1] < left[0] / 100 else f"{left} before the end"
     if len(told.events) != len(run.events):
         return f"{len(run.events)} events, not {len(told.events)}: {run.stop.message}"
     if "no normal" in run.stop.message or told.blunt is not None:
