@@ -230,8 +230,8 @@ CERTIFIED = (
     Mutant(
         "graze_not_noted",
         MEETINGS,
-        "            self._grazes(link)\n",
-        "            pass\n",
+        "        if disc == 0:\n            self._grazes(link)\n",
+        "        if disc == 0:\n            pass\n",
         "a proved graze is not noted for the way back",
     ),
     Mutant(

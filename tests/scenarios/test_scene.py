@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -10,7 +12,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, TiePolicy, Wall
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, Segment, TiePolicy, Wall
 
 
 def refusal(make: Callable[[], object]) -> str:
@@ -219,3 +221,17 @@ def test_tie_policies_are_parsed_and_spelled() -> None:
     assert TiePolicy.parse("sequential") == TiePolicy.parse("sequential:order=scene")
     for text in ("", "sequential:seed=", "sequential:seed=-1", "sequential:seed=x", "Simultaneous"):
         assert "is not known" in refusal(lambda text=text: TiePolicy.parse(text))
+
+
+def test_a_scene_that_nobody_holds_is_gone_at_once() -> None:
+    """It does not hold itself, which a collector would have to find: the one of many small scenes seldom looks."""
+    gc.disable()
+    try:
+        for segments in ((), (Segment(0, 5, 4, 5),)):
+            scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], segments=segments)
+            assert scene.surfaces.surfaces is scene.surfaces
+            held = weakref.ref(scene)
+            del scene
+            assert held() is None
+    finally:
+        gc.enable()
