@@ -76,7 +76,8 @@ class kept(cached_property[T]):  # a decorator, as what it is made of
     """`functools.cached_property` without a lock, of which Python 3.11 has one for all instances.
 
     Whoever computes the property may wait for flint's precision (`precision.at_bits`), and whoever holds that may ask
-    for the property: with two locks each might wait for the other. Without, two threads may compute it twice.
+    for the property: with two locks each might wait for the other. Without, two threads may compute it twice. A value
+    that is the object itself is not kept: it would hold itself, and not be gone when nobody else does.
 
     >>> class Square:
     ...     @kept
@@ -91,7 +92,9 @@ class kept(cached_property[T]):  # a decorator, as what it is made of
     def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
         if instance is None:
             return self
-        value = instance.__dict__[self.attrname] = self.func(instance)
+        value = self.func(instance)
+        if value is not instance:
+            instance.__dict__[self.attrname] = value
         return value
 
 

@@ -152,7 +152,7 @@ class Scene:
             inner += [(i, j if j < n else j + len(self._ends)) for i, j in touching]
             touching = tuple(sorted([*touching, *outer]))
             put(self, "_lowered_touching", tuple(sorted(set(inner))))
-            vars(self).pop("_faced", None)
+            vars(self).pop("surfaces", None)
         put(self, "touching", touching)
 
     def _settle(
@@ -267,23 +267,21 @@ class Scene:
 
         return ends_of(self.segments, self.polygons, any(circle.r.sign() == 0 for circle in self.circles), self.arcs)
 
-    @property
+    @kept
     def surfaces(self) -> Scene:
         """The same scene as engines see it: segments and polygons as faces, after the walls, and ends, after circles.
 
         Arcs are the two sides of each. Itself where it has none of them. Where an end moves, there is a gravity, of 0
         if of no more: what is met is told from where it moves, as of what stands from where it falls.
         """
-        return self._faced if self.segments or self.polygons or self.arcs else self
-
-    @kept
-    def _faced(self) -> Scene:
+        if not self.segments and not self.polygons and not self.arcs:
+            return self
         from .surfaces import faces_of
 
         found = copy(self)
         kept_values = vars(found)
         for name in (
-            *("_hash", "ids", "_faced", "faces", "_ends", "arc_sides", "closing", "pegs"),
+            *("_hash", "ids", "surfaces", "faces", "_ends", "arc_sides", "closing", "pegs"),
             *("moving_walls", "moving_solid", "moving_ends"),
         ):
             kept_values.pop(name, None)
@@ -337,7 +335,7 @@ class Scene:
         if changes.keys() & THINGS:
             return Scene(**{**values, **changes})
         twin = copy(self)
-        for name in ("_hash", "_faced", "pegs"):
+        for name in ("_hash", "surfaces", "pegs"):
             vars(twin).pop(name, None)
         twin._settle(**{key: value for key, value in {**values, **changes}.items() if key not in THINGS})
         _check_kinds(twin)
