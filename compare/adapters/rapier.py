@@ -27,7 +27,7 @@ class RapierEngine(SteppedAdapter):
     """Plays scenes in Rapier 3D, as `pip install rapier3d` has it: numbers of 24 bits, by time steps.
 
     Circles are balls that move in x and y alone and do not rotate; a wall is a half-space for each side on which there
-    are circles, which it alone stops, of a kinematic body where it moves; a segment is one
+    are circles, which nothing else stops, of a kinematic body where it moves; a segment is one
     of its own, or a capsule. The scene's restitution, friction 0, no damping, no sleeping, no warm starting, no
     correction of overlaps, no contact ahead of a touch, no cap of speeds.
 
