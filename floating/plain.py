@@ -276,7 +276,7 @@ class PlainDecider(Generic[M]):
         zero, falls, circles = self.state.zero, self.state.falling is not None, self.state.scene.circles
         for body in bodies:
             flight = body.flight
-            flies = falls and not circles[body.index].fixed
+            flies = falls and not (body.is_pocket or circles[body.index].fixed)
             rest = not flies and bool(flight.vx == zero) and bool(flight.vy == zero)
             if rest is not flight.rest:
                 body.flight = flight._replace(rest=rest)

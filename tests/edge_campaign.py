@@ -520,6 +520,7 @@ def main(campaign: Campaign = EDGES) -> int:
     parser = argparse.ArgumentParser(description="Scenes and what is added to them against the referee.")
     parser.add_argument("--scenes", type=int, default=1000)
     parser.add_argument("--out", default=f"{campaign.name}.jsonl")
+    parser.add_argument("--first", type=int, default=0, help="the seed to begin with")
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--arcs", action="store_true", help="scenes of arcs")
     parser.add_argument("--replay", type=int, default=None)
@@ -535,7 +536,7 @@ def main(campaign: Campaign = EDGES) -> int:
     path = Path(options.out)
     rows = [json.loads(line) for line in path.read_text().splitlines() if line.endswith("}")] if path.exists() else []
     if not options.report:
-        seed = rows[-1]["seed"] + 1 if rows else 0
+        seed = rows[-1]["seed"] + 1 if rows else options.first
         with path.open("a") as file:
             while len(rows) < options.scenes:
                 row = verdict(seed, campaign)

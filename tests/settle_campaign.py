@@ -50,6 +50,8 @@ def drawn(seed: int) -> Scene | None:
     walls += [Wall(x, 0, x, 1, id=f"side{x}") for x in (-8, 8) if rng.random() < 0.6]
     if rng.random() < 0.2:
         walls.append(Wall(9, 0, 12, 4, id="tilted"))
+    if rng.random() < 0.5:
+        circles = circles[::-1]
     gravity = ("0", "-10") if rng.random() < 0.8 else ("0", rng.choice(("-1", "-sqrt(3)", "-981/100")))
     try:
         return Scene(circles, walls, gravity=gravity, restitution=e, settle=True)

@@ -242,7 +242,7 @@ class CertifiedMeetings:
             return self._settled_fall(arrival, link)
         if is_arc(link):
             disc = arc_contact(link, self._decided, final=True)
-        elif isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+        elif isinstance(self.predictor, PegPredictor) and self.predictor.falls_to_face(link):
             disc = self.predictor.face_settled(link, self._sign, self._decided)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
@@ -372,7 +372,7 @@ class CertifiedMeetings:
         if isinstance(self.predictor, PegPredictor) and not is_flat(link) and self._state.balls.on_peg(link):
             return self.predictor.push_unsure(link)
         ball.use_bits(self._state.bits)
-        if isinstance(self.predictor, PegPredictor) and self.predictor.has_face(link):
+        if isinstance(self.predictor, PegPredictor) and self.predictor.falls_to_face(link):
             return self._push(link, self.predictor.face_unsure(link, self._sign, self._decided, self._overlap))
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from math import inf, isfinite, sqrt
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias, TypeGuard
 
 from flint import arb
 
@@ -31,9 +31,6 @@ from .filtered import (
     FilteredPredictor,
 )
 from .filtered_falls import FallingPredictor
-
-if TYPE_CHECKING:
-    from typing_extensions import TypeIs
 
 
 class FloatArc(NamedTuple):
@@ -214,11 +211,14 @@ class PegPredictor(FallingPredictor):
 
     def face(self, a: Body[arb], wall: int, standing: Collection[Link]) -> None:
         """See `Predictor.face`."""
-        fall_to_face(self, a, wall, standing, rounded=False)
+        if a.index in self.state.pegs:
+            super().face(a, wall, standing)
+        else:
+            fall_to_face(self, a, wall, standing, rounded=False)
 
-    def has_face(self, link: Link) -> TypeIs[AtWall]:
-        """Whether a contact is with a face."""
-        return is_flat(link) and link.wall in self.faces
+    def falls_to_face(self, link: Link) -> TypeGuard[AtWall]:
+        """Whether a contact is with a face, of a circle that nothing carries."""
+        return is_flat(link) and link.wall in self.faces and link.circle not in self.state.pegs
 
     def face_unsure(
         self,

@@ -363,6 +363,8 @@ class FallingPredictor(FilteredPredictor):
         """See `Predictor.meet_faces`."""
         if self.falling is None:
             super().meet_faces(a, standing)
+        elif a.index in self.state.pegs:
+            self.unclear(a, self.faces, standing)
         else:
             self._meet_falling(a, self.faces, standing)
 

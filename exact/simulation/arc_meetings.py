@@ -230,10 +230,8 @@ def predict_falls(
             for b in movers:
                 predictor.land(b, Pair(*sorted((a.index, b.index))), standing)
             predicted += len(movers)
-            if not a.flight.rest:  # carried along a wall, as what it meets may be
-                predictor.pairs(a, [b for b in others if b.index in pegs], standing)
-            elif a.index not in fixed:
-                predictor.pairs(a, [b for b in others if b.index in pegs and not b.flight.rest], standing)
+            carried = [b for b in others if b.index in pegs and not (a.flight.rest and b.flight.rest)]
+            predictor.pairs(a, carried, standing)  # along a wall, at constant velocity
             continue
         for b in others:
             if b.index in pegs:

@@ -248,7 +248,7 @@ class Endings:
         names = [
             name_of(self.scene, link)
             for link, sign in standing.items()
-            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in carried
+            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in stands
         ]
         return " as well as ".join(sorted(names)) or None
 

@@ -15,7 +15,7 @@ from truebreak.exact import ExactEngine, exact_motion
 from truebreak.exact.replay import wall_flights
 from truebreak.exact.replay.state import Flights
 from truebreak.exact.simulation import prediction
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, Wall
 
 UNTIL, EVENTS = 12, 14
 
@@ -222,3 +222,9 @@ def test_late_times_cost_bits_once() -> None:
     (first, lost), (late, before), (end, after) = [(len(run.events), run.motion.log.lost) for run in runs]
     assert end > 2000
     assert abs((after - before) / (end - late) - lost / first) < 0.1 * lost / first
+
+
+def test_a_fixed_disc_on_the_floor_is_none_that_has_come_to_rest():
+    discs = [Circle(0, 1, 1, m="oo", id="post"), Circle(5, 7, 1, -2, 0, id="ball")]
+    run = ExactEngine().run(Scene(discs, [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10)), events=3)
+    assert run.stop.reason is StopReason.EVENTS, run.stop

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from random import Random
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay.state import Lift, ReplayState, Settle
 from truebreak.exact.simulation.endings import Carrier
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
-from truebreak.scenarios import Arc, Circle, Pocket, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.trajectory import StopReason, Trajectory
 
@@ -35,6 +36,53 @@ def ran(circles: list[Circle], *walls: Wall, e: object = 0, until: object = None
 def told(run: Trajectory) -> list[tuple[str | None, list[tuple[str, ...]]]]:
     """When each event is, and what pushes."""
     return [(event.time.text(), [tuple(link) for link in event.impulses]) for event in run.events]
+
+
+def _sliders(seed: int) -> Scene | None:
+    """Discs that slide over a floor, each at its own speed, and things that stand in their way, in any order."""
+    rng = Random(f"sliders {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 20, high * 20)}/20"
+
+    circles: list[Circle] = []
+    for k in range(rng.choice((1, 1, 2, 3))):
+        r = rng.choice(("1/2", "1", "1/3"))
+        circles.append(Circle(some(-9, 9), r, r, some(-3, 3), 0, rng.choice(("1", "2")), id=f"b{k}"))
+    for k in range(rng.choice((0, 1, 2))):
+        r = rng.choice(("1/2", "1", "0"))
+        circles.append(Circle(some(-9, 9), some(1, 3), r, m="oo", id=f"peg{k}", point=r == "0"))
+    rng.shuffle(circles)
+    bars = [
+        Segment(some(-9, 9), some(0, 3), some(-9, 9), some(1, 5), f"s{k}", rng.choice(("0", "1/8")))
+        for k in range(rng.choice((0, 1, 1, 2)))
+    ]
+    x, y = rng.randint(-9, 9), rng.choice(("1/4", "3/2"))
+    blocks = [Polygon([(x, y), (x + 2, 3), (x - 1, 4)], "block")] if rng.random() < 0.4 else []
+    walls = [FLOOR, Wall(12, 0, 13, rng.choice((3, -3)), "tilted"), Wall(-12, 9, -12, 0, "side")]
+    try:
+        return Scene(circles, walls, segments=bars, polygons=blocks)
+    except SceneError:
+        return None
+
+
+def test_what_slides_meets_what_it_would_meet_without_gravity() -> None:
+    """Up to the first meeting the floor does all that gravity does, whatever stands in the way, in whatever order."""
+    compared = Counter[str]()
+    for seed in range(160):
+        free = _sliders(seed)
+        if free is None:
+            continue
+        scenes = free, free.with_changes(gravity=DOWN, settle=True)
+        one, other = (ExactEngine(work=100_000).run(scene, events=1, until=9) for scene in scenes)
+        if one.stop.reason is StopReason.UNDECIDED:
+            continue
+        assert other.events or other.stop.reason is one.stop.reason, seed
+        for mine, theirs in zip(one.events, other.events, strict=True):
+            assert mine.time.digits(30) == theirs.time.digits(30), seed
+            assert {frozenset(c) for c in mine.contacts} == {frozenset(c) for c in theirs.contacts}, seed
+            compared.update({c for pair in mine.contacts for c in pair})
+    assert {"b0", "peg0", "s0", "tilted", "block"} <= compared.keys()
 
 
 def test_what_falls_and_stops_stays() -> None:
