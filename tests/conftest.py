@@ -6,6 +6,7 @@ import gc
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,10 @@ gc.set_threshold(50_000, *gc.get_threshold()[1:])
 
 # No test touches the user's kept runs, nor does what tests start.
 os.environ["TRUEBREAK_CACHE"] = ""
+
+# Tests start hundreds of processes, which import the whole: Python keeps what it compiles, whatever the shell asks for.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 @pytest.fixture(scope="session")

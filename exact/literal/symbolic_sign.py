@@ -10,6 +10,7 @@ Nothing here is shared with the number systems of the exact engine, whose oracle
 from __future__ import annotations
 
 from collections.abc import Sequence
+from threading import local
 from typing import Any
 
 from mpmath.ctx_iv import MPIntervalContext
@@ -109,6 +110,16 @@ def enclosure(number: Any, bits: int) -> tuple[Any, Any]:
     return found.a, found.b
 
 
+class _Context(local):
+    """The intervals of mpmath, made once for each thread, which sets their precision; a sign costs less than that."""
+
+    def __init__(self) -> None:
+        self.iv: Any = MPIntervalContext()
+
+
+_CONTEXT = _Context()
+
+
 class Roots:
     """The square roots s_0, s_1, ... that occur in a number, inner ones first.
 
@@ -123,7 +134,6 @@ class Roots:
         self.bases = bases
         self.ring: Any = ring([Symbol(f"s_{k}") for k in range(len(bases))] or [Symbol("s_0")], QQ)[0]
         self.radicands: list[Any] = []
-        self._interval: Any = MPIntervalContext()
         self._enclosures: dict[int, list[Any]] = {}
         for base, level in bases:
             known = self.polynomial(base) if level == 1 else self._generator(base, level - 1)
@@ -200,7 +210,7 @@ class Roots:
 
     def enclose(self, polynomial: Any, bits: int) -> Any:
         """An mpmath interval that holds the value of a polynomial in the roots."""
-        iv = self._interval
+        iv = _CONTEXT.iv
         iv.prec = bits
         roots = self._enclosures.setdefault(bits, [])
         for radicand in self.radicands[len(roots) :]:
@@ -209,7 +219,7 @@ class Roots:
         return self._value(polynomial, roots)
 
     def _value(self, polynomial: Any, roots: list[Any]) -> Any:
-        iv = self._interval
+        iv = _CONTEXT.iv
         total = iv.mpf(0)
         for exponents, coefficient in polynomial.terms():
             term = iv.mpf(int(coefficient.numerator)) / int(coefficient.denominator)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -63,19 +62,24 @@ LARGEST = {"echo": 900_000, "cooling": 720_000}
 """Bytes of the pages over half a megabyte, of a hundred discs and of fifty."""
 
 
-@cache
-def report(name: str, events: int | None = MOST_EVENTS) -> str:
+def made(name: str, events: int | None) -> str:
     """The report of a scene beside the engines of `truebreak compare`."""
     scene = catalogue.build(name)
     limit = events if scene.events is None or events is None else min(events, scene.events)
     return html_report(compare(scene, events=limit), command=f"truebreak compare {name} --html page.html")
 
 
+@pytest.fixture(scope="module")
+def report(request: pytest.FixtureRequest) -> str:
+    """The report of a scene's first events, made once: what it takes counts for each test that looks at it."""
+    return made(request.param, MOST_EVENTS)
+
+
 @HERE
-@pytest.mark.parametrize("name", catalogue.names())
-def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("report", catalogue.names(), indirect=True)
+def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_path: Path, report: str) -> None:
     page = tmp_path / "page.html"
-    page.write_text(report(name), "utf-8")
+    page.write_text(report, "utf-8")
     browser.media(prefers_reduced_motion="reduce")
     for width, height in (DESK, PHONE):
         browser.size(width, height)
@@ -95,11 +99,13 @@ def test_verdict_and_answers_stand_on_the_first_screen(browser: Browser, tmp_pat
 
 @HERE
 @pytest.mark.parametrize(
-    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in catalogue.names()]
+    "report",
+    [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in catalogue.names()],
+    indirect=True,
 )
-def test_no_page_unfolds_to_more_than_6000_pixels_on_a_telephone(browser: Browser, tmp_path: Path, name: str) -> None:
+def test_no_page_unfolds_to_more_than_6000_pixels_on_a_telephone(browser: Browser, tmp_path: Path, report: str) -> None:
     page = tmp_path / "page.html"
-    page.write_text(report(name), "utf-8")
+    page.write_text(report, "utf-8")
     browser.media(prefers_reduced_motion="reduce")
     browser.size(*PHONE)
     browser.open(page)
@@ -133,10 +139,10 @@ def test_pages_of_chaos_and_of_all_orders_are_no_longer(browser: Browser, tmp_pa
 
 @HERE
 @pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/compare/report")
-@pytest.mark.parametrize("name", catalogue.names())
-def test_axe_finds_nothing_on_a_telephone(browser: Browser, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("report", catalogue.names(), indirect=True)
+def test_axe_finds_nothing_on_a_telephone(browser: Browser, tmp_path: Path, report: str) -> None:
     page = tmp_path / "page.html"
-    page.write_text(report(name), "utf-8")
+    page.write_text(report, "utf-8")
     browser.size(*PHONE)
     for scheme in ("light", "dark"):
         browser.media(prefers_color_scheme=scheme)
@@ -147,14 +153,14 @@ def test_axe_finds_nothing_on_a_telephone(browser: Browser, tmp_path: Path, name
         assert [(rule["id"], [node["html"][:120] for node in rule["nodes"][:3]]) for rule in violations] == []
 
 
-@pytest.mark.parametrize("name", [name for name in catalogue.names() if name not in LARGEST])
-def test_a_page_takes_half_a_megabyte_at_most(name: str) -> None:
-    assert len(report(name).encode()) < 500_000
+@pytest.mark.parametrize("report", [name for name in catalogue.names() if name not in LARGEST], indirect=True)
+def test_a_page_takes_half_a_megabyte_at_most(report: str) -> None:
+    assert len(report.encode()) < 500_000
 
 
 @pytest.mark.parametrize("name", ["gas", *LARGEST])
 def test_so_it_does_with_all_events_but_for_the_scenes_of_many_discs(name: str) -> None:
-    assert len(report(name, None).encode()) < LARGEST.get(name, 500_000)
+    assert len(made(name, None).encode()) < LARGEST.get(name, 500_000)
 
 
 def test_a_page_takes_a_part_of_the_time_of_its_comparison() -> None:
@@ -162,7 +168,7 @@ def test_a_page_takes_a_part_of_the_time_of_its_comparison() -> None:
     scene = catalogue.build("gas")
     compare(scene), html_report(compare(scene, events=5))  # what is imported and kept at the first time
     began = time.process_time()
-    made = compare(scene)
+    comparison = compare(scene)
     compared = time.process_time()
-    html_report(made)
+    html_report(comparison)
     assert time.process_time() - compared < 0.5 * (compared - began)
