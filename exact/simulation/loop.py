@@ -118,8 +118,6 @@ def instant_of(found: Found, number: int) -> Instant:
 # It looks through what is new each time that 700 more objects have been made than freed, and through all that there
 # is whenever a quarter has been added: among 1,000 discs, a tenth to a third of the exact engine's time. What keeps
 # itself alive is found all the same, `SELDOM` objects later at most; all else goes when nobody holds it, as ever.
-# What a run has made and is still held at its end counts as old from then on, as it would once the collector had been
-# through it.
 
 SELDOM = 100_000
 """Objects more made than freed, between two looks: some ten megabytes. An event makes about ten that last."""
@@ -157,9 +155,6 @@ class SeldomCollected:
         with self._lock:
             self._entered -= 1
             if not self._entered:
-                if not gc.get_freeze_count():
-                    gc.freeze()
-                    gc.unfreeze()  # all is old now
                 gc.set_threshold(*self._before)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import weakref
 from collections.abc import Iterator
 
 import pytest
@@ -78,3 +79,18 @@ def test_no_part_of_a_run_is_left_in_a_circle(name: str, scene: str) -> None:
         gc.set_debug(0)
         gc.garbage.clear()
     assert not left
+
+
+def test_garbage_that_others_make_between_runs_is_collected() -> None:
+    """Another library's cycles, such as a pymunk space's, would else stay for as long as the process lives."""
+
+    class Cyclic:
+        def __init__(self) -> None:
+            self.me = self
+
+    alive: list[weakref.ref[Cyclic]] = []
+    scene = catalogue.build("gas:n=3")
+    for _ in range(60):
+        alive += [weakref.ref(Cyclic()) for _ in range(300)]
+        engine("exact").run(scene, events=1)
+    assert sum(ref() is not None for ref in alive) < len(alive) / 2
