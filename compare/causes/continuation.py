@@ -20,7 +20,7 @@ from flint import arb
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import AtWall, Flight, Touch, can_push, is_flat
+from ...exact.replay.contact import Flight, Touch, can_push, is_flat, is_pair
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...floating.knots import SteppedFall
 from ...scenarios.lazy import kept
@@ -28,7 +28,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Fall, ReportedInstant, Transcript
 from ..audit.transcript import ReportedFlight as OwnRow
 from .decision import DecidingNumber, Pairing, RunReader
-from .free_flights import FlightBalls, Row, Rows, added, bounce, fallen, flown, last_step, less, plus, row_of
+from .free_flights import FlightBalls, Row, Rows, added, bounce, fall_onto, fallen, flown, last_step, less, plus, row_of
 from .given_scene import RoundedState
 
 if TYPE_CHECKING:
@@ -293,20 +293,27 @@ class Continuation:
         by_event: dict[int, ReportedInstant] = {index: instant for instant in told for index in instant.events}
         turned = next((instant for instant in told if instant.turned), None)
         groups: list[tuple[list[Link], set[int]]] = []
-        of: dict[int, int] = {}
+        of: dict[int, set[int]] = {}
         for link in links:
             if link.turns and turned is None:
                 raise NoContinuation("its run does not turn back")
             mine = set(turned.events) & of.keys() if link.turns and turned is not None else _own_events(self, link)
-            known = {of[c] for c in mine if c in of}
-            if len(known) > 1:
+            known = {
+                p for c in mine for p in of.get(c, ()) if any({*one.bodies} & {*link.bodies} for one in groups[p][0])
+            }
+            if len({frozenset(groups[p][1]) for p in known}) > 1:
                 raise NoContinuation("it takes several instants as one, in another order")
-            place = known.pop() if known else len(groups)
+            place = min(known, default=len(groups))
             if place == len(groups):
                 groups.append(([], set()))
+            for other in known - {place}:  # what it joins, of one event, is told as one
+                groups[place][0].extend(groups[other][0])
+                groups[other][0].clear()
             groups[place][0].append(link)
             groups[place][1].update(mine)
-            of.update(dict.fromkeys(mine, place))
+            for c in mine:
+                of.setdefault(c, set()).add(place)
+        groups = [group for group in groups if group[0]]
         return self._with_changes(groups, by_event, turned, told)
 
     def _with_changes(
@@ -435,7 +442,7 @@ class Continuation:
             late = pushed
         stretch.defects[LATENESS] = less(late, met)
         stretch.defects[OVERLAP] = less(pushed, late)
-        if self._fall is not None and link.single is not None and is_flat(link.single):
+        if self._fall is not None and link.single is not None and _is_fixed(state, link.single):
             gained = _bounced_before_gain(state, link.single, pushed, self._fall)
             stretch.defects[INTEGRATOR] = added(stretch.defects[INTEGRATOR], less(gained, pushed))
             pushed = gained
@@ -603,12 +610,24 @@ def _fallen_by_steps(row: Row, time: arb, fall: Fall) -> Row:
     return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
 
 
-def _bounced_before_gain(state: ReplayState[arb], link: AtWall, pushed: Rows, fall: Fall) -> Rows:
+def _is_fixed(state: ReplayState[arb], link: Touch) -> bool:
+    """Whether one of the two of a contact does not fall, so that what a step adds to speeds matters to it."""
+    return is_flat(link) or (state.stands and is_pair(link) and state.on_peg(link))
+
+
+def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fall: Fall) -> Rows:
     """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
-    line, (t, x, y, vx, vy) = state.line(link.circle, link.wall), pushed[link.circle]
+    [(k, row)] = pushed.items()
+    t, x, y, vx, vy = row
+    if is_flat(link):
+        line = state.line(link.circle, link.wall)
+        nx, ny, nn = line.nx, line.ny, line.nn
+    else:
+        nx, ny, *_ = fall_onto(state, k, row, state.bodies[link[0] if link[0] != k else link[1]])
+        nn = nx * nx + ny * ny
     restitution = arb(1) if state.share is None else 2 * state.share - 1
-    more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, line.nx, line.ny) / line.nn
-    return {link.circle: (t, x, y, vx + more * line.nx, vy + more * line.ny)}
+    more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, nx, ny) / nn
+    return {k: (t, x, y, vx + more * nx, vy + more * ny)}
 
 
 class _Carried(RunReader):

@@ -14,6 +14,7 @@ from ...exact.laws.formulas import advance, pair_discriminant, pair_gap
 from ...exact.numbers import ball
 from ...exact.replay.contact import WallFall
 from ...exact.replay.parts import NearestPart, PartsNear
+from ...exact.replay.round_falls import RoundFall, told_falling_zero
 from ...exact.replay.wall_flights import fall_of
 from ...floating.knots import DoubleMotion, SteppedFall
 from ...scenarios.numbers.quantity import Quantity, real
@@ -26,9 +27,12 @@ from .free_flights import (
     OwnFlight,
     apart_at,
     exact_flight,
+    fall_onto,
+    fall_wait,
     fallen,
     is_zero,
     last_step,
+    nearest_fall,
     resting,
     wall_margin,
     wall_wait,
@@ -387,6 +391,10 @@ class RunReader:
             told = self._wall(pairing, bits)
             wait = None if told is None else wall_wait(told[1], pull_of(self, pairing))
             return None if told is None or wait is None else told[0] + wait
+        if _is_on_peg(self, pairing):
+            fall = _fall_of(self, pairing, bits)
+            late = None if fall is None else fall_wait(fall[1])
+            return None if fall is None or late is None else fall[0] + late
         relative = self._relative(pairing, bits)
         return None if relative is None else _meeting_time(relative)
 
@@ -499,6 +507,12 @@ class RunReader:
                 return None if enter is None else (float(enter), math.inf)
             _, (gap, approach, half), _ = told
             return float(enter), float(enter + ball.root(law.fall_discriminant(gap, approach, half)) / half)
+        if _is_on_peg(self, pairing):
+            fall = _fall_of(self, pairing, FIRST_BITS)
+            assert fall is not None
+            then = [-_middle(value) for value in fall[1].after(enter - fall[0]).polynomial(True)]
+            out = told_falling_zero(then)
+            return float(enter), float(enter) + (0.0 if out is None else out)
         relative = self._relative(pairing, FIRST_BITS)
         assert relative is not None
         _, dx, dy, vx, vy, reach = relative
@@ -522,6 +536,9 @@ class RunReader:
             _, (gap, approach, _), _ = wall
             if (pull := pull_of(self, pairing)) != 0:
                 return pull > 0 and ball.sign_of(approach) in (0, 1)
+        elif _is_on_peg(self, pairing):
+            fall = _fall_of(self, pairing, bits)
+            return fall is not None and ball.sign_of(fall[1].approach()) in (0, 1) and nearest_fall(fall[1]) is None
         else:
             relative = self._relative(pairing, bits)
             if relative is None:
@@ -551,6 +568,13 @@ class RunReader:
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
             return None if told is None else wall_margin(told[1], pull_of(self, pairing)) / told[2]
+        if _is_on_peg(self, pairing):
+            fall = _fall_of(self, pairing, bits)
+            if fall is None:
+                return None
+            (dx, dy, *_, reach), least = fall[1], nearest_fall(fall[1])
+            goes = least is None and ball.sign_of(fall[1].approach()) in (0, 1)
+            return ball.root(dx * dx + dy * dy) - reach if goes else least
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -569,6 +593,12 @@ class RunReader:
         if self.is_wall(pairing):
             told = self._wall(pairing, bits)
             return None if told is None else law.sag(*told[1], time - told[0]) / told[2]
+        if _is_on_peg(self, pairing):
+            fall = _fall_of(self, pairing, bits)
+            if fall is None:
+                return None
+            then = fall[1].after(time - fall[0])
+            return ball.root(then.dx * then.dx + then.dy * then.dy) - then.reach
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
@@ -612,6 +642,26 @@ def pull_of(reader: RunReader, pairing: Pairing) -> int:
 def decides_by_speed(reader: RunReader, pairing: Pairing) -> bool:
     """Whether the number that decides a hit is a speed, and no distance: see `RunReader.least_gap`."""
     return reader.is_wall(pairing) and pull_of(reader, pairing) <= 0
+
+
+def _is_on_peg(reader: RunReader, pairing: Pairing) -> bool:
+    """Whether one of the two falls and the other is a circle that stands."""
+    pegs, places = reader.scene.pegs, reader.places
+    return bool(pegs) and (places[pairing.body] in pegs) is not (places[pairing.partner] in pegs)
+
+
+def _fall_of(reader: RunReader, pairing: Pairing, bits: int) -> tuple[arb, RoundFall[arb]] | None:
+    """The clock of the one that falls, and both as they then are; None if the run does not have that flight.
+
+    Of a pairing of which `_is_on_peg` holds.
+    """
+    names = (pairing.body, pairing.partner)
+    faller, peg = names if reader.places[names[1]] in reader.scene.pegs else names[::-1]
+    row = reader.numbers(pairing, faller, bits)
+    if row is None:
+        return None
+    things = reader.things(bits)
+    return row[0], fall_onto(things, reader.places[faller], row, things.bodies[reader.places[peg]])
 
 
 Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"

@@ -509,7 +509,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
             told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
-            flips = True
+            rest = [] if abs(part.size) > abs(total) / 2 else [other for other in parts if other is not part]
+            flips = None if any(_alone(lab, other, account.along) is None for other in rest) else True
         if part is account.own:
             found.append(
                 Experiment(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias, cast
 
+import numpy as np
 from flint import arb
 
 from ...exact.laws import formulas as law
@@ -27,11 +28,15 @@ from ...exact.laws.formulas import (
 )
 from ...exact.numbers import ball
 from ...exact.replay.contact import is_arc, is_flat, is_pair
+from ...exact.replay.round_falls import RoundFall, horner, horner_slope
 from ...exact.replay.wall_flights import fall_of
 from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
+from ..tangent.flight_aside import NEARLY_REAL
 
 if TYPE_CHECKING:
-    from ...exact.replay.contact import AtArc, AtWall, Flight, Gravity, Touch, WallFall
+    from collections.abc import Sequence
+
+    from ...exact.replay.contact import AtArc, AtWall, Body, Flight, Gravity, Pair, Touch, WallFall
     from ...exact.replay.state import ReplayState
     from ...floating.knots import SteppedFall
     from ...scenarios.things import Circle
@@ -115,6 +120,134 @@ def wall_margin(fall: WallFall[arb], pull: int) -> arb:
     return gap if ball.sign_of(approach) in (0, 1) else -square / (4 * half)
 
 
+# -- to something round that stands, under gravity: zeros of quartics, near where doubles have them
+#
+# Which zero it is doubles tell, of the middles of the coefficients; where it is, interval Newton proves in balls. At a
+# falling zero the gap goes from above 0 to below; as a flight leaves what it has just met, the zero of that is a rising
+# one, whatever rounding has made of the gap.
+
+WIDENED = 24
+"""Times that an interval about a zero is made eight times as wide, before it is given up."""
+
+
+def fall_onto(state: ReplayState[arb], k: int, row: Row, peg: Body[arb]) -> RoundFall[arb]:
+    """A circle and something round that stands, at the clock of the circle's flight, in true coordinates.
+
+    Args:
+        state: has gravity, and the radii.
+        k: the circle.
+        row: its flight, in the frame that falls.
+        peg: what stands.
+    """
+    assert state.falling is not None
+    (t, x, y, vx, vy), (hx, hy, _) = row, state.falling
+    bend_x, bend_y = hx * t, hy * t
+    x, y, vx, vy = x + bend_x * t, y + bend_y * t, vx + 2 * bend_x, vy + 2 * bend_y
+    px, py, *_ = peg.flight
+    return RoundFall(px - x, py - y, -vx, -vy, hx, hy, state.bodies[k].r + peg.r)
+
+
+def _real_zeros(c: Sequence[arb]) -> list[float]:
+    """Doubles beside the real zeros of a polynomial, in order; a double zero may be there as two, or not."""
+    mids = [float(value.mid()) for value in reversed(c)]
+    if not all(map(math.isfinite, mids)):
+        return []
+    found = np.roots(mids)
+    return sorted(float(zero.real) for zero in found if abs(zero.imag) <= NEARLY_REAL * abs(zero))
+
+
+def zero_beside(c: Sequence[arb], near: float) -> arb | None:
+    """The one zero of a polynomial about a double, proved by interval Newton; None where it is not.
+
+    >>> zero = zero_beside([arb(-2), arb(0), arb(1)], 1.4)
+    >>> zero.overlaps(arb(2).sqrt()), zero.rel_accuracy_bits() > 45, zero_beside([arb(1), arb(0), arb(1)], 1.0)
+    (True, True, None)
+    """
+    at = arb(near)
+    for _ in range(16):
+        slope = horner_slope(c, at).mid()
+        if slope == 0:
+            return None
+        step = (horner(c, at).mid() / slope).mid()
+        at = (at - step).mid()
+        if not at.is_finite():
+            return None
+    value, slope = horner(c, at), horner_slope(c, at)
+    room = 2 * abs(value / slope).upper() if not slope.contains(0) else arb("inf")
+    for _ in range(WIDENED):
+        if not room.is_finite():
+            return None
+        around = arb(at, room)
+        found = at - value / horner_slope(c, around)
+        if found.is_finite() and around.contains_interior(found):
+            return found
+        room = 8 * room + arb(2) ** -ball.bits_in_use() * abs(at)
+    return None
+
+
+def fall_wait(fall: RoundFall[arb]) -> arb | None:
+    """How long until one that falls meets something round that stands; below 0 where they overlap and come nearer.
+
+    None if it does not, or if that is not known.
+
+    >>> float(fall_wait(RoundFall(*map(arb, (0, -9, 0, 0, 0, -1, 5)))))
+    2.0
+    """
+    gap = fall.polynomial(False)
+    met = ball.sign_of(gap[0]) == -1 and ball.sign_of(gap[1]) == -1
+    mids = [float(value.mid()) for value in gap]
+    falling = [zero for zero in _real_zeros(gap) if horner_slope(mids, zero) < 0.0]
+    near = max((zero for zero in falling if zero <= 0.0), default=None) if met else None
+    if near is None:
+        near = min((zero for zero in falling if zero > 0.0), default=None)
+    return None if near is None else zero_beside(gap, near)
+
+
+def nearest_fall(fall: RoundFall[arb]) -> arb | None:
+    """How near one that falls comes to something round that stands, from now on: from surface to surface.
+
+    Negative for how deep it would come in; of several times at which it is nearest, that of the least distance. None
+    where it only goes away, or where that is not known.
+
+    >>> float(nearest_fall(RoundFall(*map(arb, (4, -4, -2, 0, 0, -1, 1)))))
+    -1.0
+    """
+    gap = fall.polynomial(False)
+    slope = tuple(k * value for k, value in enumerate(gap) if k)
+    mids = [float(value.mid()) for value in slope]
+    ahead = [zero for zero in _real_zeros(slope) if zero > 0.0 and horner_slope(mids, zero) > 0.0]
+    found: list[arb] = []
+    for near in ahead:
+        wait = zero_beside(slope, near)
+        if wait is None:
+            return None
+        then = fall.after(wait)
+        found.append(ball.root(then.dx * then.dx + then.dy * then.dy) - fall.reach)
+    return min(found, key=lambda far: float(far.mid()), default=None)
+
+
+def _falls_on(state: ReplayState[arb], link: Touch) -> bool:
+    """Whether a contact is of one that falls with a circle that stands."""
+    return state.stands and is_pair(link) and state.on_peg(link)
+
+
+def _off_peg(state: ReplayState[arb], link: Pair, rows: Mapping[int, Row], here: bool) -> Rows:
+    """See `bounce`: of one that falls onto a circle that stands."""
+    k, other = (link.b, link.a) if link.a in state.pegs else link
+    t, x, y, vx, vy = rows[k]
+    fall = fall_onto(state, k, rows[k], state.bodies[other])
+    wait = arb(0) if here else fall_wait(fall)
+    if wait is None:  # it does not come there
+        wait = arb("nan")
+    then = fall.after(wait)
+    reach = ball.root(then.dx * then.dx + then.dy * then.dy) if here else then.reach
+    w = state.bodies[k].w
+    jx, jy = pair_impulse(*then[:4], reach, w, arb(0))
+    if state.share is not None:
+        jx, jy = jx * state.share, jy * state.share
+    return {k: (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - w * jx, vy - w * jy)}
+
+
 # -- a bounce
 
 
@@ -190,7 +323,8 @@ def plus(row: Row, other: Row, scale: arb | None) -> Row:
 def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: bool = False) -> Rows:
     """The bounce of two circles, or of a circle and a wall or an arc, where they touch first in free flight.
 
-    It leaves 1 + e times the approach, with the state's restitution e; a wall may fall in the state's frame, or move.
+    It leaves 1 + e times the approach, with the state's restitution e; a wall, or a fixed circle, may fall in the
+    state's frame, or a wall move.
 
     Args:
         state: has the radii, the masses, the walls and the arcs, and where fixed circles are.
@@ -213,6 +347,8 @@ def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: 
     if is_arc(link):
         return _bounce_off_arc(state, link, rows[link.circle], here)
     assert is_pair(link)
+    if _falls_on(state, link):
+        return _off_peg(state, link, rows, here)
     a, b = link.ends(state)
     one, other = (rows[k] if k in rows else row_of(state.bodies[k].flight) for k in link)
     later = one[0] if link.b not in rows else other[0]

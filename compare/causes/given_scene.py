@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import Flight, Gravity
+from ...exact.replay.contact import Flight, Gravity, Round, is_pair
 from ...exact.replay.state import ReplayState
 from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
@@ -17,6 +17,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Arc, Circle, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
+from .free_flights import fall_onto, fall_wait, row_of
 
 SINGLE_BITS, PAIR_BITS = 24, 106
 """Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
@@ -150,6 +151,13 @@ class RoundedState(ReplayState[arb]):
 
     def _near(self, value: Quantity) -> arb:
         return ball.constant(value if self._bits is None else nearest(value, self._bits))
+
+    def peg_hit(self, link: Round) -> tuple[arb, arb]:
+        """As `RoundFalls.peg_hit`: not a number where there is no such time."""
+        body, ends = self.faller(link), link.ends(self)
+        row, peg = row_of(body.flight), ends[0] if is_pair(link) and link.a in self.pegs else ends[1]
+        wait = fall_wait(fall_onto(self, body.index, row, peg))
+        return body.flight.t, arb("nan") if wait is None else wait
 
     def line(self, circle: int, wall: int) -> SeenWall[arb]:
         """As `Flights.line`, of the rounded wall."""

@@ -248,7 +248,10 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
     """
     flights = _flights_before(reference, event)
     radii = {str(c.id): c.r for c in reference.scene.circles}
+    falls, fixed = reference.scene.gravity is not None, {str(c.id) for c in reference.scene.circles if c.fixed}
     for (one, a), (other, b) in combinations(flights.items(), 2):
+        if falls and (one in fixed) is not (other in fixed):
+            continue  # no two straight flights in one frame
         dx, dy, vx, vy = apart_at(a, b)
         reach = radii[one] + radii[other]
         if is_zero(pair_gap, dx, dy, reach) and is_zero(pair_approach, dx, dy, vx, vy):
@@ -262,6 +265,8 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
             along = whole.gravity is None or is_zero(wall_approach, *whole.gravity, *wall.normal)
             if along and (ux.sign() or uy.sign()) and is_zero(wall_approach, ux, uy, *wall.normal):
                 return f"{name} flies parallel to {wall.id}"
+    if falls:
+        return None  # what else stands is met where flights are bent
     for (name, flight), k in product(flights.items(), whole.ends):
         end = whole.circles[k]
         apart = apart_at(flight, resting(end))

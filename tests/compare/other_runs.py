@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeAlias
+
+import numpy as np
 
 from truebreak.compare.alignment.instants import Divergence, Kind
 from truebreak.compare.candidate import Candidate
@@ -360,6 +363,49 @@ def rows_after(run: Trajectory, event: int) -> dict[str, tuple[Decimal, ...]]:
     return {str(c.id): tuple(decimal(getattr(c, key)) for key in ("x", "y", "vx", "vy")) for c in state.circles}
 
 
+def falls_by(
+    row: tuple[Decimal, ...], place: tuple[Decimal, ...], gravity: tuple[Decimal, Decimal], reach: Decimal
+) -> tuple[Decimal, Decimal | None]:
+    """How near a circle that falls comes to a point, less a length, and when it first comes within that; else None.
+
+    >>> ball, peg, gravity = tuple(map(Decimal, (0, 9, 0, 0))), (Decimal(0), Decimal(0)), (Decimal(0), Decimal(-2))
+    >>> [round(number, 9) for number in falls_by(ball, peg, gravity, Decimal(5))]
+    [Decimal('-5.000000000'), Decimal('2.000000000')]
+    """
+    (x, y, vx, vy), (px, py), (gx, gy) = row, place, gravity
+
+    def square(s: Decimal) -> Decimal:
+        return (x + vx * s + gx * s * s / 2 - px) ** 2 + (y + vy * s + gy * s * s / 2 - py) ** 2
+
+    def rate(s: Decimal) -> Decimal:
+        dx, dy = x + vx * s + gx * s * s / 2 - px, y + vy * s + gy * s * s / 2 - py
+        return 2 * (dx * (vx + gx * s) + dy * (vy + gy * s))
+
+    def curve(s: Decimal) -> Decimal:
+        dx, dy = x + vx * s + gx * s * s / 2 - px, y + vy * s + gy * s * s / 2 - py
+        return 2 * ((vx + gx * s) ** 2 + (vy + gy * s) ** 2 + dx * gx + dy * gy)
+
+    def newton(f: Callable[[Decimal], Decimal], slope: Callable[[Decimal], Decimal], s: float) -> Decimal:
+        at = Decimal(s)
+        for _ in range(12):
+            at -= f(at) / slope(at)
+        return at
+
+    a, b = np.array([float(gx) / 2, float(vx), float(x - px)]), np.array([float(gy) / 2, float(vy), float(y - py)])
+    quartic = np.polyadd(np.polymul(a, a), np.polymul(b, b))
+    minima = [newton(rate, curve, s) for s in real_roots(np.polyder(quartic)) if s > 0 and curve(Decimal(s)) > 0]
+    least = min((square(s).sqrt() for s in minima), default=square(Decimal(0)).sqrt()) - reach
+    quartic[-1] -= float(reach) ** 2
+    enters = [s for s in real_roots(quartic) if s > 1e-9 and rate(Decimal(s)) < 0]
+    wait = newton(lambda s: square(s) - reach * reach, rate, min(enters)) if enters else None
+    return least, wait
+
+
+def real_roots(coefficients: Any) -> list[float]:
+    """The real roots of a polynomial, the highest power first, as doubles tell them."""
+    return [float(root.real) for root in np.roots(coefficients) if abs(root.imag) <= 1e-7 * abs(root)]
+
+
 def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
@@ -372,8 +418,20 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
     found: dict[str, Decimal] = {}
     waits: list[Decimal] = []
     x, y, vx, vy = rows[at.body]
+    fixed = {str(c.id) for c in scene.circles if c.fixed}
     for other in at.partners:
-        if other in radii and other != at.body:
+        if other in fixed and scene.gravity is not None:
+            last = max((e.index for e in run.events[:event] for pair in e.impulses if at.body in pair), default=-1)
+            began = decimal(run.events[last].time) if last >= 0 else Decimal(0)
+            now = decimal(run.events[event - 1].time) if event else Decimal(0)
+            then = rows_after(run, last)
+            reach = radii[at.body] + radii[other]
+            least, wait = falls_by(
+                then[at.body], then[other][:2], (decimal(scene.gravity[0]), decimal(scene.gravity[1])), reach
+            )
+            found[f"gap to {other}"] = least
+            waits += [] if wait is None else [began + wait - now]
+        elif other in radii and other != at.body:
             dx, dy, ux, uy = (b - a for a, b in zip(rows[at.body], rows[other], strict=True))
             reach, speed, cross, near = (
                 radii[at.body] + radii[other],

@@ -492,12 +492,34 @@ def fallen(seed: int) -> Scene:
     return Scene(discs, walls, gravity=pull, restitution=draw.choice((1, "9/10", "3/4")), name=f"fallen {seed}")
 
 
+def pegged(seed: int) -> Scene:
+    """Two discs that fall among pegs in a box, of some restitution."""
+    draw = Random(f"pegged {seed}")
+    discs = [
+        Circle(
+            f"{2 + 2 * k} + {draw.randint(0, 90)}/100", f"7 + {draw.randint(0, 90)}/100", "2/5",
+            f"{draw.randint(-50, 50)}/100", f"{draw.randint(-50, 50)}/100", id=f"disc {k}",
+        )
+        for k in range(2)
+    ]  # fmt: skip
+    pegs = [
+        Circle(f"{2 * k + 1 + j} + {draw.randint(0, 30)}/100", 2 + 2 * j, "1/5", m="oo", id=f"peg {k},{j}")
+        for j in range(2)
+        for k in range(3)
+    ]
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
+    pull = draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3)))
+    restitution = draw.choice((1, "9/10", "3/4"))
+    return Scene([*discs, *pegs], walls, gravity=pull, restitution=restitution, name=f"pegged {seed}")
+
+
 def falls() -> Iterator[Job]:
     """Scenes with gravity, restitution and moving walls in the engines that take them."""
     names = ("pymunk:dt=1/64", f"pymunk:dt=1/64,collision_bias={0.9**60!r}", "pymunk", "double", "single")
     for seed in range(60):
         for name in (*names, "rounded:bits=12"):
             yield Job(f"fallen {seed}", fallen(seed), name, 40)
+            yield Job(f"pegged {seed}", pegged(seed), name, 40)
     for spec in (
         "bounce",
         "drop-pair",
@@ -507,6 +529,8 @@ def falls() -> Iterator[Job]:
         "gas-under-gravity",
         "cooling",
         "beads",
+        "axis",
+        "peg-mirror",
     ):
         for name in names:
             yield Job(spec, catalogue.build(spec), name, 60 if name.startswith("pymunk") else 150)

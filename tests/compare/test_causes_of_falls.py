@@ -8,12 +8,12 @@ from random import Random
 from typing import Any, ClassVar
 
 import pytest
-from refuting import fallen, refute
+from refuting import fallen, pegged, refute
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import continuation, decision, given_scene
+from truebreak.compare.causes import continuation, decision, free_flights, given_scene
 from truebreak.compare.engines import engine as engine_named
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
@@ -104,6 +104,30 @@ def test_the_account_closes_under_gravity_and_among_moving_walls(name: str) -> N
     assert left >= {"double": 0, "single": 2}.get(name, 8)
 
 
+@pytest.mark.parametrize(("name", "least"), [("double", 2), ("single", 6), ("pymunk:dt=1/64", 6)])
+def test_the_account_closes_among_pegs_under_gravity(name: str, least: int) -> None:
+    """Where a contact is a zero of a quartic: what is carried on with all defects is the engine's own run."""
+    left = 0
+    for seed in range(8):
+        scene = pegged(seed)
+        found = told(scene, engine_named(name), 60)
+        if found.verdict != "diverged" or found.diagnosis is None or not found.diagnosis.shares:
+            continue
+        left += 1
+        adds_up(found)
+        assert "where no contact explains it" not in str([row.result for row in found.diagnosis.experiments])
+        assert not refute(scene, engine_named(name), found), seed
+    assert left >= least
+
+
+def test_contacts_of_one_instant_that_do_not_hang_together_are_told_apart() -> None:
+    """Two that fall as each other's mirror image: each impulse is one through one contact, and none is `several`."""
+    found = told(catalogue.build("peg-mirror"), engine_named("double"), 60)
+    assert found.verdict == "diverged"
+    adds_up(found)
+    assert {"INPUT", "ARITHMETIC"} == {*sizes(found)}  # rounding of flights adds as much as of impulses
+
+
 def test_a_rounded_gravity_and_a_rounded_restitution_are_input() -> None:
     """The scene as an engine is given it falls, and bounces, by doubles."""
     scene = Scene([Circle(0, 3)], [Wall(0, 0, 1, 0, id="floor", vy="1/3")], gravity=("1/7", "-1/3"), restitution="1/3")
@@ -145,6 +169,34 @@ def test_an_engine_of_another_gravity_restitution_or_wall_is_seen(fault: str, mo
     for module in (continuation, decision):
         monkeypatch.setattr(module, "RoundedState", Wrong)
     assert unexplained(told(scene, chosen, 60)) > 1e-4
+
+
+@pytest.mark.parametrize("fault", ["gravity", "wait"])
+def test_a_peg_that_is_met_elsewhere_is_seen(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What steps do not explain is rounding, and far more where the account takes pegs to be met otherwise."""
+    chosen, scene = PymunkEngine(dt=1 / 64), pegged(3)
+    right = told(scene, chosen, 60)
+    adds_up(right)
+    assert unexplained(right) < 1e-10
+    onto, wait = free_flights.fall_onto, free_flights.fall_wait
+
+    def elsewhere(*of: Any) -> Any:
+        fall = onto(*of)
+        return fall._replace(hy=fall.hy * 1.01)
+
+    def late(fall: Any) -> Any:
+        found = wait(fall)
+        return None if found is None else found * 1.01
+
+    for module in (free_flights, continuation, decision, given_scene):
+        if fault != "wait" and hasattr(module, "fall_onto"):
+            monkeypatch.setattr(module, "fall_onto", elsewhere)
+        if fault == "wait" and hasattr(module, "fall_wait"):
+            monkeypatch.setattr(module, "fall_wait", late)
+    wrong = told(scene, chosen, 60)
+    assert wrong.diagnosis is not None
+    lumped = "where no contact explains it" in str([row.result for row in wrong.diagnosis.experiments])
+    assert lumped or not wrong.diagnosis.closed or unexplained(wrong) > 1e-4
 
 
 ALONE = Scene([Circle(0, 2)], [FLOOR, Wall(0, "3001/1000", 1, "3001/1000", id="top")], gravity=(0, -1))
