@@ -3,7 +3,7 @@
 docs/certificates.md defines the format, and says why this suffices. There is no search and no
 queue: what is stated is proved again, or refused. The laws stand once, in `Space`, and run in two:
 of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Sum`)."""
-import copy, hashlib, json, math, random, re, sys
+import copy, hashlib, json, math, operator, random, re, sys
 from collections import defaultdict, namedtuple
 from fractions import Fraction
 from functools import cache, cached_property
@@ -165,6 +165,9 @@ class Dropping(Nearing):  # of one that falls and a fixed one: further terms of 
     row = cached_property(lambda m: [m.gap, m.closing + m.closing, m.speed, m.along(m.v), m.last])
     last = cached_property(lambda m: m.bend[0] * m.bend[0] + m.bend[1] * m.bend[1])
     def along(m, z): return (x := z[0] * m.bend[0] + z[1] * m.bend[1]) + x
+    def tests(m, row): return [row]  # one of them is positive wherever the two do not meet
+class Ringing(Dropping):  # of one that falls and a rim: it may be left, and is not entered
+    def tests(m, row): return [row, [-x for x in row], slope_of(m.row)]
 class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
     hollow, bow = 0, ()
     def turn(m, x): return -x if m.hollow else x
@@ -182,30 +185,42 @@ class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap
     def there(m, again):  # whether that is within the range
         wait = m.wait(again)
         return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach).sign()
+class Arching(Bowing, Ringing):  # of one that falls and a side of an arc, where it is in its range
+    speed = cached_property(lambda m: m.turn(Dropping.speed.func(m)))
+    row = cached_property(lambda m: [m.gap, m.closing + m.closing, m.speed,
+                                     m.turn(m.along(m.v)), m.turn(m.last)])
+    def tests(m, row):
+        ways = [(m.bow[0] * x + m.bow[1] * y) * m.bow[2] for x, y in (m.v, m.bend)]
+        return [*Ringing.tests(m, row), [-m.foot, *ways]]
 def shift(row):  # of whole numbers: the polynomial from 1 on
     row = [*row]
     for k in range(len(row) - 1):
         for j in range(len(row) - 2, k - 1, -1): row[j] += row[j + 1]
     return row
-def keeps(row, wait):  # the sign of a polynomial on [0, wait], or for ever; None if not known
-    power = wait  # in whole numbers, with [0, 1] for [0, wait]: the least that it is, and the most
-    for k in range(1, len(row)) if wait else ():
-        row, power = [*row[:k], row[k] * power, *row[k + 1:]], power * wait
-    parts = [([x.m - x.r for x in row], [x.m + x.r for x in row], wait is None, 0)]
+def twice(row): return [x << n for n, x in enumerate(row)]  # of whole numbers: at 2 x
+def keeps(wait, *rows):  # whether at all times of [0, wait], or for ever, one of them is positive
+    def scaled(row):  # to whole numbers, with [0, 1] for [0, wait]
+        for k in range(1, len(row)) if wait else ():
+            row = [*row[:k], *(x * wait for x in row[k:])]
+        return [x.m - x.r for x in row], [x.m + x.r for x in row]  # the least, and the most
+    parts = [([*map(scaled, rows)], wait is None, 0)]
+    def rises(row, ever):  # is it positive? All its terms; or, of 1 / (1 + x), times (1 + x)^n
+        if min(row) >= 0 < row[0]: return True
+        return not ever and min(row[0], sum(row)) > 0 and min(shift(row[::-1])) >= 0
     while parts:
-        low, high, ever, depth = parts.pop()
-        charge(20_000 + 20 * max(abs(x) for x in low + high).bit_length())
-        if min(low) >= 0 < low[0]: continue  # all its terms rise
-        if high[0] < 0 or sum(high) < 0: return -1
-        if low[0] <= 0 or (not ever and sum(low) <= 0) or depth > 300: return None
-        if not ever and min(shift(low[::-1])) >= 0: continue  # times (1 + x)^n, of 1 / (1 + x)
-        if ever: parts += [(low, high, False, depth)]  # [0, 1]; then what is beyond, twice as large
-        else:  # both halves; the first with x / 2 for x, times 2^n
-            low, high = ([x << n for n, x in enumerate(side[::-1])][::-1] for side in (low, high))
-            parts += [(low, high, False, depth + 1)]
-        low, high = shift(low), shift(high)
-        if ever: low, high = ([x << n for n, x in enumerate(side)] for side in (low, high))
-        parts += [(low, high, ever, depth + 1)]
+        sides, ever, depth = parts.pop()
+        for low, high in sides: charge(20_000 + 20 * max(abs(x) for x in low + high).bit_length())
+        if any(rises(low, ever) for low, _ in sides): continue
+        (low, high), asides = sides[0], [[-x for x in high] for _, high in sides[3:]]
+        fell = low[0] > 0 > sum(high) and all(rises(row, ever) for row in asides)  # in its range
+        if fell or (not sides[1:] and (high[0] < 0 or sum(high) < 0)): return -1
+        bare = max(low[0] for low, _ in sides), ever or max(sum(low) for low, _ in sides)
+        if depth > 300 or min(bare) <= 0: return None
+        if not ever: sides = [[twice(row[::-1])[::-1] for row in pair] for pair in sides]
+        parts.append((sides, False, depth + (not ever)))  # a half, as [0, 1], times 2^n; or all of
+        sides = [[*map(shift, pair)] for pair in sides]  # [0, 1], and then what is beyond
+        if ever: sides = [[*map(twice, pair)] for pair in sides]  # in parts twice as large
+        parts.append((sides, ever, depth + 1))
     return 1
 def divided(row, x):  # a polynomial over x - s, where it is zero at x
     rest = [-row[-1]]
@@ -215,8 +230,9 @@ def value(row, x):
     total = row[-1]
     for term in row[-2::-1]: total = total * x + term
     return total
+def slope_of(row): return [Ball(k * x.m, k * x.r, x.bits) for k, x in enumerate(row)][1:]
 def falling(row, low, high):  # the one zero of a polynomial that lies between, where it falls
-    slope = [Ball(k * x.m, k * x.r, x.bits) for k, x in enumerate(row)][1:]
+    slope = slope_of(row)
     x = Ball((low.m + high.m) // 2, (high.m - low.m) // 2 + low.r + high.r + 1, low.bits)
     demand(value(slope, x).sign(), [-1], "whether a gap falls all the time that is said", Unsettled)
     for end, sign in ((low, 1), (high, -1)):
@@ -257,30 +273,33 @@ class Space:
         time = self.times[age].at(self.bits)
         pull = [x * time for x in self.at(*self.pull)]  # half of what pulls, times the time
         return [x * time for x in pull] + [x + x for x in pull]
+    def drops(self, c):  # whether one falls and the other stands, and so their gap is a quartic
+        return self.pull and (not 0 <= c[1] < self.bows or not self.pegs.isdisjoint(c))
     def true(self, i, age):  # where a circle is, and its velocity, in the frame of the scene
         row = self.put(i, age)[:4]
         if not self.pull or i in self.pegs: return row
-        return [x + y for x, y in zip(row, self.fallen(age), strict=True)]
+        return [*map(operator.add, row, self.fallen(age))]
     def meeting(self, c, age):  # of two at an instant
         (i, j), (x, y, vx, vy, *_) = c, self.put(c[0], age)
         if j < self.n:
             (u, v, p, q, *_), (r, s) = self.put(j, age), self.at(*(self.things[k][4] for k in c))
             d, reach, kind = (u - x, v - y), s if j < 0 else r + s, Nearing
             speeds = p - vx, q - vy
-            if peg := self.pegs & {*c}:
+            if falls := self.drops(c):
                 x, y, p, q = self.fallen(age)
-                bend = self.at(*self.pull)
-                if j in peg: x, y, p, q, *bend = (-z for z in (x, y, p, q, *bend))
-                d, speeds, kind = (d[0] + x, d[1] + y), (speeds[0] + p, speeds[1] + q), Dropping
+                bend, kind = self.at(*self.pull), Ringing if j < 0 else Dropping
+                if i not in self.pegs: x, y, p, q, *bend = (-z for z in (x, y, p, q, *bend))
+                d, speeds = (d[0] + x, d[1] + y), (speeds[0] + p, speeds[1] + q)
             m = kind(d, speeds, reach, {i: (-d[0], -d[1]), j: d})
-            if peg: m.bend = bend
+            if falls: m.bend = bend
             return m
         u, v, p, q, size, more, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         if j >= self.bows:
-            d, within = (u - x, v - y), (j - self.bows) % 2
+            if self.pull: x, y, vx, vy = map(operator.add, (x, y, vx, vy), self.fallen(age))
+            d, within, kind = (u - x, v - y), (j - self.bows) % 2, Arching if self.pull else Bowing
             arms = {i: d if within else (-d[0], -d[1])}
-            m = Bowing(d, (-vx, -vy), size - r if within else size + r, arms)
-            m.hollow, m.bow = within, (p, q, size, more)
+            m = kind(d, (-vx, -vy), size - r if within else size + r, arms)
+            m.hollow, m.bow, m.bend = within, (p, q, size, more), [-z for z in self.at(*self.pull)]
             return m
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
         x, y, time = x - u, y - v, self.times[age].at(self.bits)
@@ -308,7 +327,7 @@ class Space:
         return kept[key]
     def hit(self, c, again, near):  # when the gap of two falls through zero, perhaps from zero
         if self.read is Sum: return UNTOLD
-        if self.pegs & {*c}: return self.drop(c, again, near)
+        if self.drops(c): return self.drop(c, again, near)
         m = self.meeting(c, start := self.start(c))
         if c[1] >= self.bows or c[1] in self.slopes: wait = m.wait(again)
         elif again: wait = -(m.closing + m.closing) / m.speed
@@ -389,7 +408,7 @@ class KeptApart:
     def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
         bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
         return bow or self.slopes.get(c[1]) == -1
-    def drops(self, c): return not self.ball.pegs.isdisjoint(c)  # whether it falls on a fixed one
+    def drops(self, c): return self.ball.drops(c)
     def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
     def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
         if self.other(c) in self.parted: return
@@ -477,16 +496,22 @@ class KeptApart:
         raise Unsettled(f"whether {c} meet before it")
     def again(self, c):  # since when, and of what order, a gap was zero that comes to zero again
         return (self.falls(c) or self.hollow(c) or self.drops(c)) and self.parted.get(c)
-    def flies(self, c, age, ends=0):  # as `clear`, of one that falls and a fixed one: the gap is
+    def flies(self, c, age, ends=0):  # as `clear`, of one that falls and what stands: the gap is
         start, order = self.again(c) or (self.ball.start(c), 0)  # positive but for zeros at the
-        if start == age and age: return charge(500)  # start, and at the end, that are known
+        if start == age and age: return charge(500)  # start, and at the end, that are known; of a
+        # rim, or a side of an arc, it falls to no other zero; of a point both sides have the same
+        twin = c[1] in self.arcs and not self.things[c[0]][4] and self.other(c)
+        if self.parted.get(twin, (-1,))[0] == start: order = self.parted[twin][1]
+        if twin in self.met: ends = 2 - abs(self.met[twin])
         for world in (self.few, self.ball):
-            if not (order or ends) and world.aside(c, start, age): return
-            row, wait = world.meeting(c, start).row[order:], None
-            if age is not None: wait = world.wait(start, age)
+            if 0 <= c[1] < self.n and not (order or ends) and world.aside(c, start, age): return
+            row = (m := world.meeting(c, start)).row[order:]
+            wait = None if age is None else world.wait(start, age)
             for _ in range(ends): row = divided(row, wait)
-            if (sign := keeps(row, wait)) == 1: return
-        demand(sign, [1], f"{c} meet before it, or overlap")
+            tops = row[:c in self.parted and c[1] >= 0]  # it leaves; and a graze is from outside
+            if c in self.met and ends == 2: tops += [value(row, wait)]
+            if (signs := {keeps(wait, *m.tests(row)), *(x.sign() for x in tops)}) == {1}: return
+        demand(None if signs <= {None, 1} else 0, [1], f"{c} meet before it, or overlap")
     def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
     def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
         refuse(age is None, f"{c} meet in the end")
@@ -570,18 +595,18 @@ class Checker(KeptApart):
         for text in roots:
             demand(sign_of(x := number(text)), [1], "what has a root is not positive", Malformed)
             Sum.squares, Ball.roots = [*Sum.squares, x], [*Ball.roots, enclosed(x).sqrt()]
-        names = {kind: THINGS[kind].split() for kind in THINGS}
         def read(kind, row):  # of an arc without ends, which is all of its circle, three
-            full = kind == "arcs" and not {*names[kind][3:]} & row.keys()
-            return [number(row[name]) for name in names[kind][:3 if full else None]]
+            names = THINGS[kind].split()
+            full = kind == "arcs" and not {*names[3:]} & row.keys()
+            return [number(row[name]) for name in names[:3 if full else None]]
         circles, walls, pockets, segments, arcs = (
             [read(kind, row) for row in scene.get(kind, ())] for kind in THINGS)
         loss, pull = number(scene.get("restitution", "1")), [*map(number, scene.get("gravity", ()))]
         pull = pull if any(pull) else []
         drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
                                             for row in scene.get("walls", ())) if any(v)}
-        refuse(pull and (pockets or arcs), "under gravity it has pockets or arcs", Malformed)
-        stands = pull and (segments or not all(row[5] for row in circles))
+        refuse(pull and pockets and scene.get("capture"), "pockets capture in falls", Malformed)
+        stands = pull and (segments or arcs or pockets or not all(row[5] for row in circles))
         refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
                "a run that cannot be turned back is", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
@@ -593,7 +618,7 @@ class Checker(KeptApart):
         first, n = n, len(circles)  # the first end, if there is one
         self.n, self.faces = n, range(n + len(walls), n + len(lines))
         self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
-        bows, arc_sizes = [], [row[2] for row in arcs]
+        bows, sizes = [], [row[2] for row in arcs]
         for x, y, r, *ends in arcs:  # it lies beyond its chord: the normal of that, and how far
             ends = [z - o for z, o in zip(ends, (x, y, x, y), strict=False)]
             for p, q in (ends[:2], ends[2:]) if ends else ():
@@ -611,8 +636,7 @@ class Checker(KeptApart):
         for *_, p, q, size, _ in lines:
             demand(sign_of(p * p + q * q - size * size), [0], "a length", Malformed)
         for *_, u, v, _, w in circles: refuse((u or v) and not w, "what is fixed moves", Malformed)
-        sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
-        sizes += arc_sizes
+        sizes += [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
         for x in (*sizes, *limits.values()): demand(sign_of(x), [1], "a size or a time", Malformed)
         self.meets = {(i, j) for i, j in product(range(n), self.things) if self.movable & {i, j}
                       and (not 0 <= j < n or (i < j and (j >= first or not self.points(i, j))))}
@@ -666,7 +690,7 @@ class Checker(KeptApart):
                 zeros += [(a * x + b * y - u) * wx + (d * x + e * y - v) * wy
                           for (x, y), (u, v) in ways]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
-            zeros += falls if i in self.ball.pegs else []
+            zeros += falls if bow or i < 0 or i in self.ball.pegs else []
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
         for x in zeros: demand(sign_of(x), [0], "an isometry maps otherwise")
         return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
@@ -730,13 +754,15 @@ class Checker(KeptApart):
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
             face, self.met[c] = c[1] in self.faces, self.sign("closing", c)
             refuse(c[0] < c[1] < self.n and self.points(*c), f"{c} have no normal")
+            ranged = face or c[1] in self.arcs
+            refuse(ranged and not self.within(c), f"{c}: it is beside it, beyond an end")
             if self.drops(c):  # up to now they were apart
-                if age: self.flies(c, age, 1 if self.met[c] else 2)
+                refuse(age and self.met[c] > 0 <= c[1], f"{c}: it comes from behind")
+                if age: self.flies(c, age, 2 - abs(self.met[c]))
                 continue
             if not face:
                 refuse(age and not self.met[c] and self.sign("speed", c) < 1, f"{c} stay so")
-            if face or c[1] in self.arcs:
-                refuse(not self.within(c), f"{c}: it is beside it, beyond an end")
+            if ranged:
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
                 away = 0 if self.slopes.get(c[1]) == -1 else 1  # what rises to it, or from it

@@ -132,10 +132,10 @@ class Isometries:
                 image = self._face_of.get(_key(key)) if falls else None
             pairs += [] if image is None else [[self.n + m, self.n + image]]
         for m, (x, y, nx, ny, *kind) in enumerate(self.sides):
-            image = self._side_of.get(_key([*moved(x, y), *turned(nx, ny), *kind, _hollow(m)]))
+            image = self._side_of.get(_key([*moved(x, y), *turned(nx, ny), *kind, _hollow(m)])) if falls else None
             pairs += [] if image is None else [[self._first_side + m, self._first_side + image]]
         for m, (x, y, r) in enumerate(self.pockets):
-            image = self._pocket_of.get(_key([*moved(x, y), r]))
+            image = self._pocket_of.get(_key([*moved(x, y), r])) if falls else None
             pairs += [] if image is None else [[-1 - m, -1 - image]]
         one_each = list({image: pair for pair in pairs for image in pair[1:]}.values())  # two may be alike
         return {"matrix": [text_of(x) for x in matrix], "shift": [text_of(p), text_of(q)], "map": one_each}

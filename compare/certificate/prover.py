@@ -91,7 +91,7 @@ class Remembering(Space):
 
     def hit(self, c: Contact, again: Any, near: str) -> Any:
         """As in any world; asked again, it is the same number."""
-        asked = (c, len(self.times), self.start(c), near if self.pegs & {*c} else "")
+        asked = (c, len(self.times), self.start(c), near if self.drops(c) else "")
         if self.last[0] != asked:
             self.last = asked, super().hit(c, again, near)
         return self.last[1]
@@ -247,7 +247,7 @@ class Prover(Checker):
         near = [c for c in wanted if c in self.meets and c not in self.lasting and not self._left(c)]
         flat = [c for c in near if not self.drops(c) and (len(near) == 1 or self._hits(c))]
         hits = [(self.ball.hit(c, self.again(c), ""), c) for c in flat]
-        if self.ball.pegs:  # of an end and a face of one thing it may be either
+        if self.pull:  # of an end and a face of one thing it may be either
             hits = [hit for hit in hits if _as_said(hit[0], self.near[self.age])]
         if not hits:
             for c in (c for c in near if self.drops(c)):
@@ -333,10 +333,10 @@ class Prover(Checker):
         if c in self.lasting or c in self.met or c not in self.meets or (self._left(c) and not leaving):
             return False
         ranged = c[1] in self.faces or c[1] in self.arcs
-        if ranged:
+        if ranged and not self.drops(c):
             if self.other(c) in self.parted:
                 return False
-        elif not (self.falls(c) or self.drops(c)) and self._apart(c):
+        elif not (ranged or self.falls(c) or self.drops(c)) and self._apart(c):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)

@@ -241,11 +241,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError("the scene has settle = true: certificates do not know what walls carry; leave it out")
     if trajectory.scene.moving_solid is not None:
         raise CertificateError(f"{trajectory.scene.moving_solid} moves, and certificates know only walls that do")
-    if trajectory.scene.gravity is not None and (bows := (*trajectory.scene.arcs, *trajectory.scene.pockets)):
-        raise CertificateError(
-            f"the scene has gravity and {bows[0].id!r}: certificates do not know arcs and pockets where things fall; "
-            "leave it out"
-        )
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")

@@ -11,7 +11,6 @@ from arc_scenes import scene_of
 from bow_referee import BowReferee, NotForThis, TieMet
 from mpmath import mpf, workdps
 
-from truebreak.compare.certificate.writer import CertificateError, certificate_of
 from truebreak.compare.tangent.impacts import NoTangentMap, check_start
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
@@ -461,5 +460,3 @@ def test_pockets_that_capture_and_what_does_not_know_them_refuse_by_one_line() -
         PymunkEngine().run(scene)
     with pytest.raises(NoTangentMap, match="gravity and pockets"):
         check_start(scene)
-    with pytest.raises(CertificateError, match="certificates do not know arcs and pockets where things fall"):
-        certificate_of(ExactEngine().run(scene, until=1))

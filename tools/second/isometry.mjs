@@ -65,6 +65,7 @@ export class Isometry {
         }
         same((A, w) => own.r[w], other.r, what);
         same((A, w) => own.far[w], other.far, what);
+        falls(what);
         continue;
       }
       if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
@@ -104,7 +105,7 @@ export class Isometry {
         same((A, w) => this.image(A, w, [p.x[w], p.y[w]], shift)[k], [q.x, q.y][k], what);
         if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);
       }
-      if (kind === 'circle' && p.fixed) falls(what);
+      if (kind === 'pocket' || p.fixed) falls(what);
       same((A, w) => p.r[w], q.r, what);
       if (kind === 'circle') same((A, w) => p.w[w], q.w, what);
     }

@@ -7,7 +7,7 @@ import { Random } from './random.mjs';
 import { Rounds } from './rounds.mjs';
 import { witness } from './witness.mjs';
 import { theEnd } from './end.mjs';
-import { divided, falling, keeps } from './quartic.mjs';
+import { divided, falling, horner, keeps, slope } from './quartic.mjs';
 
 /** @typedef {import('./scene.mjs').Contact} Contact */
 /** @typedef {{c: Contact, sign: number, lasted: boolean}} Known a contact at gap zero, and the sign of its closing speed */
@@ -88,12 +88,11 @@ export class Run {
     const { start, t } = this.flights[c.drops.mover];
     return this.parted(c) ? this.zeroes.get(c.key) : { k: start, t, order: 0 };
   }
-  /** That polynomial, its zero at the start divided out. */
-  quartic(c, A, w, { t, order }) {
-    const f = this.flights[c.drops.mover], peg = this.flights[c.drops.peg].p.map(x => x[w]), none = [A.zero ?? null, A.zero ?? null];
-    const there = this.moved(f, A, w, A.sub(t[w], f.t[w])), way = f.v.map(x => x[w]);
-    const both = c.drops.mover === c.i ? [there, way, peg, none] : [peg, none, there, way];
-    return this.scene.laws(c, A, w, ...both, t[w]).quartic().slice(order);
+  /** The laws of such a contact at a time since which its gap is that polynomial. */
+  fallingLaws(c, A, w, t) {
+    const { mover, peg } = c.drops, f = this.flights[mover], there = this.moved(f, A, w, A.sub(t[w], f.t[w])), way = f.v.map(x => x[w]);
+    const still = peg < 0 ? null : this.flights[peg].p.map(x => x[w]), both = mover === c.i ? [there, way, still, null] : [still, null, there, way];
+    return this.scene.laws(c, A, w, ...both, t[w]);
   }
   sign(law) { return this.scene.sign(law); }
   /** The sign of a number that no witness can show to be zero. */
@@ -179,17 +178,31 @@ export class Run {
     if (this.known(gap, `whether ${c.name} kept apart`) <= 0) refute(`${c.name} meet, which is not told`);
   }
 
-  /** As `apart`, of one that stands where the other falls: the gap is positive, but for a zero of such an order now. */
+  /**
+   * As `apart`, of one that stands where the other falls: the gap is positive, but for a zero of such an order now. Of a rim, or a side of an arc, it falls to no
+   * other zero, within the range of that.
+   */
   stays(c, mode, order = 0) {
-    const since = this.since(c), { worlds, sameLow } = this.scene;
+    const since = { ...this.since(c) }, { worlds, sameLow, circles } = this.scene, ring = c.kind !== 'circle', leaves = c.kind !== 'pocket' && this.parted(c);
     if (since.k === this.k && this.k && mode !== 'ever') return;
+    const graze = order === 2, other = c.kind === 'arc' && circles[c.i].point ? this.scene.otherSide(c) : null;
+    if (other) { // of a point both sides are at gap zero at once
+      const there = this.met.find(x => x.c.key === other.key);
+      if (this.parted(other) && this.zeroes.get(other.key).k === since.k) since.order = this.zeroes.get(other.key).order;
+      if (there) order = there.sign ? 1 : 2;
+    }
     for (const w of sameLow ? [1] : [0, 1]) {
       const A = worlds[w], wait = mode === 'ever' ? null : A.sub(this.now[w], since.t[w]);
-      let row = this.quartic(c, A, w, since);
+      const laws = this.fallingLaws(c, A, w, since.t), all = laws.quartic();
+      let row = all.slice(since.order);
       for (let k = 0; k < order; k++) row = divided(row, wait, A);
-      const s = keeps(row, wait, A);
-      if (s > 0) return;
-      if (s < 0) refute(`${c.name} meet, which is not told, or overlap`);
+      const rows = ring ? [row, row.map(x => A.neg(x)), slope(all)] : [row];
+      if (c.kind === 'arc') rows.push(laws.beyond());
+      const reads = [keeps(rows, wait, A)];
+      if (leaves) reads.push(A.sign(all[since.order]));
+      if (graze) reads.push(A.sign(horner(row, wait, A)));
+      if (reads.every(s => s > 0)) return;
+      if (reads.some(s => s <= 0)) refute(`${c.name} meet, which is not told, or overlap`);
     }
     undecided(`whether ${c.name} kept apart`);
   }
@@ -443,7 +456,7 @@ export class Run {
   drop(c, { value, unit }) {
     const { scene } = this, A = scene.full, since = this.since(c), first = since.t[1];
     const [low, high] = [-1n, 1n].map(n => A.sub(A.of(scene.exact.plus(value, unit, n)), first));
-    return scene.widen(A.add(first, falling(this.quartic(c, A, 1, since), low, high, A, `the clock ${c.name}`)));
+    return scene.widen(A.add(first, falling(this.fallingLaws(c, A, 1, since.t).quartic().slice(since.order), low, high, A, `the clock ${c.name}`)));
   }
 
   /** The time at which the gap of a contact falls through zero. */
@@ -485,7 +498,7 @@ export class Run {
     if (c.face || c.kind === 'arc') {
       const other = this.scene[c.face ? 'otherFace' : 'otherSide'](c);
       if (!this.within(c)) refute(`${c.name} is beside it, beyond an end`);
-      if (other && this.parted(other)) refute(`${c.name} is on the other side`);
+      if (other && !c.drops && this.parted(other)) refute(`${c.name} is on the other side`);
       if (c.face && this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
     }
     if (tellsTime) { // the gap falls
@@ -497,6 +510,7 @@ export class Run {
     const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
     if (this.k && this.scene.slope(c) < 0 && sign === 0) refute(`${c.name} comes from behind`);
     if (c.drops) {
+      if (this.k && sign > 0 && c.kind !== 'pocket') refute(`${c.name} comes from behind`);
       if (this.k) this.stays(c, 'flight', sign ? 1 : 2);
       this.met.push({ c, sign, lasted: false });
       return;

@@ -57,7 +57,7 @@ export class Scene {
   }
 
   /** Restitution, gravity, the velocities of walls; and what is a scene with them. */
-  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs }) {
+  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs, capture }) {
     const one = fraction(1n), zero = e => this.exact.sign(e) === 0;
     this.restitution = this.number(restitution ?? one);
     this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
@@ -69,8 +69,8 @@ export class Scene {
     const elastic = zero(this.exact.sub(this.restitution[2], one)), turned = reverse_at || reverse_after;
     if (turned && (!elastic || this.walls.some(x => x.way))) malformed('no scene: a run that cannot be turned back is');
     if (!this.gravity) return;
-    if (pockets.length || arcs.length) malformed('no scene: under gravity there are pockets or arcs');
-    const stands = segments.length || this.circles.some(c => zero(c.w[2]));
+    if (pockets.length && capture) malformed('no scene: under gravity pockets capture');
+    const stands = segments.length || arcs.length || pockets.length || this.circles.some(c => zero(c.w[2]));
     if (turned && stands) malformed('no scene: a run that cannot be turned back is, where something stands');
   }
   /** How far the frame has fallen at a time in which flights are straight, and how fast it is, in the world w. */
@@ -209,7 +209,8 @@ export class Scene {
     if (hollow && !this.roomy[i][(j - this.firstBow) >> 1]) return null;
     const face = kind === 'wall' && j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
     const fixed = kind === 'circle' && this.gravity && (circles[i].fixed ? j : circles[j].fixed ? i : -1);
-    const drops = kind === 'circle' && this.gravity && fixed >= 0 ? { mover: fixed, peg: i + j - fixed } : null; // the one falls, the other does not
+    const stands = this.gravity && (kind === 'arc' || kind === 'pocket') ? { mover: i, peg: -1 } : null; // no circle
+    const drops = kind === 'circle' && this.gravity && fixed >= 0 ? { mover: fixed, peg: i + j - fixed } : stands; // the one falls, the other does not
     return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow, drops };
   }
 
@@ -280,7 +281,9 @@ export class Scene {
       };
     }
     if (c.kind === 'arc') {
-      const { arc, hollow } = this.bow(c), d = minus([arc.x[w], arc.y[w]], p), own = [A.neg(u[0]), A.neg(u[1])];
+      const { arc, hollow } = this.bow(c), fall = this.gravity && this.fallen(A, w, time);
+      const to = minus([arc.x[w], arc.y[w]], p), way = [A.neg(u[0]), A.neg(u[1])];
+      const d = fall ? minus(to, fall.by) : to, own = fall ? minus(way, fall.speed) : way;
       const turn = x => (hollow ? A.neg(x) : x), reach = hollow ? A.sub(arc.r[w], radius) : A.add(arc.r[w], radius);
       const pace = A.add(A.square(u[0]), A.square(u[1])), square = () => A.add(A.square(d[0]), A.square(d[1]));
       // positive where the way from the middle, minus `to`, of such a length, leads to within the range
@@ -296,10 +299,12 @@ export class Scene {
         square,
         widely: length => range(d, length),
         after: wait => range(d.map((x, k) => A.add(x, A.mul(own[k], wait))), reach),
+        quartic: () => this.quartic(A, w, d, own, -1, reach).map(turn),
+        beyond: () => [d, own, this.halved(w, A, -1)].map((x, k) => A.neg(range(x, k ? A.zero : reach))), // as time goes on
       };
     }
-    if (c.drops) return this.dropping(c, A, w, p, u, q, v, time);
     const pocket = c.kind === 'pocket' && this.pockets[-1 - c.j];
+    if (c.drops) return this.dropping(c, A, w, p, u, pocket ? [pocket.x[w], pocket.y[w]] : q, v, time, pocket);
     const d = pocket ? minus([pocket.x[w], pocket.y[w]], p) : minus(q, p);
     const speeds = pocket ? [A.neg(u[0]), A.neg(u[1])] : minus(v, u);
     const reach = () => A.square(pocket ? pocket.r[w] : A.add(radius, this.circles[c.j].r[w]));
@@ -313,21 +318,26 @@ export class Scene {
     };
   }
 
-  /** The laws for one that falls and one that stands: the gap is a quartic, `quartic` its terms from the constant on. */
-  dropping(c, A, w, p, u, q, v, time) {
+  /** Half of gravity, or the opposite of that. */
+  halved(w, A, side) { return this.gravity.map(x => (side < 0 ? A.neg(A.mul(x[w], this.half[w])) : A.mul(x[w], this.half[w]))); }
+  /** The terms of (d + v s + a s²)² - reach², from the constant on, where 2 a is gravity or the opposite of it. */
+  quartic(A, w, d, v, side, reach) {
+    const a = this.halved(w, A, side), dot = (x, y) => A.add(A.mul(x[0], y[0]), A.mul(x[1], y[1])), square = x => A.add(A.square(x[0]), A.square(x[1]));
+    return [A.sub(square(d), A.square(reach)), A.twice(dot(d, v)), A.add(square(v), A.twice(dot(d, a))), A.twice(dot(v, a)), square(a)];
+  }
+  /** The laws for one that falls and one that stands, a rim among these: the gap is a quartic, `quartic` its terms from the constant on. */
+  dropping(c, A, w, p, u, q, v, time, pocket) {
     const first = c.drops.mover === c.i, { by, speed } = this.fallen(A, w, time);
     const [place, way, centre] = first ? [p, u, q] : [q, v, p];
     const from = [0, 1].map(k => A.sub(A.add(place[k], by[k]), centre[k])); // from the one that stands
-    const fast = [0, 1].map(k => A.add(way[k], speed[k])), half = this.gravity.map(x => A.mul(x[w], this.half[w]));
-    const dot = (a, b) => A.add(A.mul(a[0], b[0]), A.mul(a[1], b[1])), square = a => A.add(A.square(a[0]), A.square(a[1]));
-    const gap = () => A.sub(square(from), A.square(A.add(this.circles[c.i].r[w], this.circles[c.j].r[w])));
-    const closing = () => dot(from, fast), pace = () => A.add(square(fast), A.twice(dot(from, half)));
+    const fast = [0, 1].map(k => A.add(way[k], speed[k]));
+    const row = this.quartic(A, w, from, fast, 1, pocket ? pocket.r[w] : A.add(this.circles[c.i].r[w], this.circles[c.j].r[w]));
     return {
       direction: () => (first ? from.map(x => A.neg(x)) : from),
-      gap,
-      closing,
-      speed: pace,
-      quartic: () => [gap(), A.twice(closing()), pace(), A.twice(dot(fast, half)), square(half)],
+      gap: () => row[0],
+      closing: () => A.add(A.mul(from[0], fast[0]), A.mul(from[1], fast[1])),
+      speed: () => row[2],
+      quartic: () => row,
     };
   }
 }

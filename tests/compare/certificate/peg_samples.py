@@ -1,4 +1,5 @@
-"""Certificates of runs with fixed circles, segments and polygons under gravity; and ways to alter those."""
+"""Certificates of runs with what stands under gravity, fixed circles, segments, polygons, arcs and rims; and ways to
+alter those."""
 
 from __future__ import annotations
 
@@ -8,10 +9,10 @@ from random import Random
 from typing import Any
 
 from certificate.test_tampering import Told, exact_text, other_digit
-from certificate.world_samples import WORLD_WAYS
+from certificate.world_samples import ARC_WAYS, WORLD_WAYS
 from truebreak.compare.certificate import certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, Wall
 from truebreak.scenarios.trajectory import Trajectory
 
 SEEDS = range(40)
@@ -121,6 +122,98 @@ def peg_samples() -> dict[str, Told]:
     return {name: certificate_of(run) for name, run in peg_runs().items()}
 
 
+CUP = Arc(0, 0, 5, -4, -3, 4, -3, id="cup")
+CAP = Arc(0, 0, 5, 4, 3, -4, 3, id="cap")
+RING = Arc(0, 0, 5, id="ring", full=True)
+HOLE = Pocket(0, -3, 1, id="hole")
+
+
+def bows_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
+    """Scenes with arcs and rims, and until when: within and without, past ends, mirrored, grazes, points, for ever."""
+    far = {"events": EVENTS}
+    ball, point = Circle("1/3", 3, "1/2", id="a"), Circle("1/3", 8, 0, point=True, id="a")
+    pair = [Circle(-2, 1, "1/2", vx="1/9", id="a"), Circle(2, 1, "1/2", vx="-1/9", id="b")]
+    jar, cup = Arc(0, 0, 5, 4, -3, -4, -3, id="jar"), Arc(0, 0, 5, -3, 4, 3, 4, id="cup")
+    thrown, up = Circle(3, 1, "1/4", vx="21/5", vy=9, id="a"), Circle(0, 0, "1/4", vy=10, id="a")
+    hole = Pocket(0, 3, 1, id="hole")
+    return {
+        "into a cup": (Scene([ball], BOX, arcs=[CUP], gravity=DOWN), far),
+        "into a cup, with less each time": (Scene([ball], BOX, arcs=[CUP], gravity=DOWN, restitution="4/5"), far),
+        "onto a cap": (Scene([Circle("1/3", 8, "1/2", id="a")], BOX, arcs=[CAP], gravity=DOWN), far),
+        "up into a cap": (Scene([Circle("1/3", 0, "1/2", vy=12, id="a")], BOX, arcs=[CAP], gravity=DOWN), far),
+        "out of a jar": (Scene([Circle("1/3", 3, "1/2", vx=1, id="a")], BOX, arcs=[jar], gravity=DOWN), far),
+        "out of a cup and onto its outside": (Scene([thrown], BOX, arcs=[cup], gravity=DOWN), far),
+        "a point on a cap": (Scene([point], BOX, arcs=[CAP], gravity=DOWN), far),
+        "a point in a ring": (Scene([Circle(1, 0, 0, point=True, vx=1)], arcs=[RING], gravity=DOWN), far),
+        "two in a ring": (Scene([Circle("1/3", 1, "1/2"), Circle("-2/3", -1, "1/2")], arcs=[RING], gravity=DOWN), far),
+        "mirrored in a ring": (Scene(pair, arcs=[RING], gravity=DOWN), far),
+        "on the axis of a ring": (Scene([Circle(0, 2)], arcs=[RING], gravity=DOWN), {"events": 4}),
+        "past a ring for ever": (Scene([Circle(0, 9, vx=9)], arcs=[RING], gravity=DOWN), {}),
+        "off a ring for ever": (Scene([Circle("1/7", 9)], arcs=[RING], gravity=DOWN), {}),
+        "to rest in a cup": (Scene([ball], arcs=[CUP], gravity=DOWN, restitution=0), far),
+        "up to a horizon": (Scene([ball], BOX, arcs=[CUP], pockets=[HOLE], gravity=DOWN), {"until": 5}),
+        "through a pocket, up and down": (
+            Scene([up], BOX, arcs=[RING], pockets=[hole], gravity=DOWN), far,
+        ),
+        "out of a pocket": (Scene([Circle(0, -3, "1/4", vy=3)], BOX, arcs=[RING], pockets=[HOLE], gravity=DOWN), far),
+    }  # fmt: skip
+
+
+def bow_scene_of(seed: int) -> Scene | None:
+    """Discs and points that fall among arcs, pockets, walls, perhaps a segment; None where what it draws is refused."""
+    rng = Random(f"bows {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 50, high * 50)}/50"
+
+    discs = []
+    for k in range(rng.randint(1, 2)):
+        r = rng.choice(["1/2", "1/4", "3/10", "sqrt(2)/4", "0"])
+        place, way = (some(-4, 4), some(-2, 8)), (some(-4, 4), some(-4, 4))
+        discs.append(Circle(*place, r, *way, m=rng.choice([1, 2, "1/3"]), id=f"c{k}", point=r == "0"))
+    try:
+        arcs = []
+        for k in range(rng.randint(1, 2)):
+            ends = [] if rng.random() < 0.25 else [some(-9, 9) for _ in range(4)]
+            radius = rng.choice([1, 2, "3/2", 4, "sqrt(5)"])
+            arcs.append(Arc(some(-4, 4), some(-4, 4), radius, *ends, id=f"a{k}", full=not ends))
+        holes = [Pocket(some(-5, 5), some(-5, 5), rng.choice(["1/2", 1, 2]), f"p{k}") for k in range(rng.randint(0, 2))]
+        bars = [Segment(some(-5, 5), some(-4, 4), some(-5, 5), some(-4, 4), r=rng.choice(["0", "1/5"]), id="s")]
+        return Scene(
+            discs,
+            [Wall(0, -6, 1, -6, id="floor"), Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")][
+                : rng.choice([0, 1, 3])
+            ],
+            segments=bars[: rng.random() < 0.3],
+            arcs=arcs,
+            pockets=holes,
+            gravity=rng.choice([(0, -10), ("1/3", -4), ("sqrt(2)", -3)]),
+            restitution=rng.choice(["1", "9/10", "1/2", "0"]),
+        )
+    except SceneError:
+        return None
+
+
+@cache
+def bow_runs() -> dict[str, Trajectory]:
+    """Runs of all of these."""
+    cases = bows_by_hand()
+    cases |= {f"bows {k}": (scene, {"events": EVENTS}) for k in SEEDS if (scene := bow_scene_of(k)) is not None}
+    return {name: ExactEngine().run(scene, **limits) for name, (scene, limits) in cases.items()}
+
+
+@cache
+def bow_samples() -> dict[str, Told]:
+    """The certificates of these."""
+    return {name: certificate_of(run) for name, run in bow_runs().items()}
+
+
+def moved_rim(told: Told, draw: Random) -> None:
+    """A pocket is somewhere else, or has another size."""
+    if rows := told["scene"].get("pockets"):
+        draw.choice(rows)[draw.choice("xyr")] += draw.choice(["+1", "+1/8", "-1/1000", "+1/1" + "0" * 30])
+
+
 def fixed(told: Told) -> list[dict[str, str]]:
     """The circles and the segments of a certificate that stand."""
     return [row for row in told["scene"]["circles"] if row["w"] == "0"] + told["scene"].get("segments", [])
@@ -190,3 +283,4 @@ def another_thing(told: Told, draw: Random) -> None:
 
 
 PEG_WAYS = (moved_peg, let_fall, less_said_of_a_time, bounce_left_out, another_thing, *WORLD_WAYS)
+BOW_WAYS = (*ARC_WAYS, *PEG_WAYS[2:], moved_rim)

@@ -151,7 +151,7 @@ UPPER, LOWER = Segment(-4, -20, 4, -20, id="u"), Segment(-4, -30, 4, -30, id="l"
 Changes = tuple[str, str] | list[tuple[str, str]]
 SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "a face is met between its ends": (
-        ("refuse(not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_a_face,
+        ("refuse(ranged and not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_a_face,
     ),
     "a face that is in the way is met": (
         ('{sign("near"), sign("beyond")} & {-1, 0}', '{sign("near"), sign("beyond")}'), ("if (near <= 0 || beyond <= 0) return;", "return;"), onto_a_face,
@@ -194,7 +194,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ("if c[1] not in self.faces or self.within(c)}", "}"), (" && (!x.c.face || this.within(x.c))", ""), a_face_that_was_left,
     ),
     "a point is on one side": (
-        ("refuse(self.other(c) in self.parted, ", "refuse(0, "), ("if (other && this.parted(other)) refute(", "if (0) refute("), on_both_sides,
+        ("refuse(self.other(c) in self.parted, ", "refuse(0, "), ("if (other && !c.drops && this.parted(other)) refute(", "if (0) refute("), on_both_sides,
     ),
     "an isometry maps faces to their side": (
         ("[vx - wx, vy - wy, x + x", "[x + x"), ("same((A, w) => this.image(A, w, [p.n[0][w], p.n[1][w]])[k], q.n[k], what);", ""),

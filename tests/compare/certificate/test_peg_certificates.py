@@ -12,7 +12,17 @@ import pytest
 
 from certificate.checkers import both_verify, by_python, needs_node
 from certificate.peg_forgeries import PEG_CONDITIONS
-from certificate.peg_samples import PEG_WAYS, by_hand, peg_runs, peg_samples
+from certificate.peg_samples import (
+    BOW_WAYS,
+    PEG_WAYS,
+    bow_runs,
+    bow_samples,
+    bow_scene_of,
+    bows_by_hand,
+    by_hand,
+    peg_runs,
+    peg_samples,
+)
 from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import WAYS, altered, refused
 from truebreak.compare.certificate import certificate_json, certificate_of
@@ -39,9 +49,33 @@ def falls_on(told: dict[str, object], entry: dict[str, list[list[int]]]) -> bool
     return "0" in [circles[k]["w"] if k < len(circles) else "0" for k in (i, j) if k < len(circles) + len(ends)]
 
 
+def test_both_verify_runs_among_arcs_and_rims_under_gravity(tmp_path: Path) -> None:
+    samples = bow_samples()
+    onto = [
+        (push[1] - len(told["scene"]["circles"])) % 2  # of a full ring alone: its outside is even
+        for told in samples.values()
+        for entry in told["instants"]
+        for round_ in entry.get("rounds", ())
+        for push in round_
+        if set(told["scene"]) & {"walls", "segments"} == set() and "x0" not in told["scene"]["arcs"][0]
+    ]
+    assert 0 in onto and 1 in onto
+    assert sum(len(entry.get("enter", ())) for told in samples.values() for entry in told["instants"]) > 10
+    both_verify(samples.items(), tmp_path)
+
+
+@needs_node
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_both_verify_hundreds_of_random_runs_among_arcs_and_rims(tmp_path: Path) -> None:
+    drawn = {f"more {k}": scene for k in range(100, 600) if (scene := bow_scene_of(k)) is not None}
+    both_verify(((name, certificate_of(ExactEngine().run(scene, events=8))) for name, scene in drawn.items()), tmp_path)
+    assert len(drawn) > 400
+
+
 def test_the_final_state_is_that_of_the_run() -> None:
-    for name, run in peg_runs().items():
-        told = peg_samples()[name]
+    for name, run in {**peg_runs(), **bow_runs()}.items():
+        told = {**peg_samples(), **bow_samples()}[name]
         if told["end"]["reason"] not in ("horizon", "events"):
             continue
         final = run.at(run.final_time)
@@ -73,30 +107,38 @@ def test_altered_runs_among_what_stands_are_refused_or_shown_to_be_true(count: i
     assert refused(tried, tmp_path) > count // 2
 
 
+@needs_node
+@pytest.mark.parametrize("count", [140, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.timeout(3600)
+def test_altered_runs_among_arcs_and_rims_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    tried = altered(count, (*BOW_WAYS, *WAYS), "bowsA", bow_samples())
+    assert refused(tried, tmp_path) > count // 2
+
+
 FAULTS = {
     "what stands falls too": (
-        [("if peg := self.pegs & {*c}:", "if peg := set():")],
-        [("if (c.drops) return this.dropping(", "if (0) return this.dropping(")],
+        [("if falls := self.drops(c):", "if falls := j < 0:")],
+        [("if (c.drops) return this.dropping(", "if (pocket && c.drops) return this.dropping(")],
     ),
     "gravity the other way": (
-        [("if j in peg: x, y,", "if i in peg: x, y,")],
+        [("if i not in self.pegs: x, y,", "if i in self.pegs: x, y,")],
         [("A.sub(A.add(place[k], by[k]), centre[k])", "A.sub(A.sub(place[k], by[k]), centre[k])")],
     ),
     "twice the pull": (
-        [("bend = self.at(*self.pull)", "bend = [x + x for x in self.at(*self.pull)]")],
-        [("half = this.gravity.map(x => A.mul(x[w], this.half[w]))", "half = this.gravity.map(x => x[w])")],
+        [("bend, kind = self.at(*self.pull), ", "bend, kind = [x + x for x in self.at(*self.pull)], ")],
+        [("A.neg(A.mul(x[w], this.half[w])) : A.mul(x[w], this.half[w])", "A.neg(x[w]) : x[w]")],
     ),
     "a cubic": (
         [("m.along(m.v), m.last])", "m.along(m.v)])")],
-        [("A.twice(dot(fast, half)), square(half)],", "A.twice(dot(fast, half))],")],
+        [("A.twice(dot(v, a)), square(a)];", "A.twice(dot(v, a))];")],
     ),
     "the radius alone": (
         [("s if j < 0 else r + s, Nearing", "s, Nearing")],
-        [("A.square(A.add(this.circles[c.i].r[w], this.circles[c.j].r[w])));", "A.square(this.circles[c.j].r[w]));")],
+        [(": A.add(this.circles[c.i].r[w], this.circles[c.j].r[w]));", ": this.circles[c.j].r[w]);")],
     ),
     "the zero at the start is not divided out": (
-        [(".row[order:], None", ".row, None"), (".row[order:], low - first", ".row, low - first")],
-        [(".quartic().slice(order)", ".quartic()")],
+        [("start)).row[order:]", "start)).row"), (".row[order:], low - first", ".row, low - first")],
+        [("all.slice(since.order)", "all"), (".quartic().slice(since.order)", ".quartic()")],
     ),
     "the zero at the end is not divided out": (
         [("for _ in range(ends): row", "for _ in (): row")],
@@ -107,15 +149,15 @@ FAULTS = {
         [("const out = [A.neg(row.at(-1))];", "const out = [row.at(-1)];")],
     ),
     "the first half of a flight alone": (
-        [("            parts += [(low, high, False, depth + 1)]\n        low, high = shift", "            continue\n        low, high = shift")],
-        [("parts.push([a, c], [b, d]);", "parts.push([a, c]);")],
+        [("        sides = [[*map(shift, pair)]", "        if not ever: continue\n        sides = [[*map(shift, pair)]")],
+        [("for (const half of [0, 1]) parts", "for (const half of [0]) parts")],
     ),
     "the ends of a flight alone": (
-        [("if min(low) >= 0 < low[0]: continue", "if low[0] > 0 < sum(low): continue")],
-        [("if (least.every(x => x >= 0n)) continue;", "continue;")],
+        [("if min(row) >= 0 < row[0]: return True", "if row[0] > 0 < sum(row): return True")],
+        [("&& least.every(x => x >= 0n)", "")],
     ),
     "nothing beyond the first part of for ever": (
-        [("        if ever: parts += [(low, high, False, depth)]", "        if ever: parts += [(low, high, False, depth)]; continue\n        if 0: pass")],
+        [("        sides = [[*map(shift, pair)]", "        if ever: continue\n        sides = [[*map(shift, pair)]")],
         [("if (!wait) parts.push(", "if (0) parts.push(")],
     ),
     "the final place of what stands falls": (
@@ -134,6 +176,26 @@ FAULTS = {
         [("return -1 if signs & {-1, 0} else None if None in signs else 1", "return -1")],
         [("if (reads.some(s => s < 0 || (s === 0 && c.face))) return;", "return;")],
     ),
+    "the range of an arc as if nothing fell": (
+        [("for x, y in (m.v, m.bend)]\n", "for x, y in (m.v,)]\n")],
+        [("[d, own, this.halved(w, A, -1)].map((x, k)", "[d, own].map((x, k)")],
+    ),
+    "an arc where it is not": (
+        [("[-m.foot, *ways]]", "[m.foot, *(-x for x in ways)]]")],
+        [("A.neg(range(x, k ? A.zero : reach))", "range(x, k ? A.zero : reach)")],
+    ),
+    "an arc that falls too": (
+        [("if self.pull: x, y, vx, vy = map(operator.add", "if 0: x, y, vx, vy = map(operator.add")],
+        [("const d = fall ? minus(to, fall.by) : to, own = fall ? minus(way, fall.speed) : way;", "const d = to, own = way;")],
+    ),
+    "from within as from without": (
+        [("m.turn(m.along(m.v)), m.turn(m.last)])", "m.along(m.v), m.last])")],
+        [("quartic: () => this.quartic(A, w, d, own, -1, reach).map(turn)", "quartic: () => this.quartic(A, w, d, own, -1, reach)")],
+    ),
+    "a rim that is left is entered": (
+        [("[row, [-x for x in row], slope_of(m.row)]", "[row, [-x for x in row], [-x for x in slope_of(m.row)]]")],
+        [("row.map(x => A.neg(x)), slope(all)]", "row.map(x => A.neg(x)), slope(all.map(x => A.neg(x)))]")],
+    ),
 }  # fmt: skip
 """Of each what the first checker has instead, and the second."""
 
@@ -142,7 +204,7 @@ FAULTS = {
 @pytest.mark.parametrize("fault", FAULTS)
 def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
     first, second = FAULTS[fault]
-    samples = {name: peg_samples()[name] for name in by_hand()}
+    samples = {name: peg_samples()[name] for name in by_hand()} | {name: bow_samples()[name] for name in bows_by_hand()}
     wrong = [completed(make(), lax(first)) for first, _, make in PEG_CONDITIONS.values()]
     paths: list[Path] = []
     for number, told in enumerate([*samples.values(), *wrong]):

@@ -172,8 +172,8 @@ CANNOT_TURN = (
     "if (turned && (!elastic || this.walls.some(x => x.way))) malformed(",
 )
 MORE = (
-    "refuse(pull and (pockets or arcs), ",
-    "if (pockets.length || arcs.length) malformed(",
+    'refuse(pull and pockets and scene.get("capture"), ',
+    "if (pockets.length && capture) malformed(",
 )
 WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "no restitution is above 1": (
@@ -188,8 +188,8 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     "what moves is not turned back": (
         (CANNOT_TURN[0], "refuse(0,"), (CANNOT_TURN[1], "if (0) malformed("), lambda: turned_back([wall(0, 0, 1, 0, vy=1)]),
     ),
-    "no pocket is under gravity": (
-        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(pockets=[{"id": "p", "x": "9", "y": "9", "r": "1"}]),
+    "no pocket captures under gravity": (
+        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(capture=True, pockets=[{"id": "p", "x": "9", "y": "9", "r": "1"}]),
     ),
     "nothing starts across a wall to which it is pulled": (
         ('if self.falls(c): demand(', "if 0: demand("), ("if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(", "if (0) refute("), from_within_the_floor,
@@ -218,11 +218,8 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     "nothing comes back before the run is turned": (
         ("back = back and self.way and self.out", "back = back and self.out"), ("if (!run.turnTime) continue;", ""), not_back_but_again,
     ),
-    "no arc is under gravity": (
-        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(arcs=[BOW]),
-    ),
     "an arc is met within its range": (
-        ("refuse(not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_an_arc,
+        ("refuse(ranged and not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_an_arc,
     ),
     "whether an arc is met is decided": (
         ('raise Unsettled(f"whether {c} meet on the way")', "return"), ("    undecided(what);\n  }\n  /** Is the gap of a side", "  }\n  /** Is the gap of a side"), hardly_on_an_arc,
@@ -250,7 +247,7 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
         ('demand(sign_of(p * p + q * q), [1], "an arc has one end", Malformed)', "0"), ("if (ends.length) demand(apart,", "if (0) demand(apart,"), lambda: with_an_arc({"x1": "5"}),
     ),
     "an arc's radius is positive": (
-        ("sizes += arc_sizes", "0"), ("demand(r, [1], 'the radius of an arc is positive')", "0"), lambda: with_an_arc({"r": "-5"}),
+        ("bows, sizes = [], [row[2] for row in arcs]", "bows, sizes = [], []"), ("demand(r, [1], 'the radius of an arc is positive')", "0"), lambda: with_an_arc({"r": "-5"}),
     ),
     "an isometry maps a side of an arc to the same side": (
         ("            zeros += [ONE] * (bow != to)  # a side of an arc to the same side of another\n", ""), ("if ((i - j) % 2) refute(", "if (0) refute("),
