@@ -115,6 +115,7 @@ def guises(scene: Scene, rng: Random, wait: Quantity | None) -> Iterator[tuple[s
     """
     stands = (
         scene.arcs
+        or scene.settle
         or scene.pockets
         or any(c.fixed for c in scene.circles)
         or scene.reverse_at is not None

@@ -603,6 +603,10 @@ def _fallen_to_side(laws: Laws, leg: Leg, place: int, fall: Fall) -> Passage | N
         """Whether a centre is on the side by more than rounding."""
         return sign * (math.hypot(then.dx, then.dy) - side.radius) > blur(after)
 
+    def is_off(then: RoundFall[float], after: float) -> bool:
+        """Whether a centre is where no zero of the gap is, as where doubles have told of one that there is not."""
+        return abs(math.hypot(then.dx, then.dy) - reach) > max(reach / 4, blur(after))
+
     since, stood = 0.0, False
     came, overlaps = is_on_it(now, 0.0), sign * now.gap() <= 0.0
     for _ in range(4):  # zeros at most
@@ -611,6 +615,8 @@ def _fallen_to_side(laws: Laws, leg: Leg, place: int, fall: Fall) -> Passage | N
             if out is None:
                 return None
             since, now, stood, overlaps, came = since + out, now.after(out), True, False, False
+            if is_off(now, since):
+                return None
         if not overlaps:
             wait = told_falling_zero([sign * value for value in now.polynomial(stood)])
             if wait is None or not start + since + wait < end:
@@ -620,6 +626,8 @@ def _fallen_to_side(laws: Laws, leg: Leg, place: int, fall: Fall) -> Passage | N
                 top = told_falling_zero([sign * k * value for k, value in enumerate(rates, 1)])
                 came = top is not None and is_on_it(now.after(top), since + top)
             since, now, stood = since + wait, now.after(wait), True
+            if is_off(now, since):
+                return None
         if came and _is_within(side, now, blur(since)):
             found = _fallen_deep_in_side(laws, leg, place, fall, now, since)
             if found is not None:

@@ -445,14 +445,15 @@ class Transcript:
         run, after = self.run, getattr(self._motion, "after", None)
         flying = self._first()
         turn = None if run.reversal is None else float(run.reversal.time)
-        at_once = [event.index for event in run.events if float(event.time) == turn]
+        before = len(run.events) if run.reversal is None else run.reversal.after
+        at_once = [event.index for event in run.events[:before] if float(event.time) == turn]
         for index, event in enumerate(run.events):
             if self.wide and index * self._count > WIDE_STATES:
                 self.end = float(run.events[index - 1].time)
                 return
             mine, now = (index,), float(event.time)
             if turn is not None and now >= turn:
-                if now > turn:
+                if now > turn or index not in at_once:
                     yield self._read((), run.reversal and run.reversal.time, turn, index, flying, None)
                     turn = None
                 else:

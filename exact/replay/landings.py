@@ -349,7 +349,7 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
             return state.zero
         stood = True
     for found in _told_zeros([float(value) for value in gap_of(link, fall, stood)]):  # pyright: ignore[reportArgumentType]
-        wait = state.constant(Quantity.of(found))
+        wait, far = state.constant(Quantity.of(found)), False
         for _ in range(SHARPENINGS):
             then = fall.after(wait)
             slope = then.approach() + then.approach()
@@ -359,7 +359,11 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
             better = wait - gap / slope
             if not better > state.zero or not (better < wait or better > wait):
                 break
+            far = better + better + better < wait + wait or better > wait + wait
             wait = better
+        else:
+            if far:  # what has been divided out has left no zero here
+                continue
         then = fall.after(wait)
         if not is_arc(link) or within_arc(state, link, then.dx, then.dy) > state.zero:
             return wait

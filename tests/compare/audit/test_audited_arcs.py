@@ -143,6 +143,20 @@ def test_a_disc_that_comes_through_a_bowl_is_found_where_it_does_so_late() -> No
     assert float(honest.events[0].time) < found.first.time
 
 
+@pytest.mark.parametrize("far", [0, 10**6])
+@pytest.mark.parametrize("name", ["double", "quad"])
+def test_one_that_leaves_a_bowl_at_an_extreme_speed_meets_nothing_more(name: str, far: int) -> None:
+    """Of its zeros, which are 10**8 radii apart, doubles tell of one that there is not."""
+    ball = Circle(
+        far + Quantity.of("37/10"), Quantity.of("27/10") - far * far, "23/100", -33 * 10**8, -4 * 10**8, id="ball"
+    )
+    bowl = Arc(far, -far * far, 9, far - 9, -far * far, far + 9, -far * far, id="bowl")
+    scene = Scene([ball], arcs=[bowl], gravity=(1, -10))
+    run = engine(name).run(scene, until=3)
+    assert len(run.events) == 0 == len(engine("exact").run(scene, until=3).events)
+    assert audit_run(run, engine(name)).kept
+
+
 def test_pockets_under_gravity_are_not_audited() -> None:
     scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
     assert "pockets are not audited yet under gravity" in audited(DoubleEngine(), scene).sentence
