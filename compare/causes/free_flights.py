@@ -207,10 +207,13 @@ def nearest_fall(fall: RoundFall[arb]) -> arb | None:
     """How near one that falls comes to something round that stands, from now on: from surface to surface.
 
     Negative for how deep it would come in; of several times at which it is nearest, that of the least distance. None
-    where it only goes away, or where that is not known.
+    where it only goes away; not a number where that is not known.
 
     >>> float(nearest_fall(RoundFall(*map(arb, (4, -4, -2, 0, 0, -1, 1)))))
     -1.0
+    >>> thrown_up = RoundFall(*(arb(part, 2**-6) for part in (0.125, -1, 0, -1, 0, -1, 0.5)))
+    >>> thrown_up.approach() > 0, nearest_fall(thrown_up).is_nan()
+    (True, True)
     """
     gap = fall.polynomial(False)
     slope = tuple(k * value for k, value in enumerate(gap) if k)
@@ -220,7 +223,7 @@ def nearest_fall(fall: RoundFall[arb]) -> arb | None:
     for near in ahead:
         wait = zero_beside(slope, near)
         if wait is None:
-            return None
+            return arb("nan")
         then = fall.after(wait)
         found.append(ball.root(then.dx * then.dx + then.dy * then.dy) - fall.reach)
     return min(found, key=lambda far: float(far.mid()), default=None)

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 from arc_faults import SEEN, ArcFault
 from arc_scenes import falls_to_arcs, scene_of
+from edge_campaign import scene_of as drawn_of
+from guise_campaign import GUISED
 
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
@@ -160,3 +162,13 @@ def test_one_that_leaves_a_bowl_at_an_extreme_speed_meets_nothing_more(name: str
 def test_pockets_under_gravity_are_not_audited() -> None:
     scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
     assert "pockets are not audited yet under gravity" in audited(DoubleEngine(), scene).sentence
+
+
+def test_what_comes_after_all_is_turned_back_at_one_double_is_no_part_of_the_turn() -> None:
+    """Two mirrored discs meet theirs at one instant, which rounding takes apart; all is turned back between the two."""
+    aged = drawn_of(417, GUISED)
+    assert aged is not None
+    run = engine("quad").run(aged.scene, until=aged.until, events=20)
+    assert run.reversal is not None
+    assert sum(float(event.time) == float(run.reversal.time) for event in run.events) > run.reversal.after - 1
+    assert audit_run(run, engine("quad")).kept
