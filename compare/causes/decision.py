@@ -574,7 +574,9 @@ class RunReader:
                 return None
             (dx, dy, *_, reach), least = fall[1], nearest_fall(fall[1])
             goes = least is None and ball.sign_of(fall[1].approach()) in (0, 1)
-            return ball.root(dx * dx + dy * dy) - reach if goes else least
+            if goes:
+                return ball.root(dx * dx + dy * dy) - reach
+            return None if least is None or least.is_nan() else least
         relative = self._relative(pairing, bits)
         if relative is None:
             return None

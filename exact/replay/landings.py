@@ -359,12 +359,11 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
             better = wait - gap / slope
             if not better > state.zero or not (better < wait or better > wait):
                 break
-            far = better + better + better < wait + wait or better > wait + wait
+            far = bool(better + better + better < wait + wait or better > wait + wait)
             wait = better
-        else:
-            if far:  # what has been divided out has left no zero here
-                continue
         then = fall.after(wait)
+        if far and abs(float(then.gap())) > float(fall.reach * fall.reach) / 2:  # pyright: ignore[reportArgumentType]
+            continue  # what has been divided out has left no zero here
         if not is_arc(link) or within_arc(state, link, then.dx, then.dy) > state.zero:
             return wait
     return None
