@@ -20,7 +20,7 @@ from flint import arb
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import Flight, Touch, can_push, is_flat, is_pair
+from ...exact.replay.contact import Flight, Touch, can_push, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...floating.knots import SteppedFall
 from ...scenarios.lazy import kept
@@ -28,7 +28,21 @@ from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Fall, ReportedInstant, Transcript
 from ..audit.transcript import ReportedFlight as OwnRow
 from .decision import DecidingNumber, Pairing, RunReader
-from .free_flights import FlightBalls, Row, Rows, added, bounce, fall_onto, fallen, flown, last_step, less, plus, row_of
+from .free_flights import (
+    FlightBalls,
+    Row,
+    Rows,
+    added,
+    bounce,
+    fall_onto,
+    fallen,
+    falls_on,
+    flown,
+    last_step,
+    less,
+    plus,
+    row_of,
+)
 from .given_scene import RoundedState
 
 if TYPE_CHECKING:
@@ -612,7 +626,7 @@ def _fallen_by_steps(row: Row, time: arb, fall: Fall) -> Row:
 
 def _is_fixed(state: ReplayState[arb], link: Touch) -> bool:
     """Whether one of the two of a contact does not fall, so that what a step adds to speeds matters to it."""
-    return is_flat(link) or (state.stands and is_pair(link) and state.on_peg(link))
+    return is_flat(link) or falls_on(state, link)
 
 
 def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fall: Fall) -> Rows:

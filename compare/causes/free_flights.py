@@ -229,7 +229,7 @@ def nearest_fall(fall: RoundFall[arb]) -> arb | None:
     return min(found, key=lambda far: float(far.mid()), default=None)
 
 
-def _falls_on(state: ReplayState[arb], link: Touch) -> bool:
+def falls_on(state: ReplayState[arb], link: Touch) -> bool:
     """Whether a contact is of one that falls with a circle that stands."""
     return state.stands and is_pair(link) and state.on_peg(link)
 
@@ -350,7 +350,7 @@ def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: 
     if is_arc(link):
         return _bounce_off_arc(state, link, rows[link.circle], here)
     assert is_pair(link)
-    if _falls_on(state, link):
+    if falls_on(state, link):
         return _off_peg(state, link, rows, here)
     a, b = link.ends(state)
     one, other = (rows[k] if k in rows else row_of(state.bodies[k].flight) for k in link)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from random import Random
 from typing import Any, ClassVar
@@ -88,12 +88,11 @@ def test_a_fall_half_a_step_late_is_of_the_integrator() -> None:
     assert {row.cause.name for row in found.diagnosis.shares if row.suffices} == {"INTEGRATOR"}
 
 
-@pytest.mark.parametrize("name", ["double", "single", "pymunk:dt=1/64"])
-def test_the_account_closes_under_gravity_and_among_moving_walls(name: str) -> None:
-    """What is carried on by the exact law, with all defects, is the engine's own run; no claim is refuted."""
+def accounts_that_close(drawn: Callable[[int], Scene], seeds: int, name: str) -> int:
+    """How many divergences have an account; each closes, and no other run refutes it."""
     left = 0
-    for seed in range(24):
-        scene = fallen(seed)
+    for seed in range(seeds):
+        scene = drawn(seed)
         found = told(scene, engine_named(name), 60)
         if found.verdict != "diverged" or found.diagnosis is None or not found.diagnosis.shares:
             continue
@@ -101,23 +100,20 @@ def test_the_account_closes_under_gravity_and_among_moving_walls(name: str) -> N
         adds_up(found)
         assert "where no contact explains it" not in str([row.result for row in found.diagnosis.experiments])
         assert not refute(scene, engine_named(name), found), seed
+    return left
+
+
+@pytest.mark.parametrize("name", ["double", "single", "pymunk:dt=1/64"])
+def test_the_account_closes_under_gravity_and_among_moving_walls(name: str) -> None:
+    """What is carried on by the exact law, with all defects, is the engine's own run; no claim is refuted."""
+    left = accounts_that_close(fallen, 24, name)
     assert left >= {"double": 0, "single": 2}.get(name, 8)
 
 
 @pytest.mark.parametrize(("name", "least"), [("double", 2), ("single", 6), ("pymunk:dt=1/64", 6)])
 def test_the_account_closes_among_pegs_under_gravity(name: str, least: int) -> None:
     """Where a contact is a zero of a quartic: what is carried on with all defects is the engine's own run."""
-    left = 0
-    for seed in range(8):
-        scene = pegged(seed)
-        found = told(scene, engine_named(name), 60)
-        if found.verdict != "diverged" or found.diagnosis is None or not found.diagnosis.shares:
-            continue
-        left += 1
-        adds_up(found)
-        assert "where no contact explains it" not in str([row.result for row in found.diagnosis.experiments])
-        assert not refute(scene, engine_named(name), found), seed
-    assert left >= least
+    assert accounts_that_close(pegged, 8, name) >= least
 
 
 def test_contacts_of_one_instant_that_do_not_hang_together_are_told_apart() -> None:

@@ -231,7 +231,7 @@ ARC_FAULTS = {
         [("if (!full) for (const [x, y] of", "if (0) for (const [x, y] of")],
     ),
     "the sides exchanged": (
-        [("within = (u - x, v - y), (j - self.bows) % 2", "within = (u - x, v - y), (j - self.bows + 1) % 2")],
+        [("within, kind = (u - x, v - y), (j - self.bows) % 2", "within, kind = (u - x, v - y), (j - self.bows + 1) % 2")],
         [("(j - this.firstBow) % 2 === 1", "(j - this.firstBow) % 2 === 0")],
     ),
 }  # fmt: skip
