@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
-import numpy as np
-from flint import arb
+from flint import arb, fmpq, fmpq_poly
 
 from ...exact.laws import formulas as law
 from ...exact.laws.formulas import (
@@ -31,7 +30,6 @@ from ...exact.replay.contact import is_arc, is_flat, is_pair
 from ...exact.replay.round_falls import RoundFall, horner, horner_slope
 from ...exact.replay.wall_flights import fall_of
 from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
-from ..tangent.flight_aside import NEARLY_REAL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -126,6 +124,9 @@ def wall_margin(fall: WallFall[arb], pull: int) -> arb:
 # falling zero the gap goes from above 0 to below; as a flight leaves what it has just met, the zero of that is a rising
 # one, whatever rounding has made of the gap.
 
+NEARLY_REAL = 2.0**-20
+"""Of a zero whose imaginary part is a smaller share doubles do not tell whether it is real: it is asked of balls."""
+
 WIDENED = 24
 """Times that an interval about a zero is made eight times as wide, before it is given up."""
 
@@ -149,11 +150,12 @@ def fall_onto(state: ReplayState[arb], k: int, row: Row, peg: Body[arb]) -> Roun
 
 def _real_zeros(c: Sequence[arb]) -> list[float]:
     """Doubles beside the real zeros of a polynomial, in order; a double zero may be there as two, or not."""
-    mids = [float(value.mid()) for value in reversed(c)]
-    if not all(map(math.isfinite, mids)):
+    mids = [float(value.mid()) for value in c]
+    if not all(map(math.isfinite, mids)) or not any(mids[1:]):
         return []
-    found = np.roots(mids)
-    return sorted(float(zero.real) for zero in found if abs(zero.imag) <= NEARLY_REAL * abs(zero))
+    zeros: Any = fmpq_poly([fmpq(*mid.as_integer_ratio()) for mid in mids]).complex_roots()  # each with how often
+    parts = [(float(zero.real.mid()), float(zero.imag.mid())) for zero, _ in zeros]
+    return sorted(x for x, y in parts if abs(y) <= NEARLY_REAL * math.hypot(x, y))
 
 
 def zero_beside(c: Sequence[arb], near: float) -> arb | None:
