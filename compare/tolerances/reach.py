@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate
+from itertools import accumulate, takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -561,9 +561,9 @@ def number_off(
                     f"{where} = {float(got)!r} where it should be {event.time.digits(shown)}: off by {off:.3g}, "
                     f"{room:.3g} is {why}; {counted(right, 'digit')} {'is' if right == 1 else 'are'} right"
                 )
-        if not places:
-            continue
         then = latest[pair.theirs].time
+        if not places or _is_met_again(run.events, pair.theirs, pair.body, float(then)):
+            continue
         true, told = reference.circle(pair.body, event.time), run.circle(pair.body, then)
         lag = float(then) - time
         hx, hy = (lag * float(part) / 2 for part in gravity)  # both at one time, if need be by the law's flight
@@ -587,6 +587,12 @@ def number_off(
                     f"{value:.3g}, {room:.3g} is {why}"
                 )
     return None
+
+
+def _is_met_again(events: Sequence[Event], number: int, body: str, time: float) -> bool:
+    """Whether a circle has another event of a run by a time, after that of a number: its state between is not told."""
+    later = takewhile(lambda k: float(events[k].time) <= time, range(number + 1, len(events)))
+    return any(body in pair for k in later for pair in events[k].contacts)
 
 
 def tie_off(reference: Trajectory, candidate: Candidate, tie: OutOfReach) -> str | None:

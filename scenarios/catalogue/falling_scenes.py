@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..numbers.quantity import Quantity
 from ..scene import Scene
-from ..things import Circle, Wall
+from ..things import Circle, Segment, Wall
 from .article import SOURCE as ARTICLE
 from .scene_entry import Draw, Parameter, SceneEntry, number, whole
 
@@ -85,6 +85,12 @@ def piston(n: int, seed: int, u: Quantity) -> Scene:
         Wall(4, 0, 4, 1, id="piston", vx=-u),
     ]  # fmt: skip
     return Scene(discs, walls, until=2 / u)
+
+
+def paddle(u: Quantity, h: Quantity, vx: Quantity) -> Scene:
+    """A disc falls by h, to the right, onto a paddle that rises."""
+    bat = Segment(-1, 0, 8, 0, "paddle", vy=u)
+    return Scene([Circle(0, h + 1, vx=vx, id="ball")], segments=[bat], gravity=(0, -10), until=20)
 
 
 G = Parameter("g", "1", "gravity", number(above=0))
@@ -187,5 +193,21 @@ SCENES = {
         ),
         source="kinetic theory: the adiabatic law with the exponent 2 of two degrees of freedom",
         make=piston,
+    ),
+    "paddle": SceneEntry(
+        name="paddle",
+        summary="A disc bounces on a paddle that rises at a constant speed, until it comes to its end.",
+        parameters=(
+            Parameter("u", "1", "speed of the paddle, upwards", number(above=0)),
+            Parameter("h", "4", "how far above the paddle the disc starts", number(above=0)),
+            Parameter("vx", "1/2", "speed of the disc, to the right", number(above=0)),
+        ),
+        known=(
+            "As seen from the paddle the disc is thrown down at the speed u, and lands at w = sqrt(u**2 + 20 h) each "
+            "time: first after (w - u) / 10, then every w / 5. It leaves at w + u upwards, until its centre is "
+            "beyond the end of the paddle."
+        ),
+        source="school physics: gravity is the same in a frame of constant velocity",
+        make=paddle,
     ),
 }

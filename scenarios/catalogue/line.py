@@ -94,6 +94,12 @@ def beads(n: int, e: Quantity) -> Scene:
     )
 
 
+def collapse(e: Quantity) -> Scene:
+    """Two equal discs fly at one between them, which is hit by them in turns."""
+    discs = [Circle(0, 0, vx=1, id="left"), Circle(3, 0, id="middle"), Circle("13/2", 0, vx=-1, id="right")]
+    return Scene(discs, restitution=e, events=200)
+
+
 def _three(left_late: Quantity, right_late: Quantity) -> list[Circle]:
     return [
         Circle(-3 - left_late, 0, vx=1, id="left"),
@@ -203,5 +209,19 @@ SCENES = {
         ),
         source=BERNU,
         make=beads,
+    ),
+    "collapse": SceneEntry(
+        name="collapse",
+        summary="Three equal discs on a line that lose so much energy that their hits have no end.",
+        parameters=(Parameter("e", "1/20", "restitution", number(above=0)),),
+        known=(
+            "Below a restitution of 7 - 4 sqrt(3) = 0.0718 there are infinitely many hits in finite time; the speed at "
+            "which two part follows u(k + 2) = (1 + e) / 2 u(k + 1) - e u(k). Above it the last hit leaves them apart."
+        ),
+        source=(
+            "S. McNamara and W. R. Young, Inelastic collapse and clumping in a one-dimensional granular medium, "
+            "Physics of Fluids A 4 (1992)"
+        ),
+        make=collapse,
     ),
 }

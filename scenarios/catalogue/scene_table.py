@@ -37,10 +37,10 @@ FAMILIES = {
     **dict.fromkeys(
         ("triangle", "barrier", "wind-tree", "bumper", "funnel", "breakout", "ghost", "corner-hit"), "straight_tables"
     ),
-    "beads": "line",
+    **dict.fromkeys(("beads", "collapse"), "line"),
     "cooling": "gas",
     **dict.fromkeys(
-        ("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity", "closing-wall", "piston"),
+        ("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity", "closing-wall", "piston", "paddle"),
         "falling_scenes",
     ),
     **dict.fromkeys(("stadium", "mushroom", "lemon", "round-table"), "curved_tables"),

@@ -29,7 +29,7 @@ SCENES = (
 )  # fmt: skip
 
 GAMES = (
-    "bounce", "closing-wall", "cooling:n=6", "cradle:e=9/10", "drop-pair", "falling-line",
+    "bounce", "closing-wall", "collapse", "cooling:n=6", "cradle:e=9/10", "drop-pair", "falling-line",
     "gas-under-gravity", "piston", "wedge", "wedge:slope=2",
 )  # fmt: skip
 """Under gravity, with a restitution below 1, and among walls that move."""

@@ -52,6 +52,7 @@ SINGLE = {
     "gas-under-gravity:n=2": 3,
     "closing-wall": 6,
     "piston:n=2": 3,
+    "collapse": 5,
     "stadium": 2,
     "mushroom": 3,
     "lemon": 2,

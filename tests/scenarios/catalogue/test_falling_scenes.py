@@ -91,3 +91,42 @@ def test_a_slow_piston_keeps_energy_times_area() -> None:
     quick = DoubleEngine().run(catalogue.build("piston:n=16,u=3"))
     before, after = (sum(float(c.vx) ** 2 + float(c.vy) ** 2 for c in s.circles) for s in (quick.at(0), quick.final))
     assert after / before > 2 * free  # a quick one does more work
+
+
+@pytest.mark.parametrize(("u", "h", "vx"), [("1", "4", "1/2"), ("3", "2", "1"), ("1/2", "1/5", "2")])
+def test_a_disc_on_a_paddle_lands_at_its_closed_form_until_it_is_beyond_the_end(u: str, h: str, vx: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"paddle:u={u},h={h},vx={vx}"))
+    rise, along = Quantity.of(u), Quantity.of(vx)
+    landing = (rise * rise + 20 * Quantity.of(h)).sqrt()
+    time, over = (landing - rise) / 10, 0
+    while along * time < 8:
+        event = run.events[over]
+        assert event.contacts[0].second == "paddle"
+        assert Quantity.of(event.time.text()) == time
+        assert Quantity.of(run.after(over)["ball"].vy.text()) == landing + rise
+        time, over = time + landing / 5, over + 1
+    assert over > 1
+    assert len(run.events) <= over + 1  # the end itself may be met once more
+
+
+@pytest.mark.parametrize("e", ["1/20", "1/15", "1/100"])
+def test_a_collapse_has_no_last_hit_below_its_restitution(e: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"collapse:e={e}"))
+    assert run.stop.reason is StopReason.ACCUMULATION
+    x, v = [Fraction(0), Fraction(3), Fraction(13, 2)], [Fraction(1), Fraction(0), Fraction(-1)]
+    now, last = Fraction(0), None
+    for _ in range(60):
+        closing = [k for k in (0, 1) if k != last and v[k] > v[k + 1]]
+        wait, last = min(((x[k + 1] - x[k] - 2) / (v[k] - v[k + 1]), k) for k in closing)
+        now, x = now + wait, [a + b * wait for a, b in zip(x, v, strict=True)]
+        mean, part = (v[last] + v[last + 1]) / 2, Fraction(e) * (v[last + 1] - v[last]) / 2
+        v[last], v[last + 1] = mean + part, mean - part
+    assert run.ending is not None
+    assert float(run.ending) == pytest.approx(float(now), abs=1e-12)
+
+
+@pytest.mark.parametrize("e", ["3/40", "1/10", "1/2"])
+def test_above_it_the_last_hit_leaves_them_apart(e: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"collapse:e={e}"))
+    assert run.stop.reason is StopReason.QUIET
+    assert [float(c.vx) for c in run.final.circles] == sorted(float(c.vx) for c in run.final.circles)
