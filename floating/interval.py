@@ -5,7 +5,7 @@ from __future__ import annotations
 import copyreg
 import math
 from bisect import bisect_right
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf, nextafter
@@ -29,7 +29,7 @@ from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain import PlainDecider, PlainState, run_plain
+from .plain import PlainDecider, PlainState, carried_knots, run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
@@ -267,6 +267,7 @@ class IntervalMotion:
         end: the last time that may be asked for.
         falling: half of gravity; None without.
         pegs: the circles that stand under it.
+        carried: by circle, its knots from which on a wall carries it, by their place.
     """
 
     def __init__(
@@ -276,12 +277,14 @@ class IntervalMotion:
         end: Any,
         falling: Gravity[Any] | None = None,
         pegs: Collection[int] = (),
+        carried: Mapping[int, frozenset[int]] | None = None,
     ) -> None:
         self.knots = knots
         self.bits = bits
         self.end = end
         self.falling = falling
         self.pegs = pegs
+        self.carried = carried or {}
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -302,6 +305,7 @@ class IntervalMotion:
             rows = []
             for i in circles:
                 knots, falling = self.knots[i], None if i in self.pegs else self.falling
+                carried = self.carried.get(i, ())
                 if time is self.end:
                     places = [len(knots) - 1]
                 elif isinstance(time, IntervalNumber) and time.instant is not None:
@@ -310,7 +314,14 @@ class IntervalMotion:
                     held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
                     sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
                     places = [k for k in held if k >= sure] or [0]
-                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at, falling) for k in places]))))
+                rows.append(
+                    tuple(
+                        map(
+                            IntervalNumber,
+                            _hull([_flown(knots[k], at, None if k in carried else falling) for k in places]),
+                        )
+                    )
+                )
             return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -374,7 +385,7 @@ class IntervalEngine(EventDriven):
     """
 
     bits: int = 53
-    scene_keys = ALL_KEYS - {"settle"}
+    scene_keys = ALL_KEYS
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:
@@ -400,12 +411,15 @@ class IntervalEngine(EventDriven):
         """The history as far as intervals certify it (see `Engine.run`)."""
         with INTERVALS.at(self.bits):
             state = IntervalState(scene.surfaces, INTERVALS)
+            decider, pegs = PlainDecider(scene.surfaces, state, INTERVALS), state.pegs
             return run_plain(
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene.surfaces, state, INTERVALS),
-                lambda knots, end: IntervalMotion(knots, self.bits, end, state.falling, state.pegs),
+                decider,
+                lambda knots, end: IntervalMotion(
+                    knots, self.bits, end, state.falling, pegs, carried_knots(decider.history)
+                ),
                 IntervalNumber,
                 until=until,
                 events=events,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ class FallingMotion(DoubleMotion):
     Attributes:
         halves: half of gravity, along x and along y.
         pegs: the circles that stand.
+        carried: by circle, its knots from which on a wall carries it, by their place.
 
     >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
     >>> motion.state(1.0), motion.sample([2.0]).tolist()
@@ -101,15 +102,21 @@ class FallingMotion(DoubleMotion):
 
     halves: tuple[float, float] = (0.0, 0.0)
     pegs: Collection[int] = ()
+    carried: Mapping[int, frozenset[int]] = field(default_factory=dict[int, frozenset[int]])
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
         t = float(time)
         self._check(t)
-        return [self.flown(i, row[bisect_right(row, t, key=_time) - 1], t) for i, row in enumerate(self.knots)]
+        rows: list[DoubleRow] = []
+        for i, row in enumerate(self.knots):
+            k = bisect_right(row, t, key=_time) - 1
+            straight = k in self.carried.get(i, ())
+            rows.append(DoubleMotion.flown(self, i, row[k], t) if straight else self.flown(i, row[k], t))
+        return rows
 
     def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
-        """See `DoubleMotion.flown`."""
+        """See `DoubleMotion.flown`; of a circle that falls."""
         (t0, x, y, vx, vy), (hx, hy) = knot, self.halves
         lag = 0.0 if place in self.pegs else time - t0
         x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag

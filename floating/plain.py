@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from math import inf
+from operator import itemgetter
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from flint import arb
@@ -19,22 +20,23 @@ from ..exact.replay.contact import (
     Link,
     NamedContacts,
     Round,
+    contact_of,
     name_of,
 )
 from ..exact.replay.landings import told_wait
-from ..exact.replay.state import ReplayState, Step
+from ..exact.replay.state import Lift, ReplayState, Settle, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import ArrivalQueue
-from ..scenarios.engine import ALL_KEYS, EventDriven, refuse_settled
+from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, Trajectory
+from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, Settling, StopReason, Trajectory
 from .knots import DoubleMotion, FallingMotion
 from .plain_meetings import PlainMeetings
 
@@ -54,6 +56,19 @@ class PlainState(ReplayState[M]):
     def surely_falls(self, speed: M) -> bool:
         """See `Flights.surely_falls`."""
         return bool(speed < self.zero)
+
+    def settle(self, index: int, wall: int, slides: bool) -> None:
+        """See `ReplayState.settle`; at a wall along an axis a circle is put where the wall has it, to the last bit."""
+        x, y, vx, vy, *_ = self.bodies[index].flight
+        super().settle(index, wall, slides)
+        body, line, zero = self.bodies[index], self.line(index, wall), self.zero
+        flight, level, upright = body.flight, *(part.sign() == 0 for part in self.scene.walls[wall].normal)
+        if level:
+            y = line.y0 + body.r if line.ny > zero else line.y0 - body.r
+            body.flight = flight._replace(x=x, y=y, vx=vx if slides else zero, vy=zero)
+        elif upright:
+            x = line.x0 + body.r if line.nx > zero else line.x0 - body.r
+            body.flight = flight._replace(x=x, y=y, vx=zero, vy=vy if slides else zero)
 
     def wall_hit(self, link: AtWall) -> tuple[M, M]:
         """As `Flights.wall_hit`; what rounding has put into a wall for all of its way up comes to it where it turns."""
@@ -276,7 +291,7 @@ class PlainDecider(Generic[M]):
         zero, falls, circles = self.state.zero, self.state.falling is not None, self.state.scene.circles
         for body in bodies:
             flight = body.flight
-            flies = falls and not (body.is_pocket or circles[body.index].fixed)
+            flies = falls and not (body.is_pocket or circles[body.index].fixed or body.index in self.state.pegs)
             rest = not flies and bool(flight.vx == zero) and bool(flight.vy == zero)
             if rest is not flight.rest:
                 body.flight = flight._replace(rest=rest)
@@ -339,7 +354,6 @@ def run_plain(
         loop: makes the loop, where it is not the general one.
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
-    refuse_settled(scene, f"engine {engine!r}")
     limits = run_limits(scene, until, events)
     inner = decider.scene
     made = Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)
@@ -393,7 +407,42 @@ def run_plain(
         ),
         plan=dict(sorted(history.plan.items())),
         ending=ending,
+        settlings=tuple(_settlings(inner, history, at)),
     )
+
+
+def carried_knots(history: History[M]) -> dict[int, frozenset[int]]:
+    """For each circle that walls carry in a run, from which of its knots on they do: these, by their place."""
+    found: dict[int, frozenset[int]] = {}
+    for body in {step.body for step in history.steps if isinstance(step, Settle)}:
+        places, carried, done = list[int](), False, 0
+        for place, knot in enumerate(history.knots[body]):
+            for step in history.steps[done : knot[5]]:
+                if isinstance(step, Settle | Lift) and step.body == body:
+                    carried = isinstance(step, Settle)
+            done = knot[5]
+            if carried:
+                places.append(place)
+        found[body] = frozenset(places)
+    return found
+
+
+def _settlings(scene: Scene, history: History[M], at: Callable[[Mark[M]], Real]) -> Iterator[Settling]:
+    """Where walls began to carry circles; not where one was let fall and carried on at one instant."""
+    if not scene.settle:
+        return
+    walls = {k: (step.body, step.wall) for k, step in enumerate(history.steps, 1) if isinstance(step, Settle)}
+    rows: list[tuple[int, int, int, M, int]] = []
+    for body, places in carried_knots(history).items():
+        row = history.knots[body]
+        for place in sorted(places):
+            time, step, number = row[place][0], row[place][5], row[place][6]
+            wall = next(w for k in range(step, 0, -1) if k in walls for i, w in (walls[k],) if i == body)
+            if place == 0 or place - 1 not in places:
+                rows.append((number, body, wall, time, step))
+    for number, body, wall, time, step in sorted(rows, key=itemgetter(0, 1)):
+        circle, name = contact_of(scene, AtWall(body, wall))
+        yield Settling(circle, name, at(Mark(number, time, step, body)))
 
 
 # -- What event-driven engines without certainty share: the event loop, fed numbers of one system that always answers.
@@ -413,7 +462,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
     an overlap that rounding has made collides at once.
     """
 
-    scene_keys = ALL_KEYS - {"settle"}
+    scene_keys = ALL_KEYS
 
     @property
     @abstractmethod
@@ -441,12 +490,17 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         return DoubleMotion(rows, float(end))
 
     def fallen_motion(
-        self, knots: Sequence[Sequence[Passed[F]]], end: Real, falling: Gravity[F], pegs: Collection[int]
+        self,
+        knots: Sequence[Sequence[Passed[F]]],
+        end: Real,
+        falling: Gravity[F],
+        pegs: Collection[int],
+        carried: Mapping[int, frozenset[int]],
     ) -> Motion:
-        """As `motion`, under gravity; some circles stand."""
+        """As `motion`, under gravity; some circles stand, and of some walls carry, from these of their knots on."""
         halves = float(falling.hx), float(falling.hy)
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
-        return FallingMotion(rows, float(end), halves, pegs)
+        return FallingMotion(rows, float(end), halves, pegs, carried)
 
     def shown(self, time: F, instant: int) -> Real:
         """A time of the trajectory, from a number and the number of its instant."""
@@ -485,13 +539,18 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         """As `run`, with a policy of the caller's in place of the scene's."""
         inner = scene.surfaces
         state = PlainState(inner, self.numbers)
-        falling = state.falling
+        falling, decider = state.falling, PlainDecider(inner, state, self.numbers)
+
+        def fallen(knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
+            assert falling is not None
+            return self.fallen_motion(knots, end, falling, inner.pegs, carried_knots(decider.history))
+
         return run_plain(
             scene,
             self.name,
             self.parameters,
-            PlainDecider(inner, state, self.numbers),
-            self.motion if falling is None else lambda knots, end: self.fallen_motion(knots, end, falling, inner.pegs),
+            decider,
+            self.motion if falling is None else fallen,
             self.shown,
             until=until,
             events=events,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, isfinite, nan, nextafter, sqrt
@@ -167,6 +167,7 @@ class QuadMotion:
         end: the last time that may be asked for.
         falling: half of gravity; None without.
         pegs: the circles that stand under it.
+        carried: by circle, its knots from which on a wall carries it, by their place.
     """
 
     def __init__(
@@ -175,11 +176,13 @@ class QuadMotion:
         end: Real,
         falling: Gravity[DoubleDouble] | None = None,
         pegs: Collection[int] = (),
+        carried: Mapping[int, frozenset[int]] | None = None,
     ) -> None:
         self.knots = knots
         self.end = end
         self.falling = falling
         self.pegs = pegs
+        self.carried = carried or {}
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
@@ -196,9 +199,10 @@ class QuadMotion:
                 k = bisect_right(knots, time.instant, key=_instant) - 1
             else:
                 k = bisect_right(knots, at, key=_time) - 1
-            t, x, y, vx, vy, _ = knots[max(k, 0)]
+            k = max(k, 0)
+            t, x, y, vx, vy, _ = knots[k]
             lag = at - t
-            if self.falling is not None and i not in self.pegs:
+            if self.falling is not None and i not in self.pegs and k not in self.carried.get(i, ()):
                 x, y, vx, vy = map(float, self.falling.flown((x, y, vx, vy), lag))
                 rows.append((x, y, vx, vy))
                 continue
@@ -263,9 +267,10 @@ class QuadEngine(EventEngine[DoubleDouble]):
         end: Real,
         falling: Gravity[DoubleDouble],
         pegs: Collection[int],
+        carried: Mapping[int, frozenset[int]],
     ) -> Motion:
         """See `EventEngine.fallen_motion`."""
-        return QuadMotion(knots, end, falling, pegs)
+        return QuadMotion(knots, end, falling, pegs, carried)
 
     def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
         """See `EventEngine.shown`."""

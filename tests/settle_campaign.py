@@ -1,6 +1,8 @@
 """Scenes in which discs settle, are struck and leave, against a referee of their own.
 
 python tests/settle_campaign.py --scenes 2000 --first 0      # counts, and every scene that differs
+python tests/settle_campaign.py --scenes 2000 --engines      # engines of finite precision against the certified run
+python tests/settle_campaign.py --scenes 2000 --guises       # mirrored, in another order, seen from another frame
 """
 
 from __future__ import annotations
@@ -8,8 +10,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from random import Random
+from typing import TypeAlias
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parent)
@@ -20,7 +24,8 @@ from peg_referee import NotForThis
 from settle_referee import SettleReferee
 
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Wall
+from truebreak.floating import DoubleEngine, IntervalEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.trajectory import StopReason, Trajectory
 
 EVENTS = 24
@@ -108,15 +113,139 @@ def examined(seed: int, counts: Counter[str]) -> str:
     return found
 
 
+FLOATS = DoubleEngine(), SingleEngine(), QuadEngine(), RoundedEngine(bits=40)
+INTERVALS = IntervalEngine(), IntervalEngine(200)
+
+LATE, AWAY = 2.0**-8, 2.0**-4
+"""How late an event of single precision may be, and how far off a circle: more is no rounding in so few events."""
+
+FEW = 6
+"""Events of engines of less than 53 bits: errors grow beyond all bounds in more."""
+
+Told: TypeAlias = tuple[float, frozenset[tuple[str, ...]]]
+
+
+def told(run: Trajectory) -> list[Told]:
+    """When each event is, and what pushes."""
+    return [(float(event.time), frozenset(tuple(sorted(link)) for link in event.impulses)) for event in run.events]
+
+
+def strays(run: Trajectory, true: Trajectory, late: float = LATE) -> str:
+    """What of a run is otherwise than in the certified one, up to where the first of them ends.
+
+    Rounding may part what pushes at one instant, or let more push; so events are compared up to the first in which the
+    certified run has, or this one adds, more than one push.
+    """
+    whole = True
+    for k, (mine, theirs) in enumerate(zip(told(run), told(true), strict=False)):
+        if abs(mine[0] - theirs[0]) > late or mine[1] != theirs[1]:
+            if len(theirs[1]) > 1 or len(mine[1]) > 1:
+                whole = False
+                break
+            return f"event {k}: {mine} against {theirs}"
+    if not whole:
+        return ""
+    end = min(float(run.final_time), float(true.final_time)) - late
+    settled = [[(s.circle, s.wall) for s in r.settlings if float(s.time) < end] for r in (run, true)]
+    if settled[0] != settled[1]:
+        return f"settled {settled[0]} against {settled[1]}"
+    for share in (0.3, 0.6, 0.9):
+        if end <= 0 or any(abs(event.time.__float__() - end * share) < late for event in true.events):
+            continue
+        for mine, theirs in zip(run.at(end * share).circles, true.at(end * share).circles, strict=True):
+            off = max(abs(float(getattr(mine, name)) - float(getattr(theirs, name))) for name in ("x", "y"))
+            if off > (AWAY if late == LATE else 1e-6):
+                return f"{mine.id} at {end * share}: off by {off}"
+    return ""
+
+
+def contradicts(run: Trajectory, true: Trajectory) -> str:
+    """What of a run in intervals does not hold what the certified run has."""
+    for k, (mine, theirs) in enumerate(zip(run.events, true.events, strict=False)):
+        links = [{tuple(sorted(link)) for link in event.impulses} for event in (mine, theirs)]
+        if links[0] != links[1] or not mine.time.low <= float(theirs.time) <= mine.time.high:
+            return f"event {k}: {mine} against {theirs}"
+    if len(run.events) > len(true.events) and true.stop.reason is not StopReason.EVENTS:
+        return f"{len(run.events)} events against {len(true.events)}"
+    for mine, theirs in zip(run.settlings, true.settlings, strict=False):
+        same = (mine.circle, mine.wall) == (theirs.circle, theirs.wall)
+        if not same or not mine.time.low <= float(theirs.time) <= mine.time.high:
+            return f"settled: {mine} against {theirs}"
+    if run.events and len(run.events) <= len(true.events):
+        last, number = run.events[-1], len(run.events) - 1
+        for mine, theirs in zip(run.at(last.time).circles, true.after(number).circles, strict=True):
+            for name in ("x", "y", "vx", "vy"):
+                value = getattr(mine, name)
+                if not value.low <= float(getattr(theirs, name)) <= value.high:
+                    return f"{mine.id}.{name} after event {number}: {value} against {getattr(theirs, name)}"
+    return ""
+
+
+def engines_differ(seed: int, counts: Counter[str]) -> str:
+    """What engines of finite precision have otherwise than the certified run, in one scene."""
+    scene = drawn(seed)
+    if scene is None:
+        return ""
+    true, found = ExactEngine(work=300_000).run(scene, until=12, events=EVENTS), list[str]()
+    for engine in FLOATS:
+        run = engine.run(scene, until=12, events=EVENTS if engine.bits >= 53 else FEW)
+        counts[f"{engine.name}: {run.stop.reason.name}"] += 1
+        counts[f"{engine.name}: settlings"] += len(run.settlings)
+        if what := strays(run, true, LATE if engine.name == "single" else 1e-5):
+            found.append(f"{engine.name}: {what}")
+    for engine in INTERVALS:
+        run = engine.run(scene, until=12, events=EVENTS)
+        name = f"interval of {engine.bits} bits"
+        counts[f"{name}: {run.stop.reason.name}"] += 1
+        counts[f"{name}: events"] += len(run.events)
+        if what := contradicts(run, true):
+            found.append(f"{name}: {what}")
+    return "; ".join(found)
+
+
+def guises_differ(seed: int, counts: Counter[str]) -> str:
+    """What of a certified run is otherwise in the mirror, in another order, or seen from another frame."""
+    scene = drawn(seed)
+    if scene is None:
+        return ""
+    run = ExactEngine(work=300_000).run(scene, until=6, events=EVENTS)
+    mirrored = scene.with_changes(
+        circles=[replace(c, x=-c.x, vx=-c.vx) for c in scene.circles],
+        walls=[replace(w, x0=-w.x0, x1=-w.x1) for w in scene.walls],
+    )
+    guises = {"mirrored": mirrored, "reversed": scene.with_changes(circles=scene.circles[::-1])}
+    if len(scene.walls) == 1 and not any(circle.fixed for circle in scene.circles):
+        pace = Quantity.of("7/5")
+        guises["moving"] = scene.with_changes(circles=[replace(c, vx=c.vx + pace) for c in scene.circles])
+    for name, guise in guises.items():
+        other = ExactEngine(work=300_000).run(guise, until=6, events=EVENTS)
+        if StopReason.UNDECIDED in (run.stop.reason, other.stop.reason):
+            counts[f"{name}: undecided"] += 1
+            continue
+        counts[name] += 1
+        mine, theirs = (
+            [(e.time.digits(25), frozenset(map(frozenset, e.impulses))) for e in r.events] for r in (run, other)
+        )
+        if mine != theirs:
+            return f"{name}: {len(mine)} events against {len(theirs)}, or others"
+        rests = [sorted((s.circle, s.wall, s.time.digits(25)) for s in r.settlings) for r in (run, other)]
+        if rests[0] != rests[1]:
+            return f"{name}: settled {rests[0]} against {rests[1]}"
+    return ""
+
+
 def main() -> int:
     """Runs a span of seeds."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--engines", action="store_true", help="engines of finite precision, too")
+    parser.add_argument("--guises", action="store_true", help="scenes in other guises")
     given = parser.parse_args()
+    look = engines_differ if given.engines else guises_differ if given.guises else examined
     counts, bad = Counter[str](), 0
     for seed in range(given.first, given.first + given.scenes):
-        found = examined(seed, counts)
+        found = look(seed, counts)
         if found:
             bad += 1
             print(f"{seed}: {found}", flush=True)

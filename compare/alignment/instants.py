@@ -170,10 +170,10 @@ def follows_the_law(trajectory: Trajectory, index: int, bits: int | None) -> boo
     """Whether an event of one contact leaves its circles as the law of elastic impact does, from the run's own state.
 
     What rounding to so many bits makes of places and velocities is granted; a contact that approaches no faster than
-    that may do nothing.
+    that may do nothing. Beside what moves and has ends nothing is said.
     """
     event = trajectory.events[index]
-    if len(event.impulses) != 1:
+    if len(event.impulses) != 1 or trajectory.scene.moving_solid is not None:
         return True
     pair = event.impulses[0]
     before, after = _velocities_before(trajectory, index), trajectory.after(index)
@@ -201,7 +201,12 @@ def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]
 
 
 def _velocities_before(trajectory: Trajectory, index: int) -> Velocities:
-    """Velocities as an event comes: those that the event before it left."""
+    """Velocities as an event comes: those that the event before it left, or that circles have fallen to since."""
+    time = trajectory.events[index].time
+    before = math.nextafter(float(getattr(time, "low", time)), -math.inf)
+    last = float(trajectory.events[index - 1].time) if index else 0.0
+    if trajectory.scene.gravity is not None and before > last:
+        return _velocities(trajectory.at(before))
     if index == 0:
         left = {str(c.id): (float(c.vx), float(c.vy)) for c in trajectory.scene.circles}
     else:

@@ -173,6 +173,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.gravity is not None and run.scene.pockets:
         return Audit(None, "pockets are not audited yet under gravity")
+    if run.scene.settle:
+        return Audit(None, "what walls carry is not audited yet")
     if run.scene.moving_solid is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet")
     if run.scene.other_walls:

@@ -199,7 +199,7 @@ class RunSoFar:
                 FLIGHT * scale if bits is None else max(FLIGHT, 4.0 * 2.0**-bits) * scale,
             )
         if fall is None or step is None:
-            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left, reckoned)
+            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left=left, reckoned=reckoned)
         return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 

@@ -492,16 +492,16 @@ class Endings:
         masses = [arb(0) if k in pegs else 1 / ball.constant(c.inverse_mass) for k, c in enumerate(circles)]
         pull = (gx * gx + gy * gy).sqrt()
         doubled = sum((m * (vx * vx + vy * vy) for m, (_, _, vx, vy) in zip(masses, rows, strict=True)), arb(0))
-        swing = doubled.sqrt() + pull * sum(masses, arb(0)).sqrt() * wait
-        ways = [
-            (vx * vx + vy * vy).sqrt() * wait if k in pegs else swing / m.sqrt() * wait
+        swing = doubled.abs_upper().sqrt() + pull * sum(masses, arb(0)).sqrt() * wait
+        ways = [  # at most: of a velocity that may be 0 the square may be known to be below that
+            (vx * vx + vy * vy).abs_upper().sqrt() * wait if k in pegs else swing / m.sqrt() * wait
             for k, (m, (_, _, vx, vy)) in enumerate(zip(masses, rows, strict=True))
         ]
         i = link.circle
         x, y, vx, vy = rows[i]
         ux, uy, drift = self._pace(link.wall)
         vx, vy = vx - ux, vy - uy
-        way = ((vx * vx + vy * vy).sqrt() + pull * wait + drift) * wait
+        way = ((vx * vx + vy * vy).abs_upper().sqrt() + pull * wait + drift) * wait
         for j, (px, py, _, _) in enumerate(rows):
             room = radii[i] + radii[j] + way + ways[j]
             if j != i and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:

@@ -87,6 +87,24 @@ def piston(n: int, seed: int, u: Quantity) -> Scene:
     return Scene(discs, walls, until=2 / u)
 
 
+def landing(h: Quantity, v: Quantity, m: Quantity) -> Scene:
+    """A disc that flies to the right falls by h, and stops falling on a floor; another, of mass m, falls in its way.
+
+    >>> [str(circle.y) for circle in landing(Quantity.of(5), Quantity.of(2), Quantity.of(3)).circles]
+    ['6', '4']
+    """
+    way = 3 + v * (2 * h / 10).sqrt()
+    discs = [Circle(0, h + 1, vx=v, id="slider"), Circle(way, "3/5" * h + 1, m=m, id="sitter")]
+    return Scene(discs, [FLOOR], gravity=(0, -10), restitution=0, settle=True, events=10)
+
+
+def struck(n: int, vx: Quantity) -> Scene:
+    """A disc is thrown onto n discs that lie on a floor between two upright walls."""
+    lying = [Circle(Quantity.of("1/3") + 3 * k, 1, id=f"d{k + 1}") for k in range(n)]
+    sides = [Wall(-8, 0, -8, 1, id="left"), Wall(3 * n + 2, 0, 3 * n + 2, 1, id="right")]
+    return Scene([Circle(-6, 6, vx=vx, id="thrown"), *lying], [FLOOR, *sides], gravity=(0, -10), settle=True, events=40)
+
+
 def paddle(u: Quantity, h: Quantity, vx: Quantity) -> Scene:
     """A disc falls by h, to the right, onto a paddle that rises."""
     bat = Segment(-1, 0, 8, 0, "paddle", vy=u)
@@ -193,6 +211,32 @@ SCENES = {
         ),
         source="kinetic theory: the adiabatic law with the exponent 2 of two degrees of freedom",
         make=piston,
+    ),
+    "landing": SceneEntry(
+        name="landing",
+        summary="A disc lands without a bounce, slides along the floor, and pushes another that has landed.",
+        parameters=(
+            Parameter("h", "5", "how far it falls", number(above=0)),
+            Parameter("v", "2", "its speed to the right", number(above=0)),
+            Parameter("m", "3", "mass of the other one", number(above=0)),
+        ),
+        known=(
+            "It lands at sqrt(2 h / 10), the other at sqrt(3/5) times that; it slides for 1 / v, "
+            "and the two go on together at v / (1 + m), all exactly."
+        ),
+        source="school physics: a completely inelastic collision keeps the momentum",
+        make=landing,
+    ),
+    "struck": SceneEntry(
+        name="struck",
+        summary="A disc is thrown onto others that lie on a floor; what it strikes leaves the floor.",
+        parameters=(
+            Parameter("n", "3", "number of discs that lie there", whole(1, 6)),
+            Parameter("vx", "3", "speed of the one that is thrown, to the right", number(above=0)),
+        ),
+        known="The energy is kept, and each disc lies where it was until something comes to it.",
+        source="school physics: the floor pushes only against what comes to it",
+        make=struck,
     ),
     "paddle": SceneEntry(
         name="paddle",

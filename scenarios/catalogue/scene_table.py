@@ -43,6 +43,7 @@ FAMILIES = {
         ("bounce", "drop-pair", "falling-line", "wedge", "gas-under-gravity", "closing-wall", "piston", "paddle"),
         "falling_scenes",
     ),
+    **dict.fromkeys(("landing", "struck"), "falling_scenes"),
     **dict.fromkeys(("stadium", "mushroom", "lemon", "round-table"), "curved_tables"),
     **dict.fromkeys(("galton", "plinko", "peg-mirror", "axis", "ramp", "ski-jump", "platforms"), "pegboards"),
     **dict.fromkeys(("bowl", "pinball-table"), "pegboards"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from truebreak.compare import compare, engine
 from truebreak.compare.alignment.align import VERDICTS, Span, Wanted, align
-from truebreak.compare.alignment.instants import Kind, order_reproduces, same_velocity
+from truebreak.compare.alignment.instants import Kind, follows_the_law, order_reproduces, same_velocity
 from truebreak.compare.alignment.walk import Patience, history
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall, catalogue
 
@@ -242,3 +243,22 @@ def test_event_n_is_the_first_that_the_reference_has_alone_by_its_own_count() ->
     assert (divergence.event, divergence.own_event, candidate.alignment.agreed) == (58, 73, 58)
     assert (divergence.body, divergence.expected, divergence.got) == ("c5", "c8", "c9")
     assert divergence.got_time == divergence.time < float(candidate.trajectory.events[59].time)
+
+
+@pytest.mark.parametrize("spec", ["drop-pair", "falling-line", "struck", "gas-under-gravity", "bounce"])
+def test_an_impact_under_gravity_is_looked_at_with_the_velocity_fallen_to(spec: str) -> None:
+    """`single` was said to end with other velocities, where its last impact kept the law."""
+    run = engine("single").run(catalogue.build(spec), events=12)
+    for k in range(len(run.events)):
+        assert follows_the_law(run, k, 24), k
+    alone = [k for k, event in enumerate(run.events) if len(event.impulses) == 1]
+    last = alone[-1]
+    other = run.scene.with_changes(restitution="1/3")
+    assert not follows_the_law(replace(run, scene=other), last, 24)
+
+
+@pytest.mark.parametrize("spec", ["paddle", "drop-pair", "galton"])
+def test_rounding_of_last_velocities_under_gravity_is_no_other_outcome(spec: str) -> None:
+    (found,) = compare(catalogue.build(spec), ["single"], events=10).candidates
+    assert found.alignment.verdict == "agree"
+    assert found.changed == ()

@@ -30,7 +30,7 @@ SCENES = (
 
 GAMES = (
     "bounce", "closing-wall", "collapse", "cooling:n=6", "cradle:e=9/10", "drop-pair", "falling-line",
-    "gas-under-gravity", "piston", "wedge", "wedge:slope=2",
+    "gas-under-gravity", "piston", "struck", "wedge", "wedge:slope=2",
 )  # fmt: skip
 """Under gravity, with a restitution below 1, and among walls that move."""
 

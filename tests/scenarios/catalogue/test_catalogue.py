@@ -69,6 +69,8 @@ SPECS = (
     "drop-pair:big=2,gap=1/3",
     "falling-line:n=5,g=2",
     "wedge:slope=2,vx=0",
+    "landing:h=sqrt(2),v=1/3,m=1/7",
+    "struck:n=1,vx=7",
     "paddle:u=sqrt(2),h=1/2,vx=3",
     "collapse:e=1/3",
     "gas-under-gravity:n=12,seed=7",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import floor
 
 import numpy as np
 import pytest
@@ -91,6 +92,39 @@ def test_a_slow_piston_keeps_energy_times_area() -> None:
     quick = DoubleEngine().run(catalogue.build("piston:n=16,u=3"))
     before, after = (sum(float(c.vx) ** 2 + float(c.vy) ** 2 for c in s.circles) for s in (quick.at(0), quick.final))
     assert after / before > 2 * free  # a quick one does more work
+
+
+@pytest.mark.parametrize(("h", "v", "m"), [("5", "2", "3"), ("1/5", "1/3", "1"), ("45", "7", "1/4")])
+def test_what_lands_slides_and_pushes_by_its_closed_form(h: str, v: str, m: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"landing:h={h},v={v},m={m}"))
+    speed, fall = Quantity.of(v), (Quantity.of(h) / 5).sqrt()
+    other, own, push = run.events
+    assert Quantity.of(own.time.text()) == fall
+    assert Quantity.of(other.time.text()) == fall * Quantity.of("3/5").sqrt()
+    assert Quantity.of(push.time.text()) == fall + 1 / speed
+    for disc in run.final.circles:
+        assert Quantity.of(disc.vx.text()) == speed / (1 + Quantity.of(m))
+    assert [(s.circle, s.wall) for s in run.settlings] == [("sitter", "floor"), ("slider", "floor")]
+    assert run.stop.reason is StopReason.QUIET
+
+
+@pytest.mark.parametrize("n", [1, 3, 6])
+def test_struck_discs_keep_the_energy_and_lie_until_something_comes(n: int) -> None:
+    scene = catalogue.build(f"struck:n={n}")
+    run = ExactEngine().run(scene)
+    assert run.certified
+    assert len(run.events) == 40
+    for disc in scene.circles[1:]:
+        met = next(
+            (event.time for event in run.events if any(disc.id in link for link in event.contacts)), run.final_time
+        )
+        before = run.at(floor(float(met) * 2**20) / 2**20)[disc.id]
+        assert [before.x.text(), before.y.text(), before.vx.text(), before.vy.text()] == [disc.x.text(), "1", "0", "0"]
+    energies = [
+        sum((float(c.vx) ** 2 + float(c.vy) ** 2) / 2 + 10 * float(c.y) for c in state.circles)
+        for state in (run.at(0), run.final)
+    ]
+    assert energies[0] == pytest.approx(energies[1], abs=1e-10)
 
 
 @pytest.mark.parametrize(("u", "h", "vx"), [("1", "4", "1/2"), ("3", "2", "1"), ("1/2", "1/5", "2")])
