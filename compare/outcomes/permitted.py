@@ -215,7 +215,8 @@ class _ExactSpan:
         if self.set and run.final_time is self.end:
             return run
         events = tuple(event for event in run.events if not self._after(event.time))
-        return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
+        ended = run.final_time if float(run.final_time) < float(self.end) else float(self.end)
+        return replace(run, events=events, final_time=ended)
 
     def patterns_of_nearby(self, run: Trajectory) -> Sequence[Pattern]:
         """The patterns of a nearby scene's run up to the end, and to just past it, where that is another.
@@ -224,7 +225,8 @@ class _ExactSpan:
         """
         if run.stop.reason not in DECIDED:
             return []
-        told = [pattern_of(self.cut(run)), pattern_of(replace(run, final_time=min(float(run.final_time), self.beyond)))]
+        past = run if float(run.final_time) <= self.beyond else replace(run, final_time=self.beyond)
+        told = [pattern_of(self.cut(run)), pattern_of(past)]
         return told[::-1] if self.event_at_end else told
 
     def _before(self, time: Any) -> bool:

@@ -26,6 +26,7 @@ from .sentences import (
     ended_phrase,
     pattern_phrase,
     proof_phrase,
+    settled_phrase,
     short,
     span_phrase,
     until_phrase,
@@ -363,6 +364,8 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     ]
     if comparison.certificate is not None:
         facts.append(("Certificate", comparison.certificate.summary))
+    if settled := settled_phrase(comparison):
+        facts.append(("Settled", settled))
     return facts + [("Note", note) for note in reference.notes]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import AT_AN_END, StopReason
@@ -330,6 +331,52 @@ def ending_phrase(run: Trajectory) -> str:
     what = run.stop.reason.value
     who = run.stop.message.removeprefix(what).removeprefix(": ")
     return f"it ends there{',' if ': ' in what else ':'} {what}{f' ({who})' if who else ''}"
+
+
+SHOWN_SETTLINGS = 4
+"""How many are listed in a sentence; the others are counted."""
+
+SETTLED_BY = 1.0 - 2.0**-20
+"""A share of the common time of two runs: what settles later may do so beyond the end of the other by rounding."""
+
+
+def settled_phrase(comparison: Comparison) -> str:
+    """What walls began to carry in the reference, and which engines have it otherwise; empty where nothing settles.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> settled_phrase(compare(catalogue.build("landing"), ["double"]))
+    'sitter on floor at time 0.774596669, slider on floor at time 1; the same in double'
+    """
+    reference, same, others = comparison.reference, list[str](), list[str]()
+    rows = [f"{s.circle} on {s.wall} at time {float(s.time):.9g}" for s in reference.settlings]
+    for candidate in comparison.candidates:
+        if comparison.scene.settle and not candidate.unable:
+            (same if _settles_alike(comparison, candidate) else others).append(candidate.engine)
+    if not rows and not others:
+        return ""
+    more = f" and {len(rows) - SHOWN_SETTLINGS} more" if len(rows) > SHOWN_SETTLINGS else ""
+    told = f"{', '.join(rows[:SHOWN_SETTLINGS])}{more}" if rows else f"nothing in {reference.engine}"
+    told += f"; the same in {listed(same)}" if same else ""
+    return told + (f"; otherwise in {listed(others)}" if others else "")
+
+
+def _settles_alike(comparison: Comparison, candidate: Candidate) -> bool:
+    """Whether walls carry the same circles in the same order, each circle for itself, as long as both runs last.
+
+    After a divergence nothing is compared.
+    """
+    runs, parted = (comparison.reference, candidate.trajectory), candidate.alignment.divergence
+    ends = [float(run.final_time) for run in runs]
+    times = () if parted is None else (parted.time, parted.expected_time, parted.got_time)
+    end = min([*ends, *(time for time in times if time is not None)]) * SETTLED_BY
+    for circle in map(str, comparison.scene.ids):
+        rows = ([(s.wall, float(s.time)) for s in run.settlings if s.circle == circle] for run in runs)
+        for both in zip_longest(*rows):
+            known = [row for row in both if row is not None]
+            if min(time for _, time in known) < end and (len(known) < 2 or known[0][0] != known[1][0]):
+                return False
+    return True
 
 
 def _by_flight(time: float) -> float:

@@ -29,6 +29,7 @@ from .sentences import (
     margin_phrase,
     pattern_phrase,
     proof_phrase,
+    settled_phrase,
     short,
     span_phrase,
     until_phrase,
@@ -179,6 +180,8 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
         say(out, str(reference.assumptions[0]), "bold yellow")
     for note in reference.notes:
         say(out, note)
+    if settled := settled_phrase(comparison):
+        say(out, f"settled: {settled}")
     out.print(engines_table(comparison, close=not verbose))
     if comparison.cut:
         say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
