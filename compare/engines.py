@@ -9,13 +9,13 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..scenarios.errors import SceneError
+from ..scenarios.lazy import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -123,7 +123,7 @@ def load_offered(name: str) -> Any:
 ROOT = __name__.rpartition(".compare")[0]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class EngineEntry:
     """Where an engine lives and what it is, without importing it.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from operator import itemgetter, lt
 
@@ -12,7 +12,7 @@ from flint import arb
 
 from ..scenarios.engine import ALL_KEYS, Declared, endable
 from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.lazy import Late
+from ..scenarios.lazy import Late, frozen
 from ..scenarios.numbers.precision import check_doubles
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.numbers.tower_element import AnyTower, Element
@@ -272,7 +272,7 @@ ORDER_BITS = 128
 """Bits to which times that are exact are told apart."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ExactEngine(Declared):
     """Runs a scene so that every event, its order and its partners are proved.
 

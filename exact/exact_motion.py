@@ -5,13 +5,12 @@ from __future__ import annotations
 import copyreg
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
-from ..scenarios.lazy import kept
+from ..scenarios.lazy import frozen, kept
 from ..scenarios.numbers.nested_roots import Tower
 from ..scenarios.numbers.precision import (
     BITS_PER_DIGIT,
@@ -267,7 +266,7 @@ Source: TypeAlias = int | Link | str
 """The circle whose clock stands at a time; or the meeting that comes at it; or `REVERSAL`, RETURN, START."""
 
 
-@dataclass(frozen=True)
+@frozen
 class OtherRun:
     """A place at a time of another run, which this run's log does not compute: what is at hand of it is told alone."""
 
@@ -275,7 +274,7 @@ class OtherRun:
         raise ValueError("the time is one of another run; ask for the place at its digits, such as at(time.digits(40))")
 
 
-@dataclass(frozen=True)
+@frozen
 class TimeFormula:
     """Computes a time from the state at the end of its instant."""
 
@@ -342,7 +341,7 @@ READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Place:
     """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
 
@@ -365,7 +364,7 @@ def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
     return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
 
 
-@dataclass(frozen=True)
+@frozen
 class FallSpeed:
     """Computes a component of a circle's velocity at a time under gravity: v = V + g t, where the frame has V."""
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
 from flint import arb, fmpq
 
+from ..scenarios.lazy import frozen
 from ..scenarios.scene import Scene
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data, turned
 from .laws.formulas import wall_mirror
@@ -450,7 +450,7 @@ Likely: TypeAlias = tuple[int, bool, int, bool]
 """A circle, whether by its velocity (else by its place), the circle whose velocity or place is its image; mirror?"""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class Symmetry:
     """An isometry that maps the scene to itself.
 

@@ -1,12 +1,14 @@
-"""What costs nothing before it is asked for: the version, names, modules, properties, sequences."""
+"""What costs little before it is asked for: the version, frozen classes, names, modules, properties, sequences."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
+from functools import cache, cached_property
 from importlib import import_module
-from typing import Any, TypeVar, overload
+from operator import attrgetter
+from typing import Any, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
 
@@ -14,6 +16,104 @@ T = TypeVar("T")
 # -- The version of this project: what `pyproject.toml` says, without looking among installed packages for it.
 
 VERSION = "0.1.0"
+
+
+# -- A frozen dataclass that is made with one compiled function.
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def frozen(kind: type[T]) -> type[T]:
+    """What `dataclass(frozen=True)` makes of a class, in a fifth of the time: a command makes dozens as it starts.
+
+    Python compiles six functions for each class. Here `__init__` alone is compiled, where the class has none of its
+    own; the other five are those of `_Frozen`. `fields`, `replace` and `asdict` take these classes as any dataclass;
+    fields that are given by name alone are not provided for.
+
+    >>> @frozen
+    ... class Place:
+    ...     x: int
+    ...     y: int = 0
+    >>> Place(1), Place(1) == Place(1, y=0), hash(Place(2)) == hash(Place(2))
+    (Place(x=1, y=0), True, True)
+    >>> Place(1).x = 2
+    Traceback (most recent call last):
+      ...
+    dataclasses.FrozenInstanceError: cannot assign to field 'x'
+    """
+    inherits = hasattr(kind, "__dataclass_fields__")
+    dataclass(init=False, repr=False, eq=False, frozen=inherits)(kind)  # a subclass has to be what its base is
+    vars(kind)["__dataclass_params__"].frozen = True
+    own = vars(kind)
+    if "__init__" not in own:
+        kind.__init__ = _initialiser(kind)
+    for name in ("__setattr__", "__delattr__", "__eq__", "__hash__", "__repr__"):
+        if own.get(name) is None:  # where a class has an `__eq__` of its own, Python sets `__hash__` to None
+            setattr(kind, name, vars(_Frozen)[name])
+    return kind
+
+
+def _initialiser(kind: Any) -> Callable[..., None]:
+    """`__init__`: takes the fields by place or by name."""
+    names: dict[str, Any] = {"_put": object.__setattr__, "_missing": MISSING}
+    taken, lines = ["self"], list[str]()
+    for one in fields(kind):
+        name = value = one.name
+        if one.default_factory is not MISSING:
+            names[f"_make_{name}"] = one.default_factory
+            taken.append(f"{name}=_missing")
+            value = f"_make_{name}() if {name} is _missing else {name}"
+        elif one.default is not MISSING:
+            names[f"_default_{name}"] = one.default
+            taken.append(f"{name}=_default_{name}")
+        else:
+            taken.append(name)
+        lines.append(f"_put(self, {name!r}, {value})")
+    if hasattr(kind, "__post_init__"):
+        lines.append("self.__post_init__()")
+    exec(f"def __init__({', '.join(taken)}): {'; '.join(lines) or 'pass'}", names)
+    made = names["__init__"]
+    made.__qualname__, made.__module__ = f"{kind.__qualname__}.__init__", kind.__module__
+    made.__annotations__ = {one.name: one.type for one in fields(kind)}
+    return made
+
+
+@cache
+def _compared(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
+    """What gives the values by which objects of a class are compared."""
+    names = [one.name for one in fields(kind) if one.compare]
+    return attrgetter(*names) if len(names) > 1 else lambda each: tuple(getattr(each, name) for name in names)
+
+
+class _Frozen:
+    """The methods that all frozen classes have in common."""
+
+    def __setattr__(self: Any, name: str, value: Any) -> None:
+        _refuse("assign to", self, name)
+        object.__setattr__(self, name, value)
+
+    def __delattr__(self: Any, name: str) -> None:
+        _refuse("delete", self, name)
+        object.__delattr__(self, name)
+
+    def __eq__(self: Any, other: object) -> bool:
+        if other.__class__ is not self.__class__:
+            return NotImplemented
+        values = _compared(self.__class__)
+        return values(self) == values(other)
+
+    def __hash__(self: Any) -> int:
+        return hash(_compared(self.__class__)(self))
+
+    def __repr__(self: Any) -> str:
+        shown = ", ".join(f"{one.name}={getattr(self, one.name)!r}" for one in fields(self) if one.repr)
+        return f"{self.__class__.__qualname__}({shown})"
+
+
+def _refuse(what: str, thing: Any, name: str) -> None:
+    """Raises FrozenInstanceError, but for what a subclass that is no dataclass adds to the fields."""
+    kind: Any = thing.__class__
+    if name in thing.__dataclass_fields__ or "__dataclass_fields__" in vars(kind):
+        raise FrozenInstanceError(f"cannot {what} field {name!r}")
 
 
 # -- Names that a package hands on, whose modules are imported when they are asked for.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from copy import copy
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .errors import SceneError
-from .lazy import kept
+from .lazy import frozen, kept
 from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
 from .settings import (
@@ -31,7 +31,7 @@ MAX_CIRCLES = 100_000
 THINGS = frozenset({"circles", "walls", "pockets", "segments", "polygons", "arcs"})
 
 
-@dataclass(frozen=True)
+@frozen
 class Scene:
     """Circles and walls at time 0, with the tie policy and, optionally, a reversal and a default horizon.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, cast
 
 from .errors import SceneError
+from .lazy import frozen
 from .numbers.quantity import Quantity, QuantityLike
 
 # -- What happens when several contacts fall on one instant: the names of the modelling choices.
@@ -18,7 +18,7 @@ POLICIES: dict[str, str] = {
 one line here."""
 
 
-@dataclass(frozen=True)
+@frozen
 class TiePolicy:
     """The chosen order of impulses among contacts at one instant.
 

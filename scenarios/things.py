@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, nextafter
 from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 from .errors import SceneError, cut
-from .lazy import kept
+from .lazy import frozen, kept
 from .numbers.parsing import is_sympy
 from .numbers.quantity import ZERO, Quantity, QuantityLike
 from .settings import checked_truth
@@ -44,7 +43,7 @@ def _checked_id(kind: str, name: Any) -> None:
         raise SceneError(f"{kind}: id = {str(name)[:MAX_ID]!r} is not usable; write 1 to {MAX_ID} printable characters")
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle:
     """A hard disc: centre (x, y), radius r, velocity (vx, vy), mass m.
 
@@ -126,7 +125,7 @@ class Circle:
         return self.vx.sign() == 0 and self.vy.sign() == 0
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class MovingEnd(Circle):
     """An end of a segment, or a corner of a polygon, that moves with it, whatever meets it; none is in a scene's file.
 
@@ -170,7 +169,7 @@ def _is_infinite(m: Any) -> bool:
     return is_sympy(m) and str(m) == FIXED
 
 
-@dataclass(frozen=True)
+@frozen
 class Wall:
     """An infinitely long straight wall through (x0, y0) and (x1, y1), hard on both sides.
 
@@ -253,7 +252,7 @@ class Squeeze(NamedTuple):
     time: Quantity
 
 
-@dataclass(frozen=True)
+@frozen
 class Segment:
     """A straight segment from (x0, y0) to (x1, y1), hard on both sides, `r` thick to each side, with round ends.
 
@@ -309,7 +308,7 @@ MAX_POINTS = 1_000
 """Of one polygon: each of its sides is compared with every other."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Polygon:
     """A solid polygon, rounded by `r`: all that is within r of what its sides enclose; nothing is inside of it.
 
@@ -486,7 +485,7 @@ def boxes_meet(a: Box, b: Box) -> bool:
 _ONE = Quantity.of(1)
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Arc:
     """The part of a circle counter-clockwise from one direction to another, hard on both sides; `full` for all of it.
 
@@ -583,7 +582,7 @@ class Arc:
         return nx, ny, nx * ax + ny * ay
 
 
-@dataclass(frozen=True)
+@frozen
 class Pocket:
     """A round pocket: a circle's centre that comes within r of (x, y) has entered it."""
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
-from .lazy import kept
+from .lazy import frozen, kept
 from .numbers.quantity import Quantity, Real, real
 from .scene import Scene
 
@@ -43,7 +43,7 @@ class TieProof(Enum):
         return self not in (TieProof.ASSUMED, TieProof.FLOAT)
 
 
-@dataclass(frozen=True)
+@frozen
 class Tie:
     """Several contacts on one instant, and how that is known.
 
@@ -58,7 +58,7 @@ class Tie:
     bound: int | None = None
 
 
-@dataclass(frozen=True)
+@frozen
 class Assumption:
     """A decision that rests on less than proof; everything from its event on rests on it.
 
@@ -81,7 +81,7 @@ class Assumption:
         )
 
 
-@dataclass(frozen=True)
+@frozen
 class Event:
     """One instant at which contacts collide.
 
@@ -104,7 +104,7 @@ class Event:
     coupled: bool = False
 
 
-@dataclass(frozen=True)
+@frozen
 class Reversal:
     """The one moment at which every velocity was negated.
 
@@ -117,7 +117,7 @@ class Reversal:
     time: Real
 
 
-@dataclass(frozen=True)
+@frozen
 class Pocketing:
     """The centre of a circle enters a pocket.
 
@@ -132,7 +132,7 @@ class Pocketing:
     time: Real
 
 
-@dataclass(frozen=True)
+@frozen
 class Settling:
     """A wall begins to carry a circle, which is at rest on it from then on, or slides along it.
 
@@ -150,7 +150,7 @@ class Settling:
 # -- What a run gives back: events, the reason it stopped, and the motion between them.
 
 
-@dataclass(frozen=True)
+@frozen
 class CircleState:
     """Where a circle is and how fast it goes, in the engine's own numbers."""
 
@@ -161,7 +161,7 @@ class CircleState:
     vy: Real
 
 
-@dataclass(frozen=True)
+@frozen
 class State:
     """All circles at one time, in scene order."""
 
@@ -203,7 +203,7 @@ AT_AN_END = frozenset((StopReason.REST, StopReason.ACCUMULATION, StopReason.CRUS
 """Reasons that lie in the motion, though time goes on: no limit lets a run go on from there."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Stop:
     """The reason for the end of a run, with the particulars."""
 
@@ -227,7 +227,7 @@ class Motion(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class Progress:
     """How far a run is: instants done, and the time reached."""
 
@@ -239,7 +239,7 @@ class Progress:
 OnProgress: TypeAlias = Callable[[Progress], None]
 
 
-@dataclass(frozen=True)
+@frozen
 class Trajectory:
     """The history of one scene in one engine.
 

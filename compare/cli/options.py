@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...scenarios.errors import shortened
+from ...scenarios.lazy import frozen
 from . import completion
 
 if TYPE_CHECKING:
@@ -262,7 +263,7 @@ REFERENCE_OPTIONS = (
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class ReferenceOptions:
     """What the command line says, in options that all commands have that hold runs against a reference."""
 

@@ -9,7 +9,7 @@ import time as clock
 import warnings
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,7 @@ from ...exact.exact_engine import ExactEngine
 from ...exact.exact_motion import ExactMotion
 from ...exact.simulation.decider import run_limits
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy import VERSION
+from ...scenarios.lazy import VERSION, frozen
 from ...scenarios.trajectory import StopReason
 from ..engines import engine as engine_named
 
@@ -88,7 +88,7 @@ def reference_named(text: str, *, cache: bool) -> Engine:
     return cached(engine_named(text)) if cache else engine_named(text)
 
 
-@dataclass(frozen=True)
+@frozen
 class CachedEngine(ExactEngine):
     """The exact engine, which keeps runs that cost something, and gives them again.
 

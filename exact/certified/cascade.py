@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol
 
 from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.errors import SceneError
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower_element import sign_of_root_sum
 from ...scenarios.numbers.tower_ring import TowerLimit
@@ -35,7 +35,7 @@ MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""
 
 
-@dataclass(frozen=True)
+@frozen
 class TieRule:
     """What is taken for a zero once every proof has failed.
 
@@ -76,7 +76,7 @@ proved nothing that more bits do not; choose proved, or assume:BITS (such as ass
 # -- What the rungs of the cascade decide from.
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@frozen
 class Grounds:
     """One run, as its rungs see it.
 
@@ -301,7 +301,7 @@ MAX_DEPTH = 7
 second and seven half of one; longer numbers take more, so the work is bounded too."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class Hopeless:
     """A past that could not be replayed, and the work that did not suffice; None: no work does, it is too deep."""
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Pocket
@@ -602,7 +602,7 @@ def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) 
 # -- Numbers of a state that are asked for again and again.
 
 
-@dataclass(frozen=True)
+@frozen
 class Velocity:
     """Computes a component of a circle's velocity."""
 
@@ -614,7 +614,7 @@ class Velocity:
         return flight.vx if self.axis == 0 else flight.vy
 
 
-@dataclass(frozen=True)
+@frozen
 class Constant:
     """A number that the scene gives."""
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, 
 from flint import arb, arb_mat
 
 from ...scenarios.engine import horizon
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 # -- Where an event-driven run ends.
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class Limits:
     """The limits of a run.
 
@@ -113,7 +114,7 @@ Knot: TypeAlias = tuple[K, K, K, K, K, int, int]
 """(t, x, y, vx, vy) of a circle, the steps of the log by then, the number of the instant."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class Noted(Generic[K]):
     """What an instant did, or a part of it, in the history's terms."""
 
@@ -139,7 +140,7 @@ class KeptRows(Sequence[R]):
         """Takes the last away."""
 
 
-@dataclass
+@dataclass(repr=False, eq=False)
 class History(Generic[K]):
     """What a loop has gathered, always up to the end of a whole instant.
 

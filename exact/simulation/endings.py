@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from math import ceil, inf, log
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
@@ -79,7 +79,7 @@ Rows: TypeAlias = Sequence[tuple[arb, arb, arb, arb]]
 """x, y, vx, vy of every circle at an instant, in true coordinates, in balls."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Accumulating:
     """Computes when the bounces of a circle on a wall end, from the state after one of them; or the hits of `link` and
     `other` in turns, on one line (see `Collapse`), from the state after one of `link`."""

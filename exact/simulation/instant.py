@@ -47,7 +47,7 @@ MAX_ROUNDS = 10_000
 """Rounds of impulses at one instant before the run gives up: a cradle of n balls needs about n of them."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class Instant:
     """All that falls on one instant.
 
@@ -75,7 +75,7 @@ class Instant:
     moment: Quantity | None = None
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False, eq=False)
 class Resolved(Generic[K]):
     """What an instant did; or its part before the reversal, or its part after it.
 

@@ -63,7 +63,7 @@ _new = tuple.__new__
 """Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
 
 
-@dataclass
+@dataclass(repr=False, eq=False)
 class Tape:
     """The instants of a run, in order, without that at time 0.
 

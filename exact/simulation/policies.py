@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
 from itertools import pairwise
@@ -13,6 +12,7 @@ from typing import Protocol
 from flint import arb
 
 from ...scenarios import settings
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.settings import TiePolicy
@@ -202,7 +202,7 @@ class Lasting:
         return self._links
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@frozen
 class Component:
     """Contacts that hang together through shared circles of finite or infinite mass, and those circles."""
 
@@ -237,7 +237,7 @@ def components(links: Sequence[Touch], touching: Lasting) -> list[Component]:
     return found
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@frozen
 class Rounds:
     """The outcome of the rounds in one component.
 
@@ -334,7 +334,7 @@ def settle(
 # above the ratio that this solution keeps, from which others go away.
 
 
-@dataclass(frozen=True)
+@frozen
 class Collapse:
     """Two contacts in turns, of three bodies on a level or an upright line.
 

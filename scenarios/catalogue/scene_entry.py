@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeAlias
 
 from ..errors import SceneError, cut
+from ..lazy import frozen
 from ..numbers.quantity import Quantity
 from ..scene import Scene
 from ..settings import TiePolicy
@@ -174,7 +174,7 @@ def tie_policy(text: str) -> TiePolicy:
 # -- One scene of the catalogue: its parameters, its source, what is known of it, and how it is made.
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class Parameter:
     """A setting of a catalogue scene.
 
@@ -191,7 +191,7 @@ class Parameter:
     read: ReadSetting
 
 
-@dataclass(frozen=True, eq=False)
+@frozen
 class SceneEntry:
     """A scene of the catalogue.
 
