@@ -9,7 +9,6 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
-from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,15 +17,16 @@ from ..scenarios.errors import SceneError
 from ..scenarios.lazy import frozen
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from ..scenarios.engine import Engine
 
 GROUP = "truebreak.engines"
 """The group of entry points under which an installed package offers engines."""
 
-PATH = re.compile(
+PATH = (
     r"(?:(?P<label>[\w.-]+)=)?(?P<module>[^\W\d]\w*(?:\.[^\W\d]\w*)*):(?P<attribute>[^\W\d][\w.]*)(?=[:,]|$)"
-    r"[:,]?(?P<settings>.*)",
-    re.DOTALL,
+    r"[:,]?(?P<settings>.*)"
 )
 
 
@@ -57,7 +57,7 @@ def class_path(text: str) -> ClassPath | None:
     >>> class_path("pymunk:dt=1/100") is class_path("double") is None
     True
     """
-    match = PATH.fullmatch(text.strip())
+    match = re.fullmatch(PATH, text.strip(), re.DOTALL) if ":" in text else None
     if match is None:
         return None
     return ClassPath(match["label"], match["module"], match["attribute"], match["settings"])
@@ -312,9 +312,12 @@ def converted(label: str, text: str, hint: Any) -> Any:
     Raises:
         SceneError: if the text is not such a value.
 
+    >>> from fractions import Fraction
     >>> converted("dt", "1/1000", Fraction), converted("bits", "none", int | None)
     (Fraction(1, 1000), None)
     """
+    from fractions import Fraction
+
     from ..scenarios.errors import SceneError
     from ..scenarios.numbers.quantity import Quantity
     from ..scenarios.settings import TiePolicy
@@ -338,19 +341,14 @@ def converted(label: str, text: str, hint: Any) -> Any:
             return read(text)
         except (ValueError, OverflowError) as error:
             reason = f"; {error}" if isinstance(error, SceneError) else ""
-            raise SceneError(f"{label} = {text!r} is not {NOUNS.get(kind, 'usable')}{reason}") from None
+            raise SceneError(f"{label} = {text!r} is not {NOUNS.get(kind.__name__, 'usable')}{reason}") from None
     if typing.get_origin(hint) is typing.Literal and text not in typing.get_args(hint):
         raise SceneError(f"{label} = {text!r}: {suggestion(text, [str(a) for a in typing.get_args(hint)])}")
     return text
 
 
-NOUNS = {
-    bool: "true or false",
-    int: "a whole number",
-    float: "a number",
-    Fraction: "a rational number",
-}
-"""What each type is called in an error."""
+NOUNS = {"bool": "true or false", "int": "a whole number", "float": "a number", "Fraction": "a rational number"}
+"""What each type is called in an error, by its name."""
 
 
 def _boolean(text: str) -> bool:

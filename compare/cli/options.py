@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable
 from dataclasses import fields
 from functools import wraps
@@ -415,6 +414,8 @@ def examples(command: str) -> str:
 
 def command_of(context: click.Context) -> str:
     """The command line of a context: what was given, in the order of the command's options, without the defaults."""
+    import shlex
+
     words = [context.command_path]
     for parameter in context.command.params:
         if parameter.name is None or context.get_parameter_source(parameter.name) is not GIVEN:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Real
@@ -38,21 +38,6 @@ def no_formula(cell: Any) -> Any:
     return f"'{cell}" if isinstance(cell, str) and FORMULA.match(cell) else cell
 
 
-@runtime_checkable
-class Interval(Protocol):
-    """A number of which only bounds are known."""
-
-    @property
-    def low(self) -> float:
-        """A double at or below it."""
-        ...
-
-    @property
-    def high(self) -> float:
-        """A double at or above it."""
-        ...
-
-
 def bounds(value: Real) -> tuple[float, float] | None:
     """Doubles at or beyond the ends of an interval; None for a number that is not an interval.
 
@@ -62,7 +47,8 @@ def bounds(value: Real) -> tuple[float, float] | None:
     >>> bounds(run.final_time) == run.final_time.bounds(), bounds(Quantity.of("sqrt(2)"))
     (True, None)
     """
-    return (value.low, value.high) if isinstance(value, Interval) else None
+    low, high = getattr(value, "low", None), getattr(value, "high", None)
+    return None if low is None or high is None else (low, high)
 
 
 def plain(value: Any) -> Any:

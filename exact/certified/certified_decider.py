@@ -34,9 +34,7 @@ from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
 from ..simulation.prediction import Arrival, ArrivalQueue
 from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
-from .filtered import FilteredPredictor
-from .filtered_arcs import ArcPredictor, PegPredictor
-from .filtered_falls import FallingPredictor
+from .filtered import predictor_of
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -196,9 +194,7 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        plain = FilteredPredictor if scene.gravity is None and not scene.moving_walls else FallingPredictor
-        made = PegPredictor if state.balls.stands else ArcPredictor if scene.arc_sides else plain
-        self.predictor = made(scene, state, queue, plan, self._unsure)
+        self.predictor, self._pegs = predictor_of(scene, state, queue, plan, self._unsure)
         self.slides = self.predictor.slides
         self._state = state
         self._plan = plan
@@ -242,8 +238,8 @@ class CertifiedMeetings:
             return self._settled_fall(arrival, link)
         if is_arc(link):
             disc = arc_contact(link, self._decided, final=True)
-        elif isinstance(self.predictor, PegPredictor) and self.predictor.falls_to_face(link):
-            disc = self.predictor.face_settled(link, self._sign, self._decided)
+        elif self._pegs is not None and self._pegs.falls_to_face(link):
+            disc = self._pegs.face_settled(link, self._sign, self._decided)
         elif self._judge.decide(Approach(link)).sign >= 0 or self._misses(link):
             return None
         else:
@@ -278,8 +274,8 @@ class CertifiedMeetings:
 
     def _settled_fall(self, arrival: Arrival[arb], link: Round) -> Arrival[arb] | None:
         """As `settled`, of a circle that falls onto something round: more bits, unless fractions tell of a graze."""
-        spent, predictor = 0, self.predictor
-        assert isinstance(predictor, PegPredictor)
+        spent, predictor = 0, self._pegs
+        assert predictor is not None
         while True:
             found = predictor.in_full(link)
             if isinstance(found, arb):
@@ -369,11 +365,11 @@ class CertifiedMeetings:
         A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
         """
         self._plan["full predictions"] += 1
-        if isinstance(self.predictor, PegPredictor) and not is_flat(link) and self._state.balls.on_peg(link):
-            return self.predictor.push_unsure(link)
+        if self._pegs is not None and not is_flat(link) and self._state.balls.on_peg(link):
+            return self._pegs.push_unsure(link)
         ball.use_bits(self._state.bits)
-        if isinstance(self.predictor, PegPredictor) and self.predictor.falls_to_face(link):
-            return self._push(link, self.predictor.face_unsure(link, self._sign, self._decided, self._overlap))
+        if self._pegs is not None and self._pegs.falls_to_face(link):
+            return self._push(link, self._pegs.face_unsure(link, self._sign, self._decided, self._overlap))
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:
                 self._overlap(link)

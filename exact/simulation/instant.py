@@ -47,7 +47,7 @@ MAX_ROUNDS = 10_000
 """Rounds of impulses at one instant before the run gives up: a cradle of n balls needs about n of them."""
 
 
-@dataclass(slots=True, repr=False, eq=False)
+@dataclass(slots=True, repr=False)
 class Instant:
     """All that falls on one instant.
 

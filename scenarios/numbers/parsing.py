@@ -31,10 +31,9 @@ MAX_BITS = 1 << 20
 MAX_TERMS = 200
 """Most numbers that an expression with roots may hold: its tree is walked by recursion."""
 
-TOKEN = re.compile(
+TOKEN = (
     r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)"
-    r"|(?P<name>[A-Za-z_]\w*)|(?P<op>\*\*|[-+*/()]))",
-    re.ASCII,
+    r"|(?P<name>[A-Za-z_]\w*)|(?P<op>\*\*|[-+*/()]))"
 )
 
 PLAIN = re.compile(r"(-?\d{1,18})(?:/(\d{1,18}))?", re.ASCII)
@@ -119,8 +118,9 @@ class _Parser(Generic[N]):
         tokens: list[Token] = []
         place = 0
         end = len(self.text.rstrip())
+        pattern = re.compile(TOKEN, re.ASCII)
         while place < end:
-            match = TOKEN.match(self.text, place)
+            match = pattern.match(self.text, place)
             if match is None or match.end() == place:
                 rest = self.text[place:].lstrip()
                 raise self.refuse(f"{rest[:1]!r} is not allowed; use digits, + - * / **, sqrt() and parentheses")

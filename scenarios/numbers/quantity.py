@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, SupportsFloat, TypeAlias, TypeVar, runtime_checkable
@@ -26,6 +25,8 @@ from .precision import (
 )
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from .tower_element import AnyTower, Element
 
 # -- Roots of rationals that are rational.
@@ -167,6 +168,7 @@ class Quantity(Expression):
 
     Build one with `Quantity.of`:
 
+    >>> from fractions import Fraction
     >>> Quantity.of("9*sqrt(3)/8 + 69")
     Quantity('9*sqrt(3)/8 + 69')
     >>> Quantity.of("0.1") == Quantity.of(Fraction(1, 10))   # the decimal that it spells
@@ -401,6 +403,8 @@ class Quantity(Expression):
         """The number as a Fraction if it is written without roots, else None."""
         if self.rational is None:
             return None
+        from fractions import Fraction
+
         return Fraction(int(self.rational.p), int(self.rational.q))
 
     def __float__(self) -> float:

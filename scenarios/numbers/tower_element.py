@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from importlib import import_module
+from numbers import Rational as PythonsRational
 from typing import Any, Final, Protocol, TypeAlias
 
 from flint import arb, fmpq, fmpz
@@ -77,7 +77,7 @@ def sympy_form(field: TowerField, num: Integral, den: fmpz) -> Any:
 
 # -- The elements of a tower: immutable real numbers in normal form.
 
-Rational: TypeAlias = "int | Fraction | fmpq | fmpz"
+Rational: TypeAlias = "int | PythonsRational | fmpq | fmpz"
 
 
 class AnyTower(Protocol):
@@ -136,7 +136,7 @@ class Element:
             if other.tower is not self.tower:
                 raise ValueError(f"{other.brief()} belongs to another tower")
             return other
-        if isinstance(other, (int, Fraction, fmpq, fmpz)):
+        if isinstance(other, (int, fmpq, fmpz, PythonsRational)):
             return self.tower.rational(other)
         return None
 
@@ -284,10 +284,10 @@ def rational_number(q: object) -> fmpq:
     Raises:
         TypeError: for anything else.
     """
-    if isinstance(q, Fraction):
-        return fmpq(q.numerator, q.denominator)
     if isinstance(q, (int, fmpz, fmpq)):
         return fmpq(q)
+    if isinstance(q, PythonsRational):
+        return fmpq(int(q.numerator), int(q.denominator))
     raise TypeError(f"{q!r} is not a rational number")
 
 
