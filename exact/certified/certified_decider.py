@@ -34,7 +34,7 @@ from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
 from ..simulation.prediction import Arrival, ArrivalQueue
 from .cascade import Cascade, CertifiedReading, Grounds, InBalls, TieRule, rough
-from .filtered import predictor_of
+from .filtered import FilteredPredictor
 
 # -- When the state is computed again with more bits, and with how many.
 
@@ -194,7 +194,12 @@ class CertifiedMeetings:
         grazes: Callable[[Link], None],
         work: int,
     ) -> None:
-        self.predictor, self._pegs = predictor_of(scene, state, queue, plan, self._unsure)
+        if scene.gravity is not None or scene.moving_walls or scene.arc_sides:
+            from .filtered_arcs import predictor_of
+
+            self.predictor, self._pegs = predictor_of(scene, state, queue, plan, self._unsure)
+        else:
+            self.predictor, self._pegs = FilteredPredictor(scene, state, queue, plan, self._unsure), None
         self.slides = self.predictor.slides
         self._state = state
         self._plan = plan

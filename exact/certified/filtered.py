@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf, isfinite, nan, sqrt
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from flint import arb
 
@@ -17,9 +17,6 @@ from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
 from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, Predictor, link_of
-
-if TYPE_CHECKING:
-    from .filtered_arcs import PegPredictor
 
 # -- The first rung: predictions in doubles, with a bound on every rounding, that answer only where sure.
 #
@@ -612,28 +609,3 @@ class FilteredPredictor(Predictor[arb]):
         """Whether doubles tell a centre at its clock from every point of a pocket's rim."""
         a, pocket = link.ends(self.state)
         return self.filter.apart(a, pocket, self._float_reaches[a.kind][pocket.kind])
-
-
-def predictor_of(
-    scene: Scene, state: RefinableState, queue: ArrivalQueue[arb], plan: Counter[str], unsure: Callable[[Link], None]
-) -> tuple[FilteredPredictor, PegPredictor | None]:
-    """What predicts the meetings of a scene, and again, where it is for falls onto fixed circles and rims.
-
-    Args:
-        scene, state, queue, plan, unsure: see `FilteredPredictor`.
-    """
-    given = scene, state, queue, plan, unsure
-    if state.balls.stands:
-        from .filtered_arcs import PegPredictor
-
-        pegs = PegPredictor(*given)
-        return pegs, pegs
-    if scene.arc_sides:
-        from .filtered_arcs import ArcPredictor
-
-        return ArcPredictor(*given), None
-    if scene.gravity is not None or scene.moving_walls:
-        from .filtered_falls import FallingPredictor
-
-        return FallingPredictor(*given), None
-    return FilteredPredictor(*given), None

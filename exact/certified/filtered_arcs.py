@@ -307,3 +307,18 @@ class PegPredictor(FallingPredictor):
         elif found is not None:
             begun = self.refinable.balls.faller(link).flight.instant
             self.queue.push_doubtful(ball.double_bounds(begun + arb(found.since))[0], link)
+
+
+def predictor_of(
+    scene: Scene, state: RefinableState, queue: ArrivalQueue[arb], plan: Counter[str], unsure: Callable[[Link], None]
+) -> tuple[FilteredPredictor, PegPredictor | None]:
+    """What predicts the meetings of a scene, and again, where circles fall onto what is round and stands.
+
+    Args:
+        scene, state, queue, plan, unsure: see `FilteredPredictor`.
+    """
+    given = scene, state, queue, plan, unsure
+    if state.balls.stands:
+        pegs = PegPredictor(*given)
+        return pegs, pegs
+    return ArcPredictor(*given) if scene.arc_sides else FallingPredictor(*given), None
