@@ -435,9 +435,8 @@ def explained(
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene
     new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
-    bars, bows = (*scene.segments, *scene.polygons), (*scene.arcs, *scene.pockets)
-    if scene.gravity is not None and (bars or bows):
-        new = "with gravity and a segment, polygon, arc or pocket"
+    if scene.gravity is not None and scene.pockets:
+        new = "with gravity and a pocket"
     motion = candidate.trajectory.motion
     if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
         new = "with gravity, for engines that add g dt before they move a circle"

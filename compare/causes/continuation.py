@@ -13,14 +13,14 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.contact import Flight, Touch, can_push, is_flat
+from ...exact.replay.contact import Flight, Round, Touch, can_push, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
 from ...floating.knots import SteppedFall
 from ...scenarios.lazy import kept
@@ -41,7 +41,9 @@ from .free_flights import (
     last_step,
     less,
     plus,
+    risen,
     row_of,
+    standing,
 )
 from .given_scene import RoundedState
 
@@ -203,7 +205,8 @@ class Continuation:
         if len(links) * step_units(self.bits) > MOST_UNITS:
             raise NoContinuation(f"{len(links):,} contacts lead to it, too many to be carried out again")
         with ball.precision(self.bits):
-            self._exact, self._given = RoundedState(self.scene, None), RoundedState(self.scene, bits)
+            whole = self.reference.scene
+            self._exact, self._given = RoundedState(whole, None), RoundedState(whole, bits)
             self.start = {k: row_of(body.flight) for k, body in self._exact.bodies.items()}
             self.entered = {k: row_of(body.flight) for k, body in self._given.bodies.items()}
             transcript = Transcript(self.own, encloses=True)
@@ -507,8 +510,7 @@ class Continuation:
 
     def _risen(self, row: Row) -> Row:
         """A row in true coordinates."""
-        falling = self._given.falling
-        return row if falling is None else fallen(falling._replace(hx=-falling.hx, hy=-falling.hy), row)
+        return risen(self._given.falling, row)
 
     # -- values
 
@@ -637,7 +639,7 @@ def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fal
         line = state.line(link.circle, link.wall)
         nx, ny, nn = line.nx, line.ny, line.nn
     else:
-        nx, ny, *_ = fall_onto(state, k, row, state.bodies[link[0] if link[0] != k else link[1]])
+        nx, ny, *_ = fall_onto(state, k, row, standing(state, cast("Round", link)))
         nn = nx * nx + ny * ny
     restitution = arb(1) if state.share is None else 2 * state.share - 1
     more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, nx, ny) / nn

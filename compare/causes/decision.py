@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 from flint import arb
 
 from ...exact.laws import formulas as law
-from ...exact.laws.formulas import advance, pair_discriminant, pair_gap
+from ...exact.laws.formulas import pair_discriminant, pair_gap
 from ...exact.numbers import ball
 from ...exact.replay.contact import WallFall
 from ...exact.replay.parts import NearestPart, PartsNear
@@ -20,20 +20,27 @@ from ...floating.knots import DoubleMotion, SteppedFall
 from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.surfaces import ThingParts, parts_of
 from ..alignment.instants import Kind, instants
-from ..tangent.flight_aside import RoundSide, out_of, stretches
 from ..tangent.flight_aside import middle as _middle
+from ..tangent.flight_aside import out_of, stretches
 from .free_flights import (
     FlightBalls,
     OwnFlight,
+    Relative,
+    ThingFall,
     apart_at,
     exact_flight,
     fall_onto,
     fall_wait,
     fallen,
+    flown,
     is_zero,
     last_step,
+    meeting_time,
     nearest_fall,
     resting,
+    risen,
+    sides_of,
+    times_at,
     wall_margin,
     wall_wait,
 )
@@ -375,7 +382,7 @@ class RunReader:
         """Radii and walls as the run has them."""
         if bits not in self._things:
             with ball.precision(2 * bits):
-                self._things[bits] = RoundedState(self.scene, self._rounds_to)
+                self._things[bits] = RoundedState(self.run.scene, self._rounds_to)
         return self._things[bits]
 
     def is_wall(self, pairing: Pairing) -> bool:
@@ -385,6 +392,9 @@ class RunReader:
     def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """When the two touch in free flight; None if they do not, or if it is not known."""
         parts = self._parts_of(pairing)
+        if (thing := self._falls(pairing, bits)) is not None:
+            late = thing.wait()
+            return None if late is None else thing.row[0] + late
         if parts is not None:
             return min(self._part_times(pairing, parts, bits, leaving=False), key=_middle, default=None)
         if self.is_wall(pairing):
@@ -396,7 +406,7 @@ class RunReader:
             late = None if fall is None else fall_wait(fall[1])
             return None if fall is None or late is None else fall[0] + late
         relative = self._relative(pairing, bits)
-        return None if relative is None else _meeting_time(relative)
+        return None if relative is None else meeting_time(relative)
 
     def _parts_of(self, pairing: Pairing) -> ThingParts | None:
         """The faces and ends of the partner, if it has any."""
@@ -405,44 +415,29 @@ class RunReader:
 
     def _part_times(self, pairing: Pairing, parts: ThingParts, bits: int, *, leaving: bool) -> list[arb]:
         """When a circle touches each of the faces and ends that it comes to, or leaves them if neither pushes."""
-        flight, found = self.numbers(pairing, pairing.body, bits), list[arb]()
-        if flight is None:
-            return found
-        (t, x, y, vx, vy), things = flight, self.things(bits)
-        circle = self.places[pairing.body]
-        for face in parts.faces:
-            told = self._wall(pairing, bits, face)
-            assert told is not None
-            _, (gap, approach, _), length = told
-            behind = _middle(gap + things.bodies[circle].r * length) < 0.0
-            if ball.sign_of(approach) != (1 if leaving else -1) or (behind and not leaving):
-                continue
-            wait, line = law.wall_hit_time(gap, approach), things.line(circle, face)
-            foot = law.face_along(advance(x, vx, wait), advance(y, vy, wait), line.x0, line.y0, line.nx, line.ny)
-            if 0.0 < _middle(foot) < _middle(line.nn):
-                found.append(t + wait)
-        for end in parts.ends:
-            relative = self._relative(pairing, bits, end)
-            assert relative is not None
-            time = _meeting_time(relative)
-            if time is not None and leaving:
-                _, dx, dy, ux, uy, reach = relative
-                root = ball.root(pair_discriminant(dx, dy, ux, uy, reach))
-                time += (root + root) / (ux * ux + uy * uy)
-            found += [] if time is None else [time]
-        ways = [told for side in _sides_of(self, pairing, parts, bits) if (told := side.waits((x, y, vx, vy)))]
-        if ways:  # of an arc the time through the side that is met first
-            found.append(t + min(ways, key=lambda told: _middle(told[0]))[leaving])
-        return found
+        flight = self.numbers(pairing, pairing.body, bits)
+        return (
+            []
+            if flight is None
+            else times_at(self.things(bits), self.places[pairing.body], flight, parts, leaving=leaving)
+        )
+
+    def _falls(self, pairing: Pairing, bits: int) -> ThingFall | None:
+        """Of a partner with parts, under gravity: the two; None without it, or where the run lacks that flight."""
+        parts, things = self._parts_of(pairing), self.things(bits)
+        if parts is None or self.scene.gravity is None:
+            return None
+        row = self.numbers(pairing, pairing.body, bits)
+        return None if row is None else ThingFall(things, self.places[pairing.body], row, parts)
 
     def _nearest(self, pairing: Pairing, bits: int, time: arb | None = None) -> NearestPart[arb] | None:
         """The face or end of its partner that a circle is nearest to, as its flight begins or at a time."""
         flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
-        t, x, y, vx, vy = flight
         if time is not None:
-            x, y = law.advance(x, vx, time - t), law.advance(y, vy, time - t)
+            flight = flown(flight, time)
+        _, x, y, vx, vy = risen(self.things(bits).falling, flight)
         near = PartsNear(self.run.scene, ball.BALLS, self.things(bits))
         return near.part(self.places[pairing.body], self._parts[pairing.partner][0], x, y, vx, vy)
 
@@ -486,7 +481,7 @@ class RunReader:
             bodies[circle].r,
             [things.line(circle, face) for face in parts.faces],
             [(end, *bodies[end].flight[:2], bodies[end].r) for end in parts.ends],
-            _sides_of(self, pairing, parts, bits),
+            sides_of(things, circle, parts),
         )
         passed = out_of(seen)
         if passed is None or ball.sign_of(passed.aside) is not None:
@@ -497,6 +492,9 @@ class RunReader:
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
+        if (thing := self._falls(pairing, FIRST_BITS)) is not None:
+            over = thing.stay()
+            return None if over is None else (float(over[0]), float(over[1]))
         enter, parts = self.hit_time(pairing), self._parts_of(pairing)
         if enter is not None and parts is not None:
             leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
@@ -521,6 +519,8 @@ class RunReader:
 
     def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
         """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
+        if (thing := self._falls(pairing, bits)) is not None:
+            return thing.margin() is None
         if (parts := self._parts_of(pairing)) is not None:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
             if near is None or flight is None:
@@ -554,6 +554,12 @@ class RunReader:
         is pulled, at which it comes there. For a thing of faces and ends, how far aside of it the flight passes
         (`_beside`).
         """
+        if (thing := self._falls(pairing, bits)) is not None:
+            margin = thing.margin()
+            if margin is None:
+                near = self._nearest(pairing, bits)
+                return None if near is None else near.gap
+            return None if margin.is_nan() else margin
         parts = self._parts_of(pairing)
         if parts is not None:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
@@ -664,27 +670,3 @@ def _fall_of(reader: RunReader, pairing: Pairing, bits: int) -> tuple[arb, Round
         return None
     things = reader.things(bits)
     return row[0], fall_onto(things, reader.places[faller], row, things.bodies[reader.places[peg]])
-
-
-Relative: TypeAlias = "tuple[arb, arb, arb, arb, arb, arb]"
-"""t, d, v and R of two round things."""
-
-
-def _sides_of(reader: RunReader, pairing: Pairing, parts: ThingParts, bits: int) -> list[RoundSide]:
-    """The sides of an arc, as the circle that may meet it has them."""
-    things = reader.things(bits)
-    r, ends = things.bodies[reader.places[pairing.body]].r, [things.bodies[end].flight for end in parts.ends]
-    return [
-        RoundSide(body.flight.x, body.flight.y, abs(body.r), r, k % 2 == 1, tuple((e.x, e.y) for e in ends))
-        for k in parts.sides
-        for body in (things.arcs[k],)
-    ]
-
-
-def _meeting_time(relative: Relative) -> arb | None:
-    """When two round things touch in free flight."""
-    t, dx, dy, vx, vy, reach = relative
-    approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
-    if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
-        return None
-    return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))

@@ -26,17 +26,20 @@ from ...exact.laws.formulas import (
     wall_hit_time,
 )
 from ...exact.numbers import ball
-from ...exact.replay.contact import is_arc, is_flat, is_pair
+from ...exact.replay.contact import AtArc, is_arc, is_flat, is_pair
+from ...exact.replay.landings import faces_arc
 from ...exact.replay.round_falls import RoundFall, horner, horner_slope
 from ...exact.replay.wall_flights import fall_of
 from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
+from ..tangent.flight_aside import RoundSide, middle, out_of, stretches
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...exact.replay.contact import AtArc, AtWall, Body, Flight, Gravity, Pair, Touch, WallFall
+    from ...exact.replay.contact import AtWall, Body, Flight, Gravity, Round, Touch, WallFall
     from ...exact.replay.state import ReplayState
     from ...floating.knots import SteppedFall
+    from ...scenarios.surfaces import ThingParts
     from ...scenarios.things import Circle
 
 FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
@@ -68,6 +71,11 @@ def fallen(falling: Gravity[arb] | None, row: FlightBalls) -> FlightBalls:
         return row
     (t, x, y, vx, vy), (hx, hy, _) = row, falling
     return t, x - hx * t * t, y - hy * t * t, vx - 2 * hx * t, vy - 2 * hy * t
+
+
+def risen(falling: Gravity[arb] | None, row: FlightBalls) -> FlightBalls:
+    """The same in true coordinates, of a flight in the frame that falls."""
+    return row if falling is None else fallen(falling._replace(hx=-falling.hx, hy=-falling.hy), row)
 
 
 def last_step(motion: SteppedFall, begin: float, until: float) -> float | None:
@@ -141,9 +149,7 @@ def fall_onto(state: ReplayState[arb], k: int, row: Row, peg: Body[arb]) -> Roun
         peg: what stands.
     """
     assert state.falling is not None
-    (t, x, y, vx, vy), (hx, hy, _) = row, state.falling
-    bend_x, bend_y = hx * t, hy * t
-    x, y, vx, vy = x + bend_x * t, y + bend_y * t, vx + 2 * bend_x, vy + 2 * bend_y
+    (_, x, y, vx, vy), (hx, hy, _) = risen(state.falling, row), state.falling
     px, py, *_ = peg.flight
     return RoundFall(px - x, py - y, -vx, -vy, hx, hy, state.bodies[k].r + peg.r)
 
@@ -187,6 +193,16 @@ def zero_beside(c: Sequence[arb], near: float) -> arb | None:
     return None
 
 
+def _falling_zeros(gap: Sequence[arb]) -> list[float]:
+    """Doubles beside the zeros from now on at which a gap falls; first the last one before, of two that overlap and
+    come nearer."""
+    met = ball.sign_of(gap[0]) == -1 and ball.sign_of(gap[1]) == -1
+    mids = [float(value.mid()) for value in gap]
+    falling = [zero for zero in _real_zeros(gap) if horner_slope(mids, zero) < 0.0]
+    before = [zero for zero in falling if zero <= 0.0][-1:] if met else []
+    return [*before, *(zero for zero in falling if zero > 0.0)]
+
+
 def fall_wait(fall: RoundFall[arb]) -> arb | None:
     """How long until one that falls meets something round that stands; below 0 where they overlap and come nearer.
 
@@ -196,13 +212,21 @@ def fall_wait(fall: RoundFall[arb]) -> arb | None:
     2.0
     """
     gap = fall.polynomial(False)
-    met = ball.sign_of(gap[0]) == -1 and ball.sign_of(gap[1]) == -1
-    mids = [float(value.mid()) for value in gap]
-    falling = [zero for zero in _real_zeros(gap) if horner_slope(mids, zero) < 0.0]
-    near = max((zero for zero in falling if zero <= 0.0), default=None) if met else None
-    if near is None:
-        near = min((zero for zero in falling if zero > 0.0), default=None)
-    return None if near is None else zero_beside(gap, near)
+    return next((zero_beside(gap, near) for near in _falling_zeros(gap)), None)
+
+
+def _turns(fall: RoundFall[arb], sign: int) -> list[RoundFall[arb]] | None:
+    """The two whenever their distance has become least (1) or greatest (-1), from now on; None where not known."""
+    slope = tuple(k * value for k, value in enumerate(fall.polynomial(False)) if k)
+    mids = [float(value.mid()) for value in slope]
+    ahead = [zero for zero in _real_zeros(slope) if zero > 0.0 and horner_slope(mids, zero) * sign > 0.0]
+    waits = [zero_beside(slope, near) for near in ahead]
+    known = [fall.after(wait) for wait in waits if wait is not None]
+    return known if len(known) == len(waits) else None
+
+
+def _distance(fall: RoundFall[arb]) -> arb:
+    return ball.root(fall.dx * fall.dx + fall.dy * fall.dy)
 
 
 def nearest_fall(fall: RoundFall[arb]) -> arb | None:
@@ -217,37 +241,237 @@ def nearest_fall(fall: RoundFall[arb]) -> arb | None:
     >>> thrown_up.approach() > 0, nearest_fall(thrown_up).is_nan()
     (True, True)
     """
-    gap = fall.polynomial(False)
-    slope = tuple(k * value for k, value in enumerate(gap) if k)
-    mids = [float(value.mid()) for value in slope]
-    ahead = [zero for zero in _real_zeros(slope) if zero > 0.0 and horner_slope(mids, zero) > 0.0]
-    found: list[arb] = []
-    for near in ahead:
-        wait = zero_beside(slope, near)
-        if wait is None:
+    turns = _turns(fall, 1)
+    if turns is None:
+        return arb("nan")
+    return min((_distance(then) - fall.reach for then in turns), key=middle, default=None)
+
+
+def sides_of(state: ReplayState[arb], k: int, parts: ThingParts) -> list[RoundSide]:
+    """The sides of an arc, as a circle that may meet it has them."""
+    r, ends = state.bodies[k].r, [state.bodies[end].flight for end in parts.ends]
+    return [
+        RoundSide(body.flight.x, body.flight.y, abs(body.r), r, side % 2 == 1, tuple((e.x, e.y) for e in ends))
+        for side in parts.sides
+        for body in (state.arcs[side],)
+    ]
+
+
+def _side_wait(state: ReplayState[arb], link: AtArc, row: Row) -> arb | None:
+    """As `fall_wait`, onto a side of an arc: the first zero within its range at which the gap falls."""
+    fall, sign = fall_onto(state, link.circle, row, state.arcs[link.arc]), -1 if link.hollow else 1
+    if link.hollow and ball.sign_of(fall.reach) != -1:  # no room for it within
+        return None
+    gap = [sign * value for value in fall.polynomial(False)]
+    for near in _falling_zeros(gap):
+        if _faces(state, link, fall.after(arb(near))):
+            return zero_beside(gap, near)
+    return None
+
+
+def _faces(state: ReplayState[arb], link: AtArc, fall: RoundFall[arb]) -> bool:
+    return middle(faces_arc(state, link, -fall.dx, -fall.dy)) > 0.0
+
+
+NEAR_GRAZE = 2.0**-30
+"""A share of the radii: by less, doubles do not tell a graze of an arc from a hit."""
+
+
+class ThingFall(NamedTuple):
+    """A circle that falls, and something with faces, ends or sides of arcs that stands.
+
+    Attributes:
+        state: has gravity, and where all that stands is.
+        k: the circle.
+        row: its flight, in the frame that falls.
+        parts: of what stands.
+    """
+
+    state: ReplayState[arb]
+    k: int
+    row: Row
+    parts: ThingParts
+
+    def wait(self) -> arb | None:
+        """How long until the two meet, as `fall_wait`; of several parts that it would meet, the first."""
+        faces = (wait for face in self.parts.faces if (wait := self._face_wait(face)) is not None)
+        ends = (wait for fall in self._ends() if (wait := fall_wait(fall)) is not None)
+        sides = (wait for link in self._sides() if (wait := _side_wait(self.state, link, self.row)) is not None)
+        return min((*faces, *ends, *sides), key=middle, default=None)
+
+    def margin(self) -> arb | None:
+        """How near the two come, as `nearest_fall`; where they meet, how far the flight would have to be moved to miss.
+
+        That is aside, out of what the parts cover together across the flight at the contact (`flight_aside`); or back,
+        where gravity turns the circle round within what it meets. It is 0 where the two graze.
+        """
+        wait = self.wait()
+        away = self._clearances()
+        if away is None:
             return arb("nan")
-        then = fall.after(wait)
-        found.append(ball.root(then.dx * then.dx + then.dy * then.dy) - fall.reach)
-    return min(found, key=lambda far: float(far.mid()), default=None)
+        if wait is None:
+            return min(away, key=middle, default=None)
+        depth = self._aside(flown(self.row, self.row[0] + wait))
+        return max((arb(0).min(depth), *(gap for gap in away if middle(gap) <= 0.0)), key=middle)
+
+    def stay(self) -> tuple[arb, arb] | None:
+        """From when to when they would overlap, if neither pushed and the circle flew straight on from there."""
+        wait = self.wait()
+        if wait is None:
+            return None
+        there = risen(self.state.falling, flown(self.row, self.row[0] + wait))
+        return there[0], max(
+            times_at(self.state, self.k, there, self.parts, leaving=True), key=middle, default=there[0]
+        )
+
+    def _ends(self) -> list[RoundFall[arb]]:
+        return [fall_onto(self.state, self.k, self.row, self.state.bodies[end]) for end in self.parts.ends]
+
+    def _sides(self) -> list[AtArc]:
+        return [AtArc(self.k, side) for side in self.parts.sides]
+
+    def _face(self, face: int) -> tuple[WallFall[arb], int, arb, bool]:
+        """The circle and the line of a face, where gravity pulls it, |n|, and whether its centre is behind the line."""
+        state, (t, x, y, vx, vy) = self.state, self.row
+        assert state.falling is not None
+        line = state.line(self.k, face)
+        offset = state.bodies[self.k].r * line.length
+        fall = fall_of(state.falling, (x, y, vx, vy, t), line, offset, state.drifts.get(face), state.zero)
+        return fall, state.sides.pull(self.k, face), line.length, middle(fall.gap + offset) < 0.0
+
+    def _is_within(self, face: int, wait: arb) -> bool:
+        """Whether a circle is before a face, and not beside it, after a time."""
+        line = self.state.line(self.k, face)
+        _, x, y, *_ = risen(self.state.falling, flown(self.row, self.row[0] + wait))
+        return 0.0 < middle(law.face_along(x, y, line.x0, line.y0, line.nx, line.ny)) < middle(line.nn)
+
+    def _face_wait(self, face: int) -> arb | None:
+        fall, pull, _, behind = self._face(face)
+        if behind and not (pull < 0 and ball.sign_of(fall.approach) == 1):
+            return None
+        wait = wall_wait(fall, pull)
+        return wait if wait is not None and self._is_within(face, wait) else None
+
+    def _clearances(self) -> list[arb] | None:
+        """The gaps to parts whenever they are least; of those that the flight passes, or comes to and turns back."""
+        found: list[arb] = []
+        for face in self.parts.faces:
+            fall, pull, length, behind = self._face(face)
+            turns = pull > 0 and ball.sign_of(fall.approach) == -1 and not behind
+            if turns and self._is_within(face, -fall.approach / (2 * fall.half)):
+                found.append(wall_margin(fall, pull) / length)
+        for fall in self._ends():
+            turns = _turns(fall, 1)
+            if turns is None:
+                return None
+            found += [_distance(then) - fall.reach for then in turns]
+        for link in self._sides():
+            fall, sign = fall_onto(self.state, self.k, self.row, self.state.arcs[link.arc]), -1 if link.hollow else 1
+            turns = _turns(fall, sign)
+            if turns is None:
+                return None
+            for then in turns:
+                gap = sign * (_distance(then) - abs(fall.reach))
+                if middle(gap) >= -NEAR_GRAZE * middle(abs(fall.reach)) and _faces(self.state, link, then):
+                    found.append(gap)
+        return found
+
+    def _aside(self, there: Row) -> arb:
+        """How far aside a flight would have to be to pass what it meets at a place, below 0: along its tangent there.
+
+        An end is passed at the distance at which the flight itself is nearest to it.
+        """
+        state, bodies = self.state, self.state.bodies
+        seen = stretches(
+            risen(state.falling, there)[1:],
+            bodies[self.k].r,
+            [state.line(self.k, face) for face in self.parts.faces],
+            [(end, *bodies[end].flight[:2], bodies[end].r) for end in self.parts.ends],
+            sides_of(state, self.k, self.parts),
+        )
+        for n, span in enumerate(seen):
+            if span.end is None:
+                continue
+            fall = fall_onto(state, self.k, there, bodies[span.end])
+            near = nearest_fall(fall)
+            if near is not None and near.is_finite():
+                off = (near + fall.reach) * (1 if middle(span.low + span.high) > 0.0 else -1)
+                seen[n] = span._replace(low=off - fall.reach, high=off + fall.reach)
+        passed = out_of(seen)
+        return arb(0) if passed is None else passed.aside
+
+
+def times_at(state: ReplayState[arb], k: int, row: Row, parts: ThingParts, *, leaving: bool) -> list[arb]:
+    """When a circle that flies straight touches each part that it comes to, or leaves it if neither pushes."""
+    (t, x, y, vx, vy), found = row, list[arb]()
+    r = state.bodies[k].r
+    for face in parts.faces:
+        line = state.line(k, face)
+        gap = wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, r * line.length)
+        approach = wall_approach(vx, vy, line.nx, line.ny)
+        behind = middle(gap + r * line.length) < 0.0
+        if ball.sign_of(approach) != (1 if leaving else -1) or (behind and not leaving):
+            continue
+        wait = wall_hit_time(gap, approach)
+        foot = law.face_along(advance(x, vx, wait), advance(y, vy, wait), line.x0, line.y0, line.nx, line.ny)
+        if 0.0 < middle(foot) < middle(line.nn):
+            found.append(t + wait)
+    for end in parts.ends:
+        there = state.bodies[end].flight
+        dx, dy, reach = there.x - x, there.y - y, r + state.bodies[end].r
+        time = meeting_time((t, dx, dy, -vx, -vy, reach))
+        if time is not None and leaving:
+            root = ball.root(pair_discriminant(dx, dy, -vx, -vy, reach))
+            time += (root + root) / (vx * vx + vy * vy)
+        found += [] if time is None else [time]
+    ways = [told for side in sides_of(state, k, parts) if (told := side.waits((x, y, vx, vy)))]
+    if ways:  # of an arc the time through the side that is met first
+        found.append(t + min(ways, key=lambda told: middle(told[0]))[leaving])
+    return found
+
+
+Relative: TypeAlias = tuple[arb, arb, arb, arb, arb, arb]
+"""t, d, v and R of two round things."""
+
+
+def meeting_time(relative: Relative) -> arb | None:
+    """When two round things touch in free flight."""
+    t, dx, dy, vx, vy, reach = relative
+    approach, discriminant = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
+    if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
+        return None
+    return t + pair_hit_time(pair_gap(dx, dy, reach), approach, ball.root(discriminant))
 
 
 def falls_on(state: ReplayState[arb], link: Touch) -> bool:
-    """Whether a contact is of one that falls with a circle that stands."""
-    return state.stands and is_pair(link) and state.on_peg(link)
+    """Whether a contact is of one that falls with something round that stands."""
+    return state.stands and not is_flat(link) and state.on_peg(link)
 
 
-def _off_peg(state: ReplayState[arb], link: Pair, rows: Mapping[int, Row], here: bool) -> Rows:
-    """See `bounce`: of one that falls onto a circle that stands."""
-    k, other = (link.b, link.a) if link.a in state.pegs else link
+def standing(state: ReplayState[arb], link: Round) -> Body[arb]:
+    """Of a contact of which `falls_on` holds, what stands."""
+    a, b = link.ends(state)
+    return a if is_pair(link) and link.a in state.pegs else b
+
+
+def round_wait(state: ReplayState[arb], link: Round, row: Row) -> arb | None:
+    """How long until one that falls comes to such a contact; None if it does not, or if that is not known."""
+    if is_arc(link):
+        return _side_wait(state, link, row)
+    return fall_wait(fall_onto(state, state.faller(link).index, row, standing(state, link)))
+
+
+def _off_what_stands(state: ReplayState[arb], link: Round, rows: Mapping[int, Row], here: bool) -> Rows:
+    """See `bounce`: of one that falls onto something round that stands."""
+    k = state.faller(link).index
     t, x, y, vx, vy = rows[k]
-    fall = fall_onto(state, k, rows[k], state.bodies[other])
-    wait = arb(0) if here else fall_wait(fall)
+    fall = fall_onto(state, k, rows[k], standing(state, link))
+    wait = arb(0) if here else round_wait(state, link, rows[k])
     if wait is None:  # it does not come there
         wait = arb("nan")
     then = fall.after(wait)
-    reach = ball.root(then.dx * then.dx + then.dy * then.dy) if here else then.reach
     w = state.bodies[k].w
-    jx, jy = pair_impulse(*then[:4], reach, w, arb(0))
+    jx, jy = pair_impulse(*then[:4], _distance(then) if here else then.reach, w, arb(0))
     if state.share is not None:
         jx, jy = jx * state.share, jy * state.share
     return {k: (t + wait, advance(x, vx, wait), advance(y, vy, wait), vx - w * jx, vy - w * jy)}
@@ -349,11 +573,11 @@ def bounce(state: ReplayState[arb], link: Touch, rows: Mapping[int, Row], here: 
         if state.share is not None:
             left = damped(vx, left[0], state.share), damped(vy, left[1], state.share)
         return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
+    if falls_on(state, link):
+        return _off_what_stands(state, cast("Round", link), rows, here)
     if is_arc(link):
         return _bounce_off_arc(state, link, rows[link.circle], here)
     assert is_pair(link)
-    if falls_on(state, link):
-        return _off_peg(state, link, rows, here)
     a, b = link.ends(state)
     one, other = (rows[k] if k in rows else row_of(state.bodies[k].flight) for k in link)
     later = one[0] if link.b not in rows else other[0]

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.contact import Flight, Gravity, Round, is_pair
+from ...exact.replay.contact import Flight, Gravity, Round
 from ...exact.replay.state import ReplayState
 from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ...scenarios.surfaces import SegmentFace, sides_of
 from ...scenarios.things import Arc, Circle, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
-from .free_flights import fall_onto, fall_wait, row_of
+from .free_flights import round_wait, row_of
 
 SINGLE_BITS, PAIR_BITS = 24, 106
 """Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
@@ -117,13 +119,18 @@ def _double(value: Quantity) -> float:
 
 
 class RoundedState(ReplayState[arb]):
-    """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
+    """The scene's circles and surfaces with every number rounded to so many bits, whether that is a scene or not.
+
+    Faces of something thick are those of what is rounded: what an engine rounds of them besides is its own arithmetic.
 
     Args:
+        scene: as it is given, or its `surfaces` where nothing is rounded.
         bits: None: nothing is rounded.
     """
 
     def __init__(self, scene: Scene, bits: int | None) -> None:
+        self._solids = scene if bits is not None and (scene.segments or scene.polygons) else None
+        scene = scene.surfaces
         super().__init__(scene, ball.BALLS)
         self._bits = bits
         if bits is None:
@@ -154,18 +161,35 @@ class RoundedState(ReplayState[arb]):
 
     def peg_hit(self, link: Round) -> tuple[arb, arb]:
         """As `RoundFalls.peg_hit`: not a number where there is no such time."""
-        body, ends = self.faller(link), link.ends(self)
-        row, peg = row_of(body.flight), ends[0] if is_pair(link) and link.a in self.pegs else ends[1]
-        wait = fall_wait(fall_onto(self, body.index, row, peg))
+        body = self.faller(link)
+        wait = round_wait(self, link, row_of(body.flight))
         return body.flight.t, arb("nan") if wait is None else wait
 
     def line(self, circle: int, wall: int) -> SeenWall[arb]:
         """As `Flights.line`, of the rounded wall."""
         if self._bits is not None and wall not in self._lines:
-            exact = self.scene.walls[wall]
-            x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
-            self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
+            face = None if wall not in self.scene.faces else self._faces[wall - self.scene.faces.start]
+            if face is not None:
+                self._see(wall, *map(ball.constant, (face.x0, face.y0, *face.normal)))
+            else:
+                exact = self.scene.walls[wall]
+                x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
+                self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
         return super().line(circle, wall)
+
+    @cached_property
+    def _faces(self) -> list[SegmentFace]:
+        """The faces of what is rounded; of a side that rounding leaves no length, as it is."""
+        assert self._solids is not None and self._bits is not None
+        found: list[SegmentFace] = []
+        for side, back in [
+            *((segment, back) for segment in self._solids.segments for back in (False, True)),
+            *((side, False) for polygon in self._solids.polygons for side in sides_of(polygon)),
+        ]:
+            places = [nearest(value, self._bits) for value in (side.x0, side.y0, side.x1, side.y1)]
+            ends = places if places[:2] != places[2:] else (side.x0, side.y0, side.x1, side.y1)
+            found.append(SegmentFace.of(Segment(*ends, side.id, nearest(side.r, self._bits)), back))
+        return found
 
     def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
         nn = nx * nx + ny * ny
