@@ -21,6 +21,7 @@ from ...scenarios.surfaces import parts_of
 from ...scenarios.things import Circle, Wall
 from ...scenarios.trajectory import Event
 from ..alignment.align import Span, align
+from ..alignment.instants import Kind
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
@@ -284,13 +285,19 @@ def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
 
 
 def _given_does(lab: Laboratory) -> bool:
-    """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence."""
+    """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence.
+
+    Or whether it has the contact that the engine has there, which the reference lacks, whatever comes of it.
+    """
     if lab.given is None or lab.given.digest == lab.study.scene.digest:
         return False
-    run = lab.given_run
+    run, parted = lab.given_run, lab.divergence
+    got = parted.candidate_event if parted.kind in (Kind.DIFFERENT, Kind.EXTRA) else None
     while True:
         span = Span(len(run.events), lab.last_time)
         found = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits)
+        if got is not None and any(theirs == got for _, theirs in found.walks[parted.body].pairs):
+            return True
         if found.divergence is not None or not found.unsettled:
             return found.divergence is None or found.divergence.time > lab.last_time
         until, more = float(run.final_time), found.wanted.reference

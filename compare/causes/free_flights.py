@@ -263,14 +263,16 @@ def _side_wait(state: ReplayState[arb], link: AtArc, row: Row) -> arb | None:
     if link.hollow and ball.sign_of(fall.reach) != -1:  # no room for it within
         return None
     gap = [sign * value for value in fall.polynomial(False)]
+    through = sign * middle(pair_gap(fall.dx, fall.dy, state.arcs[link.arc].r))
+    before = through > 0.0 and _faces(state, link, fall)  # else the circle is beyond it, and does not overlap it
     for near in _falling_zeros(gap):
-        if _faces(state, link, fall.after(arb(near))):
+        if (near > 0.0 or before) and _faces(state, link, fall.after(arb(near))):
             return zero_beside(gap, near)
     return None
 
 
 def _faces(state: ReplayState[arb], link: AtArc, fall: RoundFall[arb]) -> bool:
-    return middle(faces_arc(state, link, -fall.dx, -fall.dy)) > 0.0
+    return middle(faces_arc(state, link, fall.dx, fall.dy)) > 0.0
 
 
 NEAR_GRAZE = 2.0**-30

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -406,6 +406,74 @@ def real_roots(coefficients: Any) -> list[float]:
     return [float(root.real) for root in np.roots(coefficients) if abs(root.imag) <= 1e-7 * abs(root)]
 
 
+Outline = Callable[[Any, Any], Any]
+"""How far points are from a thing: of arrays of x and of y."""
+
+
+def _from_line(x0: float, y0: float, x1: float, y1: float, r: float) -> Outline:
+    ux, uy = x1 - x0, y1 - y0
+
+    def far(x: Any, y: Any) -> Any:
+        share = np.clip(((x - x0) * ux + (y - y0) * uy) / (ux * ux + uy * uy), 0, 1)
+        return np.hypot(x - x0 - share * ux, y - y0 - share * uy) - r
+
+    return far
+
+
+def _from_arc(cx: float, cy: float, r: float, ends: Sequence[tuple[float, float]]) -> Outline:
+    def far(x: Any, y: Any) -> Any:
+        found = abs(np.hypot(x - cx, y - cy) - r)
+        if not ends:
+            return found
+        first, last = (math.atan2(b - cy, a - cx) for a, b in ends)
+        within = np.mod(np.arctan2(y - cy, x - cx) - first, 2 * math.pi) <= (last - first) % (2 * math.pi)
+        return np.where(within, found, np.minimum(*(np.hypot(x - a, y - b) for a, b in ends)))
+
+    return far
+
+
+def outlines_of(scene: Scene) -> dict[str, Outline]:
+    """The segments, polygons and arcs of a scene, by id."""
+    found: dict[str, Outline] = {}
+    for s in scene.segments:
+        found[str(s.id)] = _from_line(*map(float, (s.x0, s.y0, s.x1, s.y1, s.r)))
+    for g in scene.polygons:
+        places = [(float(x), float(y)) for x, y in g.points]
+        sides = [_from_line(*a, *b, float(g.r)) for a, b in zip(places, [*places[1:], places[0]], strict=True)]
+        found[str(g.id)] = lambda x, y, sides=sides: np.min([far(x, y) for far in sides], axis=0)
+    for a in scene.arcs:
+        ends = [(float(x), float(y)) for x, y in a.ends]
+        found[str(a.id)] = _from_arc(float(a.x), float(a.y), float(a.r), ends)
+    return found
+
+
+LONGEST, LOOKS = 8.0, 400_001
+"""How long a flight is looked at, and at how many of its places."""
+
+
+def comes_to(far: Outline, row: Sequence[Decimal], gravity: Any, radius: Decimal) -> tuple[float | None, float | None]:
+    """How near a flight passes a thing, by looking at many places of it; and when it is there, by halving."""
+    (x, y, vx, vy), (gx, gy), r = map(float, row), map(float, gravity), float(radius)
+
+    def gap(t: Any) -> Any:
+        return far(x + t * (vx + t * gx / 2), y + t * (vy + t * gy / 2)) - r
+
+    times = np.linspace(0, LONGEST, LOOKS)
+    gaps = gap(times)
+    falls = np.flatnonzero((gaps[1:-1] > 0) & (gaps[2:] <= 0))
+    if not falls.size:
+        least = 1 + np.flatnonzero((gaps[:-2] > gaps[1:-1]) & (gaps[1:-1] <= gaps[2:]))
+        if not least.size:
+            return None, None
+        k = least[np.argmin(gaps[least])]
+        return float(gap(np.linspace(times[k - 1], times[k + 1], LOOKS)).min()), None
+    low, high = times[falls[0] + 1], times[falls[0] + 2]
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if gap(middle) > 0 else (low, middle)
+    return None, float(high)
+
+
 def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
@@ -419,7 +487,17 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
     waits: list[Decimal] = []
     x, y, vx, vy = rows[at.body]
     fixed = {str(c.id) for c in scene.circles if c.fixed}
+    outlines = outlines_of(scene) if scene.gravity is not None else {}
     for other in at.partners:
+        if other in outlines:
+            last = max((e.index for e in run.events[:event] for pair in e.impulses if at.body in pair), default=-1)
+            began = decimal(run.events[last].time) if last >= 0 else Decimal(0)
+            now = decimal(run.events[event - 1].time) if event else Decimal(0)
+            low, late = comes_to(outlines[other], rows_after(run, last)[at.body], scene.gravity, radii[at.body])
+            if late is not None:
+                waits.append(began + Decimal(late) - now)
+            elif low is not None:
+                found[f"gap to {other}"] = Decimal(low)
         if other in fixed and scene.gravity is not None:
             last = max((e.index for e in run.events[:event] for pair in e.impulses if at.body in pair), default=-1)
             began = decimal(run.events[last].time) if last >= 0 else Decimal(0)

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from decimal import Decimal
+from itertools import pairwise
 from random import Random
 from typing import Any, ClassVar
 
+import other_runs
 import pytest
-from refuting import fallen, pegged, refute
+from flint import arb
+from other_runs import comes_to, outlines_of
+from refuting import edged, fallen, pegged, refute
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
@@ -17,6 +22,7 @@ from truebreak.compare.causes import continuation, decision, free_flights, given
 from truebreak.compare.engines import engine as engine_named
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios.surfaces import parts_of
 
 FLOOR = Wall(0, 0, 1, 0, id="floor")
 
@@ -114,6 +120,124 @@ def test_the_account_closes_under_gravity_and_among_moving_walls(name: str) -> N
 def test_the_account_closes_among_pegs_under_gravity(name: str, least: int) -> None:
     """Where a contact is a zero of a quartic: what is carried on with all defects is the engine's own run."""
     assert accounts_that_close(pegged, 8, name) >= least
+
+
+@pytest.mark.parametrize(("name", "least"), [("double", 1), ("single", 3), ("rounded:bits=12", 3)])
+def test_the_account_closes_among_segments_polygons_and_arcs_under_gravity(name: str, least: int) -> None:
+    """Of those that close none is refuted; what a contact that no exact law has leaves is not determined."""
+    closed = 0
+    for seed in (1, 3, 5, 8, 11):
+        scene = edged(seed)
+        found = told(scene, engine_named(name), 60)
+        assert found.diagnosis is None or not refute(scene, engine_named(name), found), seed
+        if found.verdict == "diverged" and found.diagnosis is not None and found.diagnosis.shares:
+            adds_up(found)
+            closed += 1
+    assert closed >= least
+
+
+@pytest.mark.parametrize("spec", ["platforms", "plinko", "galton"])
+def test_causes_among_what_a_level_is_made_of(spec: str) -> None:
+    found = told(catalogue.build(spec), PymunkEngine(dt=1 / 256), 60)
+    assert found.verdict == "diverged"
+    adds_up(found)
+
+
+@pytest.mark.parametrize("name", ["double", "single"])
+def test_the_faces_of_something_thick_that_is_exact_are_rounded_by_the_engine(name: str) -> None:
+    """A level whose numbers all are small integers: it is its own rounding, all together, that changes the decision."""
+    found = told(catalogue.build("platforms"), engine_named(name), 60)
+    adds_up(found)
+    assert found.diagnosis is not None
+    assert "INPUT" not in {k for k, size in sizes(found).items() if size}
+    together = {row.cause.name: row.suffices for row in found.diagnosis.experiments}
+    assert together["ARITHMETIC"] is True
+
+
+def seen_otherwise(seeds: range, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What looking at 20,000 places of a flight sees of a thing, and `ThingFall` does not say, of thrown discs."""
+    monkeypatch.setattr(other_runs, "LOOKS", 20_001)
+    found: list[str] = []
+    for seed in seeds:
+        scene = edged(seed).with_changes(gravity=(0, -1))
+        draw, outlines = Random(seed), outlines_of(scene)
+        for _ in range(6):
+            numbers = draw.uniform(0, 8), draw.uniform(7, 9), draw.uniform(-2, 2), draw.uniform(-2, 3)
+            state = given_scene.RoundedState(scene, None)
+            for place, parts in parts_of(scene).items():
+                fall = free_flights.ThingFall(state, 0, (arb(0), *map(arb, numbers)), parts)
+                wait, margin, name = fall.wait(), fall.margin(), scene.ids[place]
+                gap, late = comes_to(outlines[name], [Decimal(v) for v in numbers], (0, -1), Decimal("0.4"))
+                if margin is not None and 0 < abs(float(margin.mid())) < 1e-5:
+                    continue  # too near a graze to be seen
+                if (late is None) is not (wait is None) or (wait is not None and abs(float(wait) - late) > 1e-9):  # type: ignore[operator]
+                    found.append(f"{seed} {name} {numbers}: {wait} or {late}")
+                elif late is not None and not (margin is not None and float(margin) < 0.0):
+                    found.append(f"{seed} {name} {numbers}: hit, {margin}")
+                elif gap is not None and gap < 1 and not (margin is not None and abs(float(margin) - gap) < 1e-6):
+                    found.append(f"{seed} {name} {numbers}: {margin} or {gap}")
+    return found
+
+
+def test_when_a_thing_is_met_and_how_near_it_is_passed_is_what_looking_sees(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert seen_otherwise(range(36), monkeypatch) == []
+
+
+def test_how_far_a_hit_is_from_a_miss_is_nothing_where_the_two_meet(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between two flights beside each other, of which one hits, halving finds one that hits by as little as wanted."""
+    turns = 0
+    for seed in range(6):
+        scene = edged(seed).with_changes(gravity=(0, -1))
+        state, draw = given_scene.RoundedState(scene, None), Random(seed)
+        speed = draw.uniform(-1, 1), draw.uniform(0, 2)
+        for parts in parts_of(scene).values():
+
+            def margin(x: float, parts: Any = parts, state: Any = state, speed: Any = speed) -> float | None:
+                found = free_flights.ThingFall(state, 0, (arb(0), *map(arb, (x, 8, *speed))), parts).margin()
+                return None if found is None else float(found)
+
+            places = [k / 4 for k in range(-4, 37)]
+            for low, high in pairwise(places):
+                one, two = margin(low), margin(high)
+                if one is None or two is None or one * two > 0:
+                    continue
+                turns += 1
+                for _ in range(30):
+                    middle = margin((low + high) / 2)
+                    assert middle is not None
+                    if middle * one > 0:
+                        low = (low + high) / 2
+                    else:
+                        high = (low + high) / 2
+                ends = margin(low), margin(high)
+                assert max(map(abs, ends)) < 1e-6, (seed, parts, low)  # type: ignore[arg-type]
+    assert turns > 20
+
+
+@pytest.mark.parametrize("fault", ["range", "arc", "face", "end", "behind", "clear", "aside"])
+def test_a_fault_in_how_things_are_met_is_seen(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    within, side, wait, turns = (getattr(free_flights, n) for n in ("_faces", "_side_wait", "fall_wait", "_turns"))
+    thing = free_flights.ThingFall
+    face, aside, seen = thing._face_wait, thing._aside, thing._face
+
+    def late(found: Any) -> Any:
+        return None if found is None else found * 1.001
+
+    if fault == "range":
+        monkeypatch.setattr(free_flights, "_faces", lambda *of: not within(*of))
+    elif fault == "arc":
+        monkeypatch.setattr(free_flights, "_side_wait", lambda *of: late(side(*of)))
+    elif fault == "face":
+        monkeypatch.setattr(thing, "_face_wait", lambda self, k: late(face(self, k)))
+    elif fault == "end":
+        monkeypatch.setattr(free_flights, "fall_wait", lambda fall: late(wait(fall)))
+    elif fault == "behind":
+        monkeypatch.setattr(thing, "_face", lambda self, k: (*seen(self, k)[:3], not seen(self, k)[3]))
+    elif fault == "clear":
+        monkeypatch.setattr(free_flights, "_turns", lambda fall, sign: turns(fall, -sign))
+    else:
+        monkeypatch.setattr(thing, "_aside", lambda self, there: -aside(self, there))
+    assert seen_otherwise(range(12), monkeypatch)
 
 
 def test_contacts_of_one_instant_that_do_not_hang_together_are_told_apart() -> None:
