@@ -186,9 +186,10 @@ class RoundedState(ReplayState[arb]):
             *((segment, back) for segment in self._solids.segments for back in (False, True)),
             *((side, False) for polygon in self._solids.polygons for side in sides_of(polygon)),
         ]:
-            places = [nearest(value, self._bits) for value in (side.x0, side.y0, side.x1, side.y1)]
-            ends = places if places[:2] != places[2:] else (side.x0, side.y0, side.x1, side.y1)
-            found.append(SegmentFace.of(Segment(*ends, side.id, nearest(side.r, self._bits)), back))
+            x0, y0, x1, y1 = (nearest(value, self._bits) for value in (side.x0, side.y0, side.x1, side.y1))
+            if (x0, y0) == (x1, y1):
+                x0, y0, x1, y1 = side.x0, side.y0, side.x1, side.y1
+            found.append(SegmentFace.of(Segment(x0, y0, x1, y1, side.id, nearest(side.r, self._bits)), back))
         return found
 
     def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
