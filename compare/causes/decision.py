@@ -391,8 +391,8 @@ class RunReader:
 
     def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """When the two touch in free flight; None if they do not, or if it is not known."""
-        parts = self._parts_of(pairing)
-        if (thing := self._falls(pairing, bits)) is not None:
+        parts = self.parts_of(pairing)
+        if (thing := _thing_fall(self, pairing, bits)) is not None:
             late = thing.wait()
             return None if late is None else thing.row[0] + late
         if parts is not None:
@@ -408,7 +408,7 @@ class RunReader:
         relative = self._relative(pairing, bits)
         return None if relative is None else meeting_time(relative)
 
-    def _parts_of(self, pairing: Pairing) -> ThingParts | None:
+    def parts_of(self, pairing: Pairing) -> ThingParts | None:
         """The faces and ends of the partner, if it has any."""
         known = self._parts.get(pairing.partner)
         return None if known is None else known[1]
@@ -421,14 +421,6 @@ class RunReader:
             if flight is None
             else times_at(self.things(bits), self.places[pairing.body], flight, parts, leaving=leaving)
         )
-
-    def _falls(self, pairing: Pairing, bits: int) -> ThingFall | None:
-        """Of a partner with parts, under gravity: the two; None without it, or where the run lacks that flight."""
-        parts, things = self._parts_of(pairing), self.things(bits)
-        if parts is None or self.scene.gravity is None:
-            return None
-        row = self.numbers(pairing, pairing.body, bits)
-        return None if row is None else ThingFall(things, self.places[pairing.body], row, parts)
 
     def _nearest(self, pairing: Pairing, bits: int, time: arb | None = None) -> NearestPart[arb] | None:
         """The face or end of its partner that a circle is nearest to, as its flight begins or at a time."""
@@ -492,10 +484,10 @@ class RunReader:
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
-        if (thing := self._falls(pairing, FIRST_BITS)) is not None:
+        if (thing := _thing_fall(self, pairing, FIRST_BITS)) is not None:
             over = thing.stay()
             return None if over is None else (float(over[0]), float(over[1]))
-        enter, parts = self.hit_time(pairing), self._parts_of(pairing)
+        enter, parts = self.hit_time(pairing), self.parts_of(pairing)
         if enter is not None and parts is not None:
             leave = max(self._part_times(pairing, parts, FIRST_BITS, leaving=True), key=_middle, default=enter)
             return float(enter), float(leave)
@@ -519,9 +511,9 @@ class RunReader:
 
     def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
         """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
-        if (thing := self._falls(pairing, bits)) is not None:
+        if (thing := _thing_fall(self, pairing, bits)) is not None:
             return thing.margin() is None
-        if (parts := self._parts_of(pairing)) is not None:
+        if (parts := self.parts_of(pairing)) is not None:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
             if near is None or flight is None:
                 return False
@@ -554,13 +546,13 @@ class RunReader:
         is pulled, at which it comes there. For a thing of faces and ends, how far aside of it the flight passes
         (`_beside`).
         """
-        if (thing := self._falls(pairing, bits)) is not None:
+        if (thing := _thing_fall(self, pairing, bits)) is not None:
             margin = thing.margin()
             if margin is None:
                 near = self._nearest(pairing, bits)
                 return None if near is None else near.gap
             return None if margin.is_nan() else margin
-        parts = self._parts_of(pairing)
+        parts = self.parts_of(pairing)
         if parts is not None:
             near, flight = self._nearest(pairing, bits), self.numbers(pairing, pairing.body, bits)
             if near is None or flight is None:
@@ -595,7 +587,7 @@ class RunReader:
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""
-        if self._parts_of(pairing) is not None:
+        if self.parts_of(pairing) is not None:
             near = self._nearest(pairing, bits, time)
             return None if near is None else near.gap
         if self.is_wall(pairing):
@@ -670,3 +662,12 @@ def _fall_of(reader: RunReader, pairing: Pairing, bits: int) -> tuple[arb, Round
         return None
     things = reader.things(bits)
     return row[0], fall_onto(things, reader.places[faller], row, things.bodies[reader.places[peg]])
+
+
+def _thing_fall(reader: RunReader, pairing: Pairing, bits: int) -> ThingFall | None:
+    """Of a partner with parts, under gravity: the two; None without it, or where the run lacks that flight."""
+    parts = reader.parts_of(pairing)
+    row = None if parts is None or reader.scene.gravity is None else reader.numbers(pairing, pairing.body, bits)
+    if row is None or parts is None:
+        return None
+    return ThingFall(reader.things(bits), reader.places[pairing.body], row, parts)
