@@ -150,13 +150,17 @@ UNLOCKS = re.compile(r"skipif\(found\(\) is None|find_spec\((PACKAGES|OPTIONAL)\
 """How a module of tests says that it needs other people's engines or a browser."""
 
 
-def test_acceptance_runs_again_all_that_engines_and_a_browser_unlock() -> None:
-    _, _, again = (ROOT / ".ci" / "run").read_text("utf-8").partition("the tests that they unlock")
+def test_acceptance_runs_all_that_engines_and_a_browser_unlock_with_them_and_once() -> None:
+    script = (ROOT / ".ci" / "run").read_text("utf-8")
+    listed = re.search(r"^unlocked=\((.*?)^\)", script, re.MULTILINE | re.DOTALL)
+    assert listed is not None
+    assert "-m long \"${unlocked[@]/#/--ignore=}\"\n" in script
+    assert "-m 'not slow' \"${unlocked[@]}\"\n" in script.partition("the tests that they unlock")[2]
     modules = {path.relative_to(ROOT): path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
     unlocked = {
         path.as_posix() for path, text in modules.items() if UNLOCKS.search(text) and path.name != "test_docs.py"
     }
-    assert {*re.findall(r"tests/\S*test_\w+\.py", again)} == unlocked
+    assert {*re.findall(r"tests/\S*test_\w+\.py", listed[1])} == unlocked
 
 
 def test_make_and_the_readme_run_the_same_tests() -> None:
