@@ -154,7 +154,7 @@ def test_acceptance_runs_all_that_engines_and_a_browser_unlock_with_them_and_onc
     script = (ROOT / ".ci" / "run").read_text("utf-8")
     listed = re.search(r"^unlocked=\((.*?)^\)", script, re.MULTILINE | re.DOTALL)
     assert listed is not None
-    assert "-m long \"${unlocked[@]/#/--ignore=}\"\n" in script
+    assert '-m long "${unlocked[@]/#/--ignore=}"\n' in script
     assert "-m 'not slow' \"${unlocked[@]}\"\n" in script.partition("the tests that they unlock")[2]
     modules = {path.relative_to(ROOT): path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
     unlocked = {
