@@ -502,6 +502,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
                     flips, free = None, f"; in {lab.numbers} the circles overlap, so that no run can say so"
                 elif not _given_does(lab):
                     flips, free = False, "; run freely, it does not"
+            elif flips is False and _by_its_contacts_alone(lab) and _given_does(lab):  # other parts of the same things
+                flips = does = True
             if flips is None and not free:
                 flips = does = _given_does(lab) or None
             earlier = None if flips else _left_before(lab)
