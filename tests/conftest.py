@@ -23,6 +23,8 @@ settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 # A shell starts what runs in the background deaf to Ctrl-C; what the tests interrupt must hear it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP"):  # and `nohup` to that its terminal is gone
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 # Half a gigabyte of collected tests is looked through for garbage as seldom as the command line does.
