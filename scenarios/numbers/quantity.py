@@ -128,6 +128,20 @@ class Expression:
         left = self._wrapped(self.args[0], "+-", left)
         return f"{left}{self.op}{self._wrapped(self.args[1], '+-*/', right)}"
 
+    def is_written_as(self, other: Expression) -> bool:
+        """Whether another is the same expression, which is the same number, and known at once.
+
+        >>> Quantity.of("1 + sqrt(2)").is_written_as(Quantity.of("1 + sqrt(2)"))
+        True
+        >>> Quantity.of("sqrt(2) + 1").is_written_as(Quantity.of("1 + sqrt(2)"))
+        False
+        """
+        if self is other:
+            return True
+        if self.op != other.op or self.rational != other.rational or len(self.args) != len(other.args):
+            return False
+        return all(mine.is_written_as(theirs) for mine, theirs in zip(self.args, other.args, strict=True))
+
     def brief(self) -> str:
         """The text, cut to what an error shows."""
         return shortened(self.text())
@@ -337,6 +351,8 @@ class Quantity(Expression):
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Quantity) and self.rational is not None and other.rational is not None:
             return self.rational == other.rational
+        if isinstance(other, Quantity) and self.is_written_as(other):
+            return True
         try:
             return (self - Quantity.of(other)).sign() == 0
         except SceneError:
