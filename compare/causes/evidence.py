@@ -512,7 +512,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             first = f"{lab.decision.rival.body} meets {lab.decision.rival.partner} first"
             alone = f"{alone}: {first}" if part.late else f"alone it may change the decision or not, if {first}"
         if does:
-            alone = f"run freely, the exact law on it has the contacts that {lab.name} has"
+            alone = f"run freely, the exact law on it decides as {lab.name} does"
         if free:
             alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
@@ -630,7 +630,7 @@ def _input_by_run(lab: Laboratory) -> list[Experiment]:
     if lab.given.digest == lab.study.scene.digest:
         return [Experiment(cause, f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False)]
     if lab.engine.step is None and _given_does(lab):
-        told = f"the exact law on the scene in {lab.numbers} has the contacts that {lab.name} has"
+        told = f"the exact law on the scene in {lab.numbers} decides as {lab.name} does"
         return [Experiment(cause, told, None, True)]
     earlier = _left_before(lab)
     if earlier is not None:
