@@ -18,8 +18,8 @@ CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'
 POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
 QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
-THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r",
-          "segments": "x0 y0 x1 y1 length r", "arcs": "x y r x0 y0 x1 y1"}
+THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length vx vy", "pockets": "x y r",
+          "segments": "x0 y0 x1 y1 length r vx vy", "arcs": "x y r x0 y0 x1 y1"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
             "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1",  # read by kind
             "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
@@ -36,7 +36,6 @@ def shape(own, all):  # what the parts of a certificate are, and how they are sp
     scene = {"capture": "true|false", "reverse_after": COUNT, "reverse_at": own, "roots": each(own)}
     scene |= {"restitution": own, "gravity": each(own, "{2}")}
     for kind, names in THINGS.items(): scene[kind] = {"id": ANY} | dict.fromkeys(names.split(), own)
-    scene["walls"] |= {"vx": own, "vy": own}
     return {"format": ANY, "writer": ANY, "bits": COUNT, "roots": each(any),
             "scene": scene | {"tie_policy": POLICY},
             "isometries": {"matrix": each(any, "{4}"), "shift": each(any, "{2}"), "map": map},
@@ -342,7 +341,7 @@ class Space:
         return first + falling(self.meeting(c, start).row[order:], low - first, high - first)
     def aside(self, c, start, age):  # whether all of a flight is beside a fixed circle
         i, j = c if c[1] in self.pegs else c[::-1]
-        if age is None: return False
+        if age is None or any(z.m or z.r for z in self.things[j][2:4]): return False
         kept, key = self.flights[i].seen, (start, age, self.bits, 0)
         if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
             (x, y, vx, vy), wait = self.true(i, start), self.wait(start, age)
@@ -389,15 +388,15 @@ class Space:
                 *_, u, v = self.fallen(age)
                 vx, vy = vx - (u + u), vy - (v + v)
             self.flights[i] = Flight(x, y, vx, vy, age, {})
-def ends_of(segments, arcs):  # as fixed circles; those at one place are one: the largest
+def ends_of(segments, arcs):  # as circles; those at one place that move alike are the largest one
     found = {}
-    rows = [(x, y, u, v, r) for x, y, u, v, _, r in segments]
-    for x, y, u, v, r in rows + [(*row[3:], NONE) for row in arcs if row[3:]]:
+    rows = [(x, y, u, v, r, *way) for x, y, u, v, _, r, *way in segments]
+    for x, y, u, v, r, *way in rows + [(*row[3:], NONE, NONE, NONE) for row in arcs if row[3:]]:
         for place in (x, y), (u, v):
-            key = tuple(frozenset(z.items()) for z in place)
+            key = tuple(frozenset(z.items()) for z in (*place, *way))
             sign = sign_of(r - found[key][4]) if key in found else 1
             demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
-            if sign == 1: found[key] = [*place, NONE, NONE, r, NONE]
+            if sign == 1: found[key] = [*place, *way, r, NONE]
     return [*found.values()]
 class KeptApart:
     """How a checker proves that two kept apart on their flights."""
@@ -598,13 +597,14 @@ class Checker(KeptApart):
         def read(kind, row):  # of an arc without ends, which is all of its circle, three
             names = THINGS[kind].split()
             full = kind == "arcs" and not {*names[3:]} & row.keys()
+            row = {"vx": "0", "vy": "0"} | row if kind in ("walls", "segments") else row
             return [number(row[name]) for name in names[:3 if full else None]]
         circles, walls, pockets, segments, arcs = (
             [read(kind, row) for row in scene.get(kind, ())] for kind in THINGS)
         loss, pull = number(scene.get("restitution", "1")), [*map(number, scene.get("gravity", ()))]
         pull = pull if any(pull) else []
-        drift = {k: v for k, v in enumerate([number(row.get(key, "0")) for key in ("vx", "vy")]
-                                            for row in scene.get("walls", ())) if any(v)}
+        ways = [row[-2:] for row in walls + [row for row in segments for _ in range(2)]]
+        drift = {k: way for k, way in enumerate(ways) if any(way)}
         refuse(pull and pockets and scene.get("capture"), "pockets capture in falls", Malformed)
         stands = pull and (segments or arcs or pockets or not all(row[5] for row in circles))
         refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
@@ -614,7 +614,7 @@ class Checker(KeptApart):
         sides, circles = ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5)), circles + ends_of(segments, arcs)
         faces = [[row[k] for k in side] for row, side in product(segments, sides)]
         lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
-                 for x, y, u, v, length, *thick in walls + faces]
+                 for x, y, u, v, length, *thick in [row[:5] for row in walls] + faces]
         first, n = n, len(circles)  # the first end, if there is one
         self.n, self.faces = n, range(n + len(walls), n + len(lines))
         self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
@@ -635,7 +635,8 @@ class Checker(KeptApart):
         if self.end["reason"] == "horizon": limits["until"] = number(self.end["until"])
         for *_, p, q, size, _ in lines:
             demand(sign_of(p * p + q * q - size * size), [0], "a length", Malformed)
-        for *_, u, v, _, w in circles: refuse((u or v) and not w, "what is fixed moves", Malformed)
+        for *_, u, v, _, w in circles[:first]:
+            refuse((u or v) and not w, "what is fixed moves", Malformed)
         sizes += [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
         for x in (*sizes, *limits.values()): demand(sign_of(x), [1], "a size or a time", Malformed)
         self.meets = {(i, j) for i, j in product(range(n), self.things) if self.movable & {i, j}
@@ -677,18 +678,16 @@ class Checker(KeptApart):
             along, by = a * vy - b * vx, d * vy - e * vx  # the image of the way along a face
             vx, vy = a * vx + b * vy, d * vx + e * vy
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
+            (s, t), (g, h) = (self.drift.get(k, (NONE, NONE)) for k in (i, j))
+            stays = [a * s + b * t - g, d * s + e * t - h]
             bow, to = (k in self.arcs and 1 + (k - self.arcs.start) % 2 for k in (i, j))
             zeros += [ONE] * (bow != to)  # a side of an arc to the same side of another
             if i in self.faces or j in self.faces:  # its normal, its middle, its thickness
                 zeros += [ONE] * (i not in self.faces or j not in self.faces)
                 zeros += [vx - wx, vy - wy, x + x + along - wy, y + y + by + wx, k[1] - m[1]]
-                zeros += falls
+                zeros += falls + stays
             elif i >= self.n and not bow:
-                zeros += [vx * wy - vy * wx, x * wx + y * wy]
-                ways = [(self.pull, self.pull)] if self.pull else []
-                ways += [[self.drift.get(k, (NONE, NONE)) for k in (i, j)]] if self.drift else []
-                zeros += [(a * x + b * y - u) * wx + (d * x + e * y - v) * wy
-                          for (x, y), (u, v) in ways]
+                zeros += [vx * wy - vy * wx, *(s * wx + t * wy for s, t in ((x, y), stays, falls))]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
             zeros += falls if bow or i < 0 or i in self.ball.pegs else []
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
@@ -720,7 +719,7 @@ class Checker(KeptApart):
         alike = other in self.met and self.image(images, c) == other
         if alike and (question == "gap" or first > abs(self.met[other])):
             return all(k in kept for k in c if 0 <= k < self.n)
-        steered = c in self.bends or j in self.slopes
+        steered = self.pull or j in self.drift  # the gap is not as of what rests
         if self.n <= j < self.arcs.start and question == "closing" and not steered:
             nx, ny = self.things[j][2:4]
             return images.get(i) == i in kept and not (a * nx + b * ny + nx or d * nx + e * ny + ny)

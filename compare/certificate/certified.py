@@ -28,7 +28,7 @@ KEYS = {
     "circles": "x y r vx vy",
     "walls": "x0 y0 x1 y1 vx vy",
     "pockets": "x y r",
-    "segments": "x0 y0 x1 y1 r",
+    "segments": "x0 y0 x1 y1 r vx vy",
     "arcs": "x y r",
 }
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")

@@ -21,7 +21,7 @@ class Isometries:
         n: how many of them are circles.
         faces: which of them are faces of segments, the last of the walls.
         arcs: which of them are sides of arcs, after these.
-        drift: the velocities of walls that move, by index.
+        drift: the velocities of walls and faces that move, by index.
         pull: gravity.
     """
 
@@ -45,7 +45,7 @@ class Isometries:
         self._first = faces.start - n
         self._wall_of = {_key(_line(*row)): k for k, row in enumerate(self.walls[: self._first])}
         rows = zip(self.walls[self._first :], self._thick, strict=True)
-        self._face_of = {_key([*_face(*row), r]): k for k, (row, r) in enumerate(rows, self._first)}
+        self._face_of = {_key([*_face(*row), r, *self._way(k)]): k for k, (row, r) in enumerate(rows, self._first)}
         self._pocket_of = {_key(row): k for k, row in enumerate(self.pockets)}
 
     def between(self, c: Contact, other: Contact) -> Iterator[dict[str, Any]]:
@@ -83,9 +83,13 @@ class Isometries:
         """Whether a wall and its image stay mapped as time goes on: both as they move, and as the frame falls."""
         a, b, d, e = matrix
         ways = [(self.pull, self.pull)] if self.pull else []
-        ways += [(self.drift.get(self.n + m, (ZERO, ZERO)), self.drift.get(self.n + image, (ZERO, ZERO)))]
+        ways += [(self._way(m), self._way(image))]
         _, _, nx, ny = self.walls[image]
         return not any((a * x + b * y - u) * nx + (d * x + e * y - v) * ny for (x, y), (u, v) in ways)
+
+    def _way(self, m: int) -> Vector:
+        """The velocity of a wall, or of a face."""
+        return self.drift.get(self.n + m, (ZERO, ZERO))
 
     def _speed(self, i: int) -> Vector:
         return self.circles[i][2], self.circles[i][3]
@@ -128,7 +132,7 @@ class Isometries:
                     image = None
             else:
                 (x, y), (u, v) = moved(x, y), moved(x + ny, y - nx)
-                key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first]]
+                key = [x + u, y + v, *turned(nx, ny), self._thick[m - self._first], *turned(*self._way(m))]
                 image = self._face_of.get(_key(key)) if falls else None
             pairs += [] if image is None else [[self.n + m, self.n + image]]
         for m, (x, y, nx, ny, *kind) in enumerate(self.sides):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...scenarios.surfaces import sides_of
-from ...scenarios.things import Segment
+from ...scenarios.things import Circle, Segment
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -30,7 +30,7 @@ def bars_of(scene: Scene) -> list[Segment]:
             while name in taken:
                 name += "/"
             taken.add(name)
-            bars.append(Segment(side.x0, side.y0, side.x1, side.y1, id=name, r=side.r))
+            bars.append(Segment(side.x0, side.y0, side.x1, side.y1, name, side.r, side.vx, side.vy))
     return bars
 
 
@@ -44,11 +44,12 @@ def numbers_of(scene: Scene) -> dict[int, int]:
     """
     seen, bars = scene.surfaces, bars_of(scene)
     count, walls = len(scene.circles), len(scene.walls)
-    places = dict.fromkeys(place for bar in bars for place in ((bar.x0, bar.y0), (bar.x1, bar.y1)))
-    places |= dict.fromkeys(place for arc in scene.arcs for place in arc.ends)
+    corners = (((x, y), (bar.vx, bar.vy)) for bar in bars for x, y in ((bar.x0, bar.y0), (bar.x1, bar.y1)))
+    places = dict.fromkeys(corners)  # those at one place that move alike are one
+    places |= dict.fromkeys((place, Circle.drift) for arc in scene.arcs for place in arc.ends)
     ends = {place: count + k for k, place in enumerate(places)}
     found = {k: k for k in range(count)}
-    found |= {k: ends[seen.circles[k].x, seen.circles[k].y] for k in seen.ends}
+    found |= {k: ends[(end.x, end.y), end.drift] for k, end in enumerate(seen.circles) if k in seen.ends}
     before, first = len(seen.circles), count + len(ends)
     found |= {before + k: first + k for k in range(walls)}
     both = 2 * len(scene.segments)

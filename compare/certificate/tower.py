@@ -222,7 +222,11 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         told["capture"] = scene.capture
     if bars := bars_of(scene):
         told["segments"] = [
-            {**row(bar, ("x0", "y0", "x1", "y1", "r")), "length": text_of(_length(bar))} for bar in bars
+            {
+                **row(bar, ("x0", "y0", "x1", "y1", "r", *(("vx", "vy") if bar.moves else ()))),
+                "length": text_of(_length(bar)),
+            }
+            for bar in bars
         ]
     if scene.arcs:
         told["arcs"] = [_bow(arc, row(arc, ("x", "y", "r"))) for arc in scene.arcs]

@@ -126,6 +126,8 @@ class SegmentData(TypedDict):
     y1: NumberText
     length: NumberText
     r: NumberText
+    vx: NotRequired[NumberText]
+    vy: NotRequired[NumberText]
 
 
 class ArcData(TypedDict):
@@ -239,8 +241,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
     if trajectory.scene.settle:
         raise CertificateError("the scene has settle = true: certificates do not know what walls carry; leave it out")
-    if trajectory.scene.moving_solid is not None:
-        raise CertificateError(f"{trajectory.scene.moving_solid} moves, and certificates know only walls that do")
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")

@@ -14,7 +14,7 @@ from falling_campaign import FALLING
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
-from truebreak.compare.certificate import CertificateError, certificate_of
+from truebreak.compare.certificate import CertificateError
 from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.reduction.smallest import corners, with_number
 from truebreak.compare.report.floats import floats_csv, floats_json
@@ -367,7 +367,6 @@ def test_what_does_not_know_them_says_so_in_one_line():
         (lambda: scene.with_changes(reverse_at=1), "segment 'pad': moves: cannot be turned back"),
         (lambda: scene.with_changes(pockets=[Pocket(9, 9, 1)], capture=True), "captures: beside what moves"),
         (lambda: chaos(scene, events=1), "segment 'pad' moves, of whose ends there is no tangent map yet"),
-        (lambda: certificate_of(ExactEngine().run(scene)), "certificates know only walls that do"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
         (lambda: shadow(scene, events=1), "of which no shadow is looked for"),
         (lambda: check("double", scene), "segments or polygons that move"),

@@ -48,7 +48,7 @@ export class Isometry {
     zero((A, w) => A.sub(A.add(A.square(a[w]), A.square(c[w])), one[w]), 'a² + c² = 1');
     zero((A, w) => A.sub(A.add(A.square(b[w]), A.square(d[w])), one[w]), 'b² + d² = 1');
     zero((A, w) => A.add(A.mul(a[w], b[w]), A.mul(c[w], d[w])), 'a b + c d = 0');
-    const { circles, walls, pockets, n } = scene;
+    const { circles, walls, pockets, n } = scene, rests = [scene.number(ZERO), scene.number(ZERO)];
     const falls = what => { // where something that stands is mapped
       for (const k of scene.gravity ? [0, 1] : []) same((A, w) => this.image(A, w, scene.gravity.map(x => x[w]))[k], scene.gravity[k], what);
     };
@@ -68,9 +68,10 @@ export class Isometry {
         falls(what);
         continue;
       }
-      if (kind === 'face') { // to the side of the image's normal, its middle there, and as thick
-        const p = walls[i - n], q = walls[j - n];
+      if (kind === 'face') { // to the side of the image's normal, its middle there, as thick, and as it moves
+        const p = walls[i - n], q = walls[j - n], own = p.way ?? rests, other = q.way ?? rests;
         for (const k of [0, 1]) {
+          same((A, w) => this.image(A, w, [own[0][w], own[1][w]])[k], other[k], what);
           same((A, w) => this.image(A, w, [p.n[0][w], p.n[1][w]])[k], q.n[k], what);
           const ends = (A, w, { x0, y0, x1, y1 }) => [A.add(x0[w], x1[w]), A.add(y0[w], y1[w])];
           zero((A, w) => {
@@ -90,11 +91,11 @@ export class Isometry {
           return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);
         }, what);
         zero((A, w) => across(A, w, this.image(A, w, [A.sub(p.x1[w], p.x0[w]), A.sub(p.y1[w], p.y0[w])])), what);
-        const still = scene.number(ZERO), ways = [[p.way, q.way], [scene.gravity, scene.gravity]];
+        const ways = [[p.way, q.way], [scene.gravity, scene.gravity]];
         for (const [own, other] of ways.filter(way => way[0] || way[1])) { // and that as time goes on
           zero((A, w) => {
-            const to = [0, 1].map(k => (other ? other[k] : still)[w]);
-            const moved = this.image(A, w, [0, 1].map(k => (own ? own[k] : still)[w]));
+            const to = (other ?? rests).map(x => x[w]);
+            const moved = this.image(A, w, (own ?? rests).map(x => x[w]));
             return across(A, w, moved.map((x, k) => A.sub(x, to[k])));
           }, what);
         }

@@ -91,7 +91,8 @@ export class Run {
   /** The laws of such a contact at a time since which its gap is that polynomial. */
   fallingLaws(c, A, w, t) {
     const { mover, peg } = c.drops, f = this.flights[mover], there = this.moved(f, A, w, A.sub(t[w], f.t[w])), way = f.v.map(x => x[w]);
-    const still = peg < 0 ? null : this.flights[peg].p.map(x => x[w]), both = mover === c.i ? [there, way, still, null] : [still, null, there, way];
+    const end = peg < 0 ? null : this.flights[peg], at = end && (this.scene.circles[peg].way ? this.moved(end, A, w, A.sub(t[w], end.t[w])) : end.p.map(x => x[w]));
+    const both = mover === c.i ? [there, way, at, null] : [at, null, there, way];
     return this.scene.laws(c, A, w, ...both, t[w]);
   }
   sign(law) { return this.scene.sign(law); }

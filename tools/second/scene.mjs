@@ -62,16 +62,19 @@ export class Scene {
     this.restitution = this.number(restitution ?? one);
     this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
     this.gravity = gravity && !gravity.every(zero) ? gravity.map(x => this.number(x)) : null;
-    for (const wall of this.walls) {
-      const way = [wall.vx ?? this.number(ZERO), wall.vy ?? this.number(ZERO)];
-      wall.way = way.every(x => zero(x[2])) ? null : way;
-    }
+    for (const wall of this.walls) wall.way = this.way(wall.vx, wall.vy);
     const elastic = zero(this.exact.sub(this.restitution[2], one)), turned = reverse_at || reverse_after;
-    if (turned && (!elastic || this.walls.some(x => x.way))) malformed('no scene: a run that cannot be turned back is');
+    const drift = this.walls.some(x => x.way) || segments.some(x => this.way(x.vx && this.number(x.vx), x.vy && this.number(x.vy)));
+    if (turned && (!elastic || drift)) malformed('no scene: a run that cannot be turned back is');
     if (!this.gravity) return;
     if (pockets.length && capture) malformed('no scene: under gravity pockets capture');
     const stands = segments.length || arcs.length || pockets.length || this.circles.some(c => zero(c.w[2]));
     if (turned && stands) malformed('no scene: a run that cannot be turned back is, where something stands');
+  }
+  /** A velocity of a wall or a segment; null for none. */
+  way(vx, vy) {
+    const way = [vx ?? this.number(ZERO), vy ?? this.number(ZERO)];
+    return way.every(x => this.exact.sign(x[2]) === 0) ? null : way;
   }
   /** How far the frame has fallen at a time in which flights are straight, and how fast it is, in the world w. */
   fallen(A, w, time) {
@@ -88,9 +91,12 @@ export class Scene {
   segments(told, arcs) {
     const zero = this.number(ZERO), ends = new Map();
     this.firstFace = this.circles.length + this.walls.length; // and as many as there are ends
-    const end = (id, x, y, thick) => {
-      const place = [x, y].map(v => this.spelled(v)).join(';'), there = ends.get(place);
-      if (!there) ends.set(place, { id, x: this.number(x), y: this.number(y), r: thick, vx: zero, vy: zero, w: zero, end: true });
+    const end = (id, x, y, thick, vx = ZERO, vy = ZERO) => { // those at one place that move alike are one
+      const place = [x, y, vx, vy].map(v => this.spelled(v)).join(';'), there = ends.get(place);
+      if (!there) {
+        const [px, py, ux, uy] = [x, y, vx, vy].map(v => this.number(v));
+        ends.set(place, { id, x: px, y: py, r: thick, vx: ux, vy: uy, w: zero, end: true, way: this.way(ux, uy) });
+      }
       else {
         const larger = this.sign((A, w) => A.sub(thick[w], there.r[w]));
         if (larger === undefined) undecided('which of two ends at one place is the larger');
@@ -99,9 +105,10 @@ export class Scene {
     };
     for (const { id, ...e } of told) {
       const [x0, y0, x1, y1, length, thick] = [e.x0, e.y0, e.x1, e.y1, e.length, e.r].map(v => this.number(v));
-      this.walls.push({ id, x0, y0, x1, y1, length, thick, face: true });
-      this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face: true });
-      for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick);
+      const way = this.way(e.vx && this.number(e.vx), e.vy && this.number(e.vy)), face = true;
+      this.walls.push({ id, x0, y0, x1, y1, length, thick, face, way });
+      this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face, way });
+      for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick, e.vx, e.vy);
     }
     for (const { id, full, ...e } of arcs) if (!full) for (const [x, y] of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, zero);
     this.circles.push(...ends.values());
@@ -150,7 +157,7 @@ export class Scene {
     for (const [k, c] of this.circles.entries()) {
       c.point = demand(c.r, [0, 1], `the radius of circle ${k} is not negative`) === 0;
       c.fixed = demand(c.w, [0, 1], `w of circle ${k} is not negative`) === 0;
-      if (c.fixed) for (const v of [c.vx, c.vy]) demand(v, [0], `the fixed circle ${k} has no velocity`);
+      if (c.fixed && !c.end) for (const v of [c.vx, c.vy]) demand(v, [0], `the fixed circle ${k} has no velocity`);
     }
     for (const [k, p] of this.pockets.entries()) demand(p.r, [1], `the radius of pocket ${k} is positive`);
     for (const [k, wall] of this.walls.entries()) {
@@ -263,7 +270,7 @@ export class Scene {
       const along = ([x, y]) => A.sub(A.mul(n[1], x), A.mul(n[0], y)), square = () => A.square(wall.length[w]);
       const foot = () => along(place);
       // and the foot at the zero of the gap, times -2 closing
-      const near = () => A.sub(A.mul(along(u), gap()), A.twice(A.mul(closing(), foot())));
+      const near = () => A.sub(A.mul(along(way), gap()), A.twice(A.mul(closing(), foot())));
       // under gravity the foot after a time
       const later = wait => A.add(foot(), A.mul(A.add(along(way), A.mul(A.mul(along(this.gravity.map(x => x[w])), this.half[w]), wait)), wait));
       return {
@@ -330,7 +337,8 @@ export class Scene {
     const first = c.drops.mover === c.i, { by, speed } = this.fallen(A, w, time);
     const [place, way, centre] = first ? [p, u, q] : [q, v, p];
     const from = [0, 1].map(k => A.sub(A.add(place[k], by[k]), centre[k])); // from the one that stands
-    const fast = [0, 1].map(k => A.add(way[k], speed[k]));
+    const own = (first ? this.circles[c.j] : this.circles[c.i])?.way, still = pocket || !own; // an end may move
+    const fast = [0, 1].map(k => A.add(way[k], speed[k])).map((x, k) => (still ? x : A.sub(x, own[k][w])));
     const row = this.quartic(A, w, from, fast, 1, pocket ? pocket.r[w] : A.add(this.circles[c.i].r[w], this.circles[c.j].r[w]));
     return {
       direction: () => (first ? from.map(x => A.neg(x)) : from),

@@ -106,7 +106,7 @@ export function readCertificate(json, work) {
       circles: listOf(of({ id: text, ...numbers('x y r vx vy w') }), 1),
       'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length vx? vy?') })),
       'pockets?': listOf(of({ id: text, ...numbers('x y r') })),
-      'segments?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length r') })),
+      'segments?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length r vx? vy?') })),
       'arcs?': listOf(of({ id: text, ...numbers('x y r x0? y0? x1? y1?') })),
     }),
     isometries: listOf(of({

@@ -192,7 +192,7 @@ PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = 
         lambda: no_image({**UPSIDE_DOWN, "map": [[0, 0]]}, FLOOR, gravity=DOWN) | {"scene": dropped((0, 0, 0, 0, *PEG), (50, 50, 0, 0))["scene"], "final": {"time": "0", "circles": [["0"] * 4] * 2}},
     ),
     "an isometry keeps gravity where it maps a face": (
-        ("                zeros += falls\n", ""), ("        falls(what);\n        same((A, w) => p.thick", "        same((A, w) => p.thick"),
+        ("zeros += falls + stays", "zeros += stays"), ("        falls(what);\n        same((A, w) => p.thick", "        same((A, w) => p.thick"),
         lambda: {**dropped((0, 50, 0, 0), segments=SHELF), "isometries": [{**UPSIDE_DOWN, "map": [[3, 4]]}]},
     ),
     "nothing turns back where a circle stands under gravity": (

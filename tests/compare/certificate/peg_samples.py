@@ -208,6 +208,112 @@ def bow_samples() -> dict[str, Told]:
     return {name: certificate_of(run) for name, run in bow_runs().items()}
 
 
+def carried_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
+    """Scenes in which segments and polygons move, and until when: faces, ends, slides, joints that part, crushed."""
+    far = {"events": EVENTS}
+    ball = Circle("1/2", 5, vx="1/9", vy=-1, id="a")
+
+    def bar(x0: int, x1: int, y: int | str, name: str, **way: int | str) -> Segment:
+        return Segment(x0, y, x1, y, id=name, **way)
+
+    lift, press = bar(-3, 3, 0, "lift", vx="-1/5", vy="1/2"), bar(-3, 3, 9, "press", vy="-1/3")
+    wedge = Polygon([(-2, 0), (2, 0), (0, 2)], "wedge", vx="1/9", vy="1/3")
+    stays, parts = bar(-4, 0, 0, "stays"), bar(0, 4, 0, "parts", vx="1/3", vy="-1/2")
+    one = Circle("1/10", 9, "1/4", vy=-1, id="a")
+    twins = [Circle(x, 5, "1/2", vx=f"{x}/9", vy=-1, id=f"c{x}") for x in (-2, 2)]
+    level = bar(-3, 3, 0, "level", vy="1/2")
+    away = bar(-3, 3, 0, "away", vx=1, vy=-2)
+    doors = [bar(-9, -3, 0, "left", vx="1/4", vy="1/2"), bar(3, 9, 0, "right", vx="-1/4", vy="1/2")]
+    point = Circle("1/2", 5, 0, point=True, vx="1/9", vy=-1, id="p")
+    return {
+        "onto a lift": (Scene([ball], segments=[lift]), {}),
+        "between a lift and a press": (Scene([ball], segments=[lift, press]), far),
+        "crushed": (Scene([Circle(0, 4, vy=-1)], segments=[lift, press]), {}),
+        "crushed at once": (Scene([Circle(0, 4, vy="1/12")], segments=[lift, press], restitution=0), {}),
+        "onto an end": (Scene([Circle(3, 5, vy=-1)], segments=[lift]), {}),
+        "past what flees": (Scene([ball], segments=[away]), {}),
+        "caught": (Scene([Circle(0, 5)], segments=[level]), {}),
+        "a slide along what moves": (
+            Scene([Circle(-2, 1, vx=1, vy="1/2"), Circle(1, 9, vy=-1)], segments=[level]), far,
+        ),
+        "away with it": (Scene([Circle(0, 1, vx="1/9", vy="1/2"), Circle(4, 9, vx=-1, vy=-1)], segments=[level]), far),
+        "a joint that parts": (
+            Scene([one, Circle("57/10", 9, "1/4", vy=-1, id="b")], segments=[stays, parts]), {"until": 20},
+        ),
+        "a joint that parts, under gravity": (
+            Scene([one, Circle("11/10", 9, "1/4", vy=-1, id="b")], segments=[stays, parts], gravity=(0, -1)), far,
+        ),
+        "twins at doors": (Scene(twins, segments=doors), far),
+        "twins at doors, under gravity": (Scene(twins, segments=doors, gravity=(0, "-1/2")), far),
+        "twins on a lift, one by one": (Scene(twins, segments=[level], tie_policy="sequential:seed=3"), far),
+        "a point": (Scene([point], segments=[lift, press]), far),
+        "onto a wedge": (Scene([ball], BOX, segments=[press], polygons=[wedge]), far),
+        "onto a wedge, under gravity": (Scene([ball], BOX, segments=[press], polygons=[wedge], gravity=(0, -1)), far),
+        "onto a lift, under gravity": (Scene([ball], segments=[lift], gravity=(0, -1), restitution="9/10"), far),
+        "onto an end, under gravity": (Scene([Circle(3, 5, vx="1/9")], segments=[lift], gravity=(0, -1)), far),
+        "up to a horizon": (Scene([ball], segments=[lift, press], gravity=(0, -1)), {"until": 6}),
+        "crushed under gravity": (Scene([Circle(0, 4)], segments=[lift, press], gravity=(0, -1)), {}),
+        "to rest on a lift": (Scene([ball], segments=[level], gravity=(0, -1), restitution=0), {}),
+        "from below": (
+            Scene([Circle(0, -4, vy=8)], segments=[bar(-3, 3, 0, "roof", vx="1/5", vy="-1/2")], gravity=(0, -8)), far,
+        ),
+        "through each other": (Scene([ball], segments=[lift, bar(-2, 4, 1, "cross", vy="-1/2")]), far),
+    }  # fmt: skip
+
+
+def carried_scene_of(seed: int) -> Scene | None:
+    """Discs and points among segments and polygons of which some move, between walls; half of them under gravity."""
+    rng = Random(f"carried {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{rng.randint(low * 50, high * 50)}/50"
+
+    def way() -> dict[str, str]:
+        return {"vx": some(-1, 1), "vy": some(-1, 1)} if rng.random() < 0.8 else {}
+
+    try:
+        discs = []
+        for k in range(rng.randint(1, 3)):
+            r = rng.choice(["1/2", "1/4", "3/10", "sqrt(2)/4", "0"])
+            rest = {"m": rng.choice([1, 2, "1/3"]), "id": f"c{k}", "point": r == "0"}
+            discs.append(Circle(some(-5, 5), some(3, 8), r, some(-3, 3), some(-4, 2), **rest))
+        bars = []
+        for k in range(rng.randint(1, 3)):
+            x, y, r = some(-5, 5), some(-5, 3), rng.choice(["0", "0", "1/5"])
+            if k and rng.random() < 0.4:
+                x, y = bars[-1].x1, bars[-1].y1  # they share an end, for as long as they move alike
+            bars.append(Segment(x, y, some(-5, 5), some(-5, 3), f"s{k}", r, **way()))
+        x, y = rng.randint(-4, 2), rng.randint(-4, 0)
+        wedge = Polygon([(x, y), (x + 2, y), (x + 1, y + 2)], "wedge", **way())
+        return Scene(
+            discs,
+            [Wall(0, -7, 1, -7, id="floor"), Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")][
+                : rng.choice([0, 1, 3])
+            ],
+            segments=bars,
+            polygons=[wedge] if rng.random() < 0.3 else [],
+            gravity=rng.choice([None, None, (0, -10), ("1/3", -2), ("sqrt(2)", -1), (0, "1/2")]),
+            restitution=rng.choice(["1", "1", "9/10", "1/2", "0"]),
+            tie_policy=rng.choice(["simultaneous", "sequential:seed=2"]),
+        )
+    except SceneError:
+        return None
+
+
+@cache
+def carried_runs() -> dict[str, Trajectory]:
+    """Runs of all of these."""
+    cases = carried_by_hand()
+    cases |= {f"carried {k}": (scene, {"events": EVENTS}) for k in SEEDS if (scene := carried_scene_of(k)) is not None}
+    return {name: ExactEngine().run(scene, **limits) for name, (scene, limits) in cases.items()}
+
+
+@cache
+def carried_samples() -> dict[str, Told]:
+    """The certificates of these."""
+    return {name: certificate_of(run) for name, run in carried_runs().items()}
+
+
 def moved_rim(told: Told, draw: Random) -> None:
     """A pocket is somewhere else, or has another size."""
     if rows := told["scene"].get("pockets"):

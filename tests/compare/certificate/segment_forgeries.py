@@ -8,7 +8,7 @@ from math import isqrt
 from typing import Any
 
 from certificate.forgeries_by_condition import STOPPED, bare, entries, small
-from certificate.forging import SAME, Told, told
+from certificate.forging import SAME, UPSIDE_DOWN, Told, told
 from truebreak.scenarios import Circle, Scene, Segment, Wall
 
 HORIZON = {"reason": "horizon", "until": "9"}
@@ -19,9 +19,9 @@ HAIR = f"1*r1-{isqrt(2 * 10**140)}/{10**70}"
 # Numbers: circles, then the ends of segments, then walls, then the left and the right face of each segment.
 
 
-def bar(x0: Number, y0: Number, x1: Number, y1: Number, length: Number, r: Number = 0) -> Told:
-    """A segment of a certificate."""
-    row = {"x0": x0, "y0": y0, "x1": x1, "y1": y1, "length": length, "r": r}
+def bar(x0: Number, y0: Number, x1: Number, y1: Number, length: Number, r: Number = 0, **way: Number) -> Told:
+    """A segment of a certificate, perhaps with a velocity."""
+    row = {"x0": x0, "y0": y0, "x1": x1, "y1": y1, "length": length, "r": r, **way}
     return {"id": f"s {x0} {y0} {x1} {y1}", **{key: str(value) for key, value in row.items()}}
 
 
@@ -146,9 +146,80 @@ def the_larger_by_a_hair() -> Told:
     return among(bars, (-5, f"2+{small(150)}", by, 0), scene={"roots": ["2"]}, end={"reason": "quiet"})
 
 
+# -- What moves. Of one segment the ends are n and n + 1, its faces n + 2, from above, and n + 3.
+
+LIFT = [bar(0, 0, 4, 0, 4, vy="1/2")]
+DOWN = ["0", "-2"]
+
+
+def under_a_moving_end() -> Told:
+    """A disc falls past the end of a segment that has come along meanwhile, and was far off as it began: not told."""
+    row = bar(-20, 0, -10, 0, 10, vx="17/5")
+    return among([row], (0, 9, 0, 0), scene={"gravity": DOWN}, end={"reason": "horizon", "until": "4"})
+
+
+def through_a_joint_that_parts() -> Told:
+    """Two segments share an end at time 0, and one moves off: a disc flies through that one's end, which is not told."""
+    bars = [bar(-9, 0, 0, 0, 9), bar(0, 0, 9, 0, 9, vx="1/3", vy="-1/2")]
+    return among(bars, ("57/10", 9, 0, -1, "1/4"), end={"reason": "quiet"})
+
+
+def onto_where_it_was() -> Told:
+    """A disc is said to meet a face where it stood at time 0: the face has come up to meet it before."""
+    return entries(among(LIFT, (2, 5, 0, -1)), {}, {"exact": "4", "met": [[0, 3]], "rounds": [[[0, 3]]]})
+
+
+def onto_a_face_that_went_off() -> Told:
+    """A disc bounces off the line of a face that has moved aside from under it."""
+    cert = among([bar(0, 0, 4, 0, 4, vx=2)], (2, 5, 0, -1))
+    return entries(cert, {}, {"met": [[0, 3]], "rounds": [[[0, 3]]]})
+
+
+def past_a_face_that_came() -> Told:
+    """A disc flies through a face that has come from aside, which is not told."""
+    return among([bar(-19, 0, -5, 0, 14, vx=2)], (0, 5, 0, -1), end=HORIZON)
+
+
+def turned_back_beside_what_moves() -> Told:
+    """A run beside a segment that moves is turned back."""
+    cert = among(LIFT, (0, 50, 0, 0), scene={"reverse_at": "1"})
+    return entries(cert, {}, {"exact": "1"}, {"turn": True})
+
+
+def held_to_a_face_that_moves() -> Told:
+    """A face comes up under a disc at rest, by very little; that the disc is its own mirror image is no sign against it."""
+    cert = among([bar(-4, 0, 4, 0, 8, vy=HAIR)], (0, 1, 0, 0), scene={"roots": ["2"]})
+    cert["isometries"] = [{**UPSIDE_DOWN, "shift": ["0", "2"], "map": [[0, 0]]}]
+    return entries(cert, {"met": [[0, 3]], "zeros": [["closing", [0, 3], 0]]})
+
+
+def turned_round_as_it_moves() -> Told:
+    """An isometry turns a segment that moves round about its middle: it flies off the other way."""
+    turn = {"matrix": ["-1", "0", "0", "-1"], "shift": ["0", "-40"], "map": [[3, 4]]}
+    return alike(turn, Segment(-4, -20, 4, -20, id="u", vx=1))
+
+
+def later_onto_a_moving_end() -> Told:
+    """A disc is thrown up through the end of a segment that moves, which is not told, and then falls onto it, which is."""
+    cert = among([bar("1/3", 50, 30, 50, "89/3", vx="1/1000")], (0, 0, 0, 20), scene={"gravity": DOWN})
+    return entries(cert, {}, {"time": "17.00453", "met": [[0, 1]], "rounds": [[[0, 1]]]})
+
+
+def crushed_late(reason: Told, *later: Told) -> Told:
+    """A lift takes a disc up to a press, and both close on it at 42/5: something is said of it after that."""
+    lift, press = bar(-3, 0, 3, 0, 6, vy="1/2"), bar(-3, 9, 3, 9, 6, vy="-1/3")
+    cert = among([lift, press], (0, 4, 0, 0), scene={"restitution": "0"}, end=reason)
+    return entries(cert, {}, {"met": [[0, 5]], "rounds": [[[0, 5]]]}, *later)
+
+
 UPPER, LOWER = Segment(-4, -20, 4, -20, id="u"), Segment(-4, -30, 4, -30, id="l", r=1)
 
 Changes = tuple[str, str] | list[tuple[str, str]]
+MOVED = ("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "pass")
+CANNOT_TURN = (
+    'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
+    "if (turned && (!elastic || drift)) malformed(",
+)
 SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "a face is met between its ends": (
         ("refuse(ranged and not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_a_face,
@@ -217,6 +288,37 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
     ),
     "which end is the larger is decided": (
         ('demand(sign, [-1, 0, 1], "which', 'demand(0, [-1, 0, 1], "which'), ("if (larger === undefined) undecided(", "if (0) undecided("), the_larger_by_a_hair,
+    ),
+    "an end that moves comes along": (
+        (" or any(z.m or z.r for z in self.things[j][2:4])", ""), ("(still ? x : A.sub(x, own[k][w]))", "x"), under_a_moving_end,
+    ),
+    "a joint that parts has two ends": (
+        ("for z in (*place, *way))", "for z in place)"), ("[x, y, vx, vy].map(v => this.spelled(v))", "[x, y].map(v => this.spelled(v))"), through_a_joint_that_parts,
+    ),
+    "a face has moved by the time it is met": (
+        MOVED, [("place = minus(place, own.map(x => A.mul(x, time)));", ""), ("way = minus(way, own);", "")], onto_where_it_was,
+    ),
+    "a face that went off is not met": (
+        MOVED, [("place = minus(place, own.map(x => A.mul(x, time)));", ""), ("way = minus(way, own);", "")], onto_a_face_that_went_off,
+    ),
+    "a face that came is met": (
+        ("wall.gap, wall.speed, wall.disc = gap", "if j in self.drift: wall.slide = wall.slide + (d[1] * p - d[0] * q)\n        wall.gap, wall.speed, wall.disc = gap"),
+        ("A.mul(along(way), gap())", "A.mul(along(u), gap())"), past_a_face_that_came,
+    ),
+    "no segment that moves is turned back": (
+        (CANNOT_TURN[0], "refuse(0,"), (CANNOT_TURN[1], "if (0) malformed("), turned_back_beside_what_moves,
+    ),
+    "no mirror holds to a face that moves": (
+        ("steered = self.pull or j in self.drift", "steered = self.pull"), (" || scene.steered(c)", ""), held_to_a_face_that_moves,
+    ),
+    "an isometry maps faces to such as move alike": (
+        ("zeros += falls + stays", "zeros += falls"), ("same((A, w) => this.image(A, w, [own[0][w], own[1][w]])[k], other[k], what);", ""), turned_round_as_it_moves,
+    ),
+    "an end that moves is met for the first time": (
+        ("if age: self.flies(c, age, 2 - abs(self.met[c]))", "pass"), ("if (c.drops) this.stays(c, 'flight', 1);", ""), later_onto_a_moving_end,
+    ),
+    "what is crushed by a horizon has met both": (
+        ("refuse(hit, f\"{c} meet on the way\")", "if hit: return"), ("(mode === 'ever' || at('gap', false) <= 0)) refute(`${c.name} meet on the way`);", "(mode === 'ever' || at('gap', false) <= 0)) return;"), lambda: crushed_late({"reason": "horizon", "until": "9"}),
     ),
 }  # fmt: skip
 """Each with what each checker has instead of it, as in `test_conditions.CONDITIONS`."""

@@ -213,12 +213,12 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         lambda: forged.shifted(m=2),
     ),
     "an isometry maps walls to parallel ones": (
-        ("[vx * wy - vy * wx, x * wx", "[x * wx"),
+        ("[vx * wy - vy * wx, *(s", "[*(s"),
         ("zero((A, w) => across(A, w, this.image(A, w, [A.sub(p.x1[w], p.x0[w]), A.sub(p.y1[w], p.y0[w])])), what);", ""),
         lambda: forged.beside_a_wall(matrix=["0", "-1", "1", "0"], shift=["9", "-9"]),
     ),
     "an isometry maps walls to where they are": (
-        ("[vx * wy - vy * wx, x * wx + y * wy]", "[vx * wy - vy * wx]"),
+        ("in ((x, y), stays, falls)", "in (stays, falls)"),
         ("return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);", "return A.sub(x, x);"),
         lambda: forged.beside_a_wall(shift=["1", "0"]),
     ),

@@ -33,6 +33,19 @@ def test_both_checkers_say_the_same_of_what_is_tampered_with(count: int, tmp_pat
 
 
 @needs_node
+@needs_node
+def test_a_campaign_of_what_moves_finds_no_fault_and_would_find_a_run_that_is_not_verified(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = list(campaign.campaign(range(30), tmp_path, campaign.moving))
+    assert [result.fault for result in results if result.fault] == []
+    honest = [result for result in results if result.made.startswith(campaign.AS_IT_IS)]
+    assert len(honest) > 7 and sum(result.python == REFUTED for result in results) > 5
+    monkeypatch.setattr(campaign, "by_python", lambda path: (UNDECIDED, "as if it did not know"))
+    wrong = list(campaign.campaign([honest[0].number], tmp_path, campaign.moving))
+    assert wrong[0].fault.startswith("it is a run of the engine")
+
+
 def test_a_campaign_goes_on_where_it_was_ended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "results"
     assert campaign.main([str(file), "--count", "3"]) == 0

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import subprocess
+from copy import deepcopy
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -12,9 +14,17 @@ import pytest
 from segment_scenes import scene_of
 
 from certificate.checkers import both_verify, by_python, needs_node
-from certificate.segment_forgeries import beside_a_face
+from certificate.forging import refused_by_both
+from certificate.peg_samples import (
+    another_thing,
+    bounce_left_out,
+    carried_by_hand,
+    carried_samples,
+    less_said_of_a_time,
+)
+from certificate.segment_forgeries import STOPPED, beside_a_face, crushed_late
 from certificate.test_conditions import completed, lax, lax_second
-from certificate.test_tampering import WAYS, Told, altered, refused
+from certificate.test_tampering import WAYS, Told, altered, refused, shown_true
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
@@ -138,6 +148,51 @@ def other_part(told: Told, draw: Random) -> None:
 BAR_WAYS = (moved_bar, turned_bar, thicker_bar, longer_bar, no_bar, other_part)
 
 
+def another_pace(told: Told, draw: Random) -> None:
+    """A segment has another velocity, or stops; or moves, where it stood."""
+    row, key = draw.choice(told["scene"]["segments"]), draw.choice(["vx", "vy"])
+    pace = row.get(key, "0")
+    row[key] = draw.choice(["0", "1/10", "-1", pace + "+1/1" + "0" * 30, pace + "-1/1000"])
+
+
+def opposite_pace(told: Told, draw: Random) -> None:
+    """A segment moves the other way."""
+    moving = [row for row in told["scene"]["segments"] if "vx" in row]
+    row = draw.choice(moving or [{"vx": "0", "vy": "0"}])
+    for key in ("vx", "vy"):
+        row[key] = row[key][1:] if row[key].startswith("-") else f"-{row[key]}"
+
+
+CARRIED_WAYS = (another_pace, opposite_pace, *BAR_WAYS, less_said_of_a_time, bounce_left_out, another_thing)
+
+
+def test_both_verify_runs_among_what_moves(tmp_path: Path) -> None:
+    samples = carried_samples()
+    pushes = [entry["rounds"] for told in samples.values() for entry in told["instants"] if entry.get("rounds")]
+    ways = [told["scene"] for told in samples.values()]
+    assert len(pushes) > 200 and sum("gravity" in scene for scene in ways) > 20
+    assert sum(any("vx" in row for row in scene["segments"]) for scene in ways) > 50
+    both_verify(samples.items(), tmp_path)
+
+
+@needs_node
+@pytest.mark.parametrize("count", [150, pytest.param(1500, marks=pytest.mark.slow)])
+@pytest.mark.timeout(3600)
+def test_altered_runs_among_what_moves_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    tried = altered(count, (*CARRIED_WAYS, *WAYS), "carriedA", carried_samples())
+    assert refused(tried, tmp_path) > count // 2
+
+
+def test_a_certificate_is_compared_with_what_is_meant_to_move() -> None:
+    scene = carried_by_hand()["onto a wedge"][0]
+    block = certificate_of(ExactEngine().run(scene, events=1))["scene"]
+    assert difference(block, scene) is None
+    slow = scene.with_changes(segments=[Segment(-3, 9, 3, 9, id="press", vy="-1/4")])
+    assert difference(block, slow) == "segment 'press': vy is -1/3, not -1/4"
+    stood = scene.with_changes(polygons=[Polygon([(-2, 0), (2, 0), (0, 2)], "wedge", vx="1/9")])
+    assert difference(block, stood) == "segment 'wedge/1': vy is 1/3, not 0"
+
+
 @needs_node
 @pytest.mark.parametrize("count", [150, pytest.param(1500, marks=pytest.mark.slow)])
 def test_altered_runs_among_segments_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
@@ -172,11 +227,11 @@ FAULTS = {
     ),
     "the range with the wrong sign": (
         [("m.slide * m.gap - m.twice * m.foot", "m.twice * m.foot - m.slide * m.gap")],
-        [("A.sub(A.mul(along(u), gap()), A.twice(A.mul(closing(), foot())))", "A.sub(A.twice(A.mul(closing(), foot())), A.mul(along(u), gap()))")],
+        [("A.sub(A.mul(along(way), gap()), A.twice(A.mul(closing(), foot())))", "A.sub(A.twice(A.mul(closing(), foot())), A.mul(along(way), gap()))")],
     ),
     "an end without thickness": (
-        [("found[key] = [*place, NONE, NONE, r, NONE]", "found[key] = [*place, NONE, NONE, NONE, NONE]")],
-        [("y: this.number(y), r: thick, vx", "y: this.number(y), r: zero, vx")],
+        [("found[key] = [*place, *way, r, NONE]", "found[key] = [*place, *way, NONE, NONE]")],
+        [("y: py, r: thick, vx", "y: py, r: zero, vx")],
     ),
     "a face without thickness": (
         [("(r + more) * size", "r * size")],
@@ -188,7 +243,7 @@ FAULTS = {
     ),
     "one end alone": (
         [("for place in (x, y), (u, v):", "for place in [(x, y)]:")],
-        [("of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick)", "of [[e.x0, e.y0]]) end(id, x, y, thick)")],
+        [("of [[e.x0, e.y0], [e.x1, e.y1]]) end(id, x, y, thick, e.vx, e.vy)", "of [[e.x0, e.y0]]) end(id, x, y, thick, e.vx, e.vy)")],
     ),
     "the thinner of two ends at a place": (
         [("if sign == 1: found", "if sign == (-1 if key in found else 1): found")],
@@ -196,6 +251,73 @@ FAULTS = {
     ),
 }  # fmt: skip
 """Of each what the first checker has instead, and the second."""
+
+MOVING_FAULTS = {
+    "faces that stand": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "pass")], [("if (wall.way) {", "if (0) {")],
+    ),
+    "faces that move the other way": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "x, y, vx, vy = x + p * time, y + q * time, vx + p, vy + q")],
+        [("const own = wall.way.map(x => x[w]);", "const own = wall.way.map(x => A.neg(x[w]));")],
+    ),
+    "faces that push as if they stood": (
+        [("x, y, vx, vy = x - p * time, y - q * time, vx - p, vy - q", "x, y = x - p * time, y - q * time")],
+        [("way = minus(way, own);", "")],
+    ),
+    "ends that stand": (
+        [("found[key] = [*place, *way, r, NONE]", "found[key] = [*place, NONE, NONE, r, NONE]")],
+        [("vx: ux, vy: uy, w: zero, end: true, way: this.way(ux, uy)", "vx: zero, vy: zero, w: zero, end: true, way: null")],
+    ),
+    "ends that move the other way": (
+        [("found[key] = [*place, *way, r, NONE]", "found[key] = [*place, *(-z for z in way), r, NONE]")],
+        [("(x => ({ p: [x.x, x.y], v: [x.vx, x.vy],", "(x => ({ p: [x.x, x.y], v: [x.vx, x.vy].map(v => (x.end ? v.map((z, w) => scene.worlds[w].neg(z)) : v)),"),
+         ("(still ? x : A.sub(x, own[k][w]))", "(still ? x : A.add(x, own[k][w]))")],
+    ),
+    "ends that push as if they stood": (
+        [("speeds = p - vx, q - vy", "speeds = (-vx, -vy) if not getattr(w := self.things[j][5], 'm', w) else (p - vx, q - vy)")],
+        [("(still ? x : A.sub(x, own[k][w]))", "x"), (": minus(v, u);\n    const reach", ": minus(this.circles[c.j].end ? [A.zero, A.zero] : v, u);\n    const reach")],
+    ),
+    "one side of a segment alone moves": (
+        [("for row in segments for _ in range(2)]]", "for row in segments for row in (row, [NONE])]]")],
+        [("length, thick, face, way });\n      this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face, way });", "length, thick, face, way });\n      this.walls.push({ id, x0: x1, y0: y1, x1: x0, y1: y0, length, thick, face, way: null });")],
+    ),
+}  # fmt: skip
+"""The same, of what moves."""
+
+
+@needs_node
+@pytest.mark.parametrize("fault", MOVING_FAULTS)
+def test_faults_planted_in_what_moves_are_found_and_what_they_tell_is_refused(fault: str, tmp_path: Path) -> None:
+    """A checker with the fault finds runs of the engine wrong; and what that checker has to say of them, both refuse."""
+    first, second = MOVING_FAULTS[fault]
+    checker, told, paths = lax(first), carried_samples(), []
+    for number, cert in enumerate(told.values()):
+        paths.append(tmp_path / f"{number}.json")
+        paths[-1].write_text(certificate_json(cert), encoding="utf-8")
+    wrong = [path for path in paths if checker.verdict(path)[0]]
+    assert len(wrong) > 3
+    program = lax_second(second, tmp_path / "faulty")
+    done = subprocess.run(["node", str(program), *map(str, paths)], capture_output=True, text=True, check=False)
+    assert sum(not line.startswith("verified") for line in done.stdout.splitlines()) > 3
+    forged = 0
+    for cert in told.values():
+        try:
+            other = completed(deepcopy(cert), checker)
+        except (checker.Refuted, checker.Unsettled):
+            continue
+        if shown_true(other):  # nothing of what has the fault comes in
+            continue
+        forged += 1
+        refused_by_both(other, tmp_path / "forged.json")
+    assert bool(forged) is (fault != "ends that move the other way")  # which meet nothing
+
+
+@needs_node
+@pytest.mark.parametrize("time, contact", [("42/5", 7), ("17/2", 7), ("9", 8), ("9", 5)])
+def test_nothing_happens_to_what_has_been_crushed(time: str, contact: int, tmp_path: Path) -> None:
+    """A lift and a press close on a disc at 42/5: no push, at that time or later, of either side of either, is verified."""
+    push = {"time": str(float(Fraction(time))), "exact": time, "met": [[0, contact]], "rounds": [[[0, contact]]]}
+    refused_by_both(crushed_late(STOPPED, push), tmp_path / "forged.json")
 
 
 @needs_node

@@ -169,7 +169,7 @@ def short_to_long() -> Told:
 Changes = tuple[str, str] | list[tuple[str, str]]
 CANNOT_TURN = (
     'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
-    "if (turned && (!elastic || this.walls.some(x => x.way))) malformed(",
+    "if (turned && (!elastic || drift)) malformed(",
 )
 MORE = (
     'refuse(pull and pockets and scene.get("capture"), ',
@@ -208,11 +208,11 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
         ('demand(sign, [-1, 0, 1], f"whether gravity pulls to {j}")', "(sign or 0)"), ("undecided(`whether gravity pulls along wall ${wall.id}`)", "0"), hardly_pulled,
     ),
     "an isometry maps walls to such as move alike": (
-        ("if self.drift else []", "if 0 else []"), ("ways = [[p.way, q.way], [", "ways = [["),
+        ("in ((x, y), stays, falls)", "in ((x, y), falls)"), ("ways = [[p.way, q.way], [", "ways = [["),
         lambda: no_image({**SAME, "shift": ["0", "1"], "map": [[1, 2]]}, [wall(0, 0, 1, 0, vy=1), wall(0, 1, 1, 1)]),
     ),
     "an isometry maps walls to such as are pulled alike": (
-        ("[(self.pull, self.pull)] if self.pull else []", "[]"), (", [scene.gravity, scene.gravity]]", "]"),
+        ("in ((x, y), stays, falls)", "in ((x, y), stays)"), (", [scene.gravity, scene.gravity]]", "]"),
         lambda: no_image({**UPSIDE_DOWN, "map": [[1, 1]]}, FLOOR, gravity=DOWN),
     ),
     "nothing comes back before the run is turned": (
@@ -271,7 +271,7 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
         ("*(r - s for r, s in zip(k, m, strict=False))]", "]"), ("same((A, w) => own.far[w], other.far, what);", ""), short_to_long,
     ),
     "no mirror holds to a wall that moves": (
-        ("steered = c in self.bends or j in self.slopes", "steered = False"), (" || scene.steered(c)", ""), held_to_what_moves,
+        ("steered = self.pull or j in self.drift", "steered = False"), (" || scene.steered(c)", ""), held_to_what_moves,
     ),
 }  # fmt: skip
 """Each with what each checker has instead of it, as in `test_conditions.CONDITIONS`."""
