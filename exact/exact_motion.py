@@ -430,6 +430,10 @@ class ExactMotion:
         stands = self._halves is None or i in self.log.scene.pegs
         return not stands and not self.log.carries(i, self.knots[i][k][5])
 
+    def carries(self, place: int, time: ExactValue | QuantityLike) -> bool:
+        """Whether a wall carries a circle, by its place in the scene, from a time on."""
+        return self.log.carries(place, self.knots[place][self._knot(place, self._within(time))][5])
+
     @kept
     def _rough(self) -> list[list[float]]:
         """About when each knot is."""

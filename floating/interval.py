@@ -306,23 +306,25 @@ class IntervalMotion:
             for i in circles:
                 knots, falling = self.knots[i], None if i in self.pegs else self.falling
                 carried = self.carried.get(i, ())
-                if time is self.end:
-                    places = [len(knots) - 1]
-                elif isinstance(time, IntervalNumber) and time.instant is not None:
-                    places = [max(bisect_right(knots, time.instant, key=_instant) - 1, 0)]
-                else:
-                    held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
-                    sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
-                    places = [k for k in held if k >= sure] or [0]
-                rows.append(
-                    tuple(
-                        map(
-                            IntervalNumber,
-                            _hull([_flown(knots[k], at, None if k in carried else falling) for k in places]),
-                        )
-                    )
-                )
+                ways = [_flown(knots[k], at, None if k in carried else falling) for k in self._places(i, time, at)]
+                rows.append(tuple(map(IntervalNumber, _hull(ways))))
             return rows
+
+    def _places(self, i: int, time: Any, at: Any) -> list[int]:
+        """The knots of a circle from which on it may fly at a time."""
+        knots = self.knots[i]
+        if time is self.end:
+            return [len(knots) - 1]
+        if isinstance(time, IntervalNumber) and time.instant is not None:
+            return [max(bisect_right(knots, time.instant, key=_instant) - 1, 0)]
+        held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
+        sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
+        return [k for k in held if k >= sure] or [0]
+
+    def carries(self, place: int, time: Any) -> bool:
+        """Whether a wall certainly carries a circle, by its place in the scene, from a time on."""
+        with INTERVALS.at(self.bits):
+            return self.carried.get(place, frozenset()).issuperset(self._places(place, time, _interval(time)))
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the middles; what is at rest throughout is looked up once."""

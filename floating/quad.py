@@ -195,11 +195,7 @@ class QuadMotion:
             raise ValueError(f"time {float(time)!r} is outside of the run: it lasts from 0 to {float(self.end)!r}")
         rows: list[tuple[float, float, float, float]] = []
         for i, knots in enumerate(self.knots):
-            if isinstance(time, QuadTime):
-                k = bisect_right(knots, time.instant, key=_instant) - 1
-            else:
-                k = bisect_right(knots, at, key=_time) - 1
-            k = max(k, 0)
+            k = _place(knots, time, at)
             t, x, y, vx, vy, _ = knots[k]
             lag = at - t
             if self.falling is not None and i not in self.pegs and k not in self.carried.get(i, ()):
@@ -208,6 +204,10 @@ class QuadMotion:
                 continue
             rows.append((float(advance(x, vx, lag)), float(advance(y, vy, lag)), float(vx), float(vy)))
         return rows
+
+    def carries(self, place: int, time: SupportsFloat) -> bool:
+        """Whether a wall carries a circle, by its place in the scene, from a time on."""
+        return _place(self.knots[place], time, _quad(time)) in self.carried.get(place, ())
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same for many times.
@@ -224,6 +224,13 @@ def _instant(knot: Passed[DoubleDouble]) -> int:
 
 def _time(knot: Passed[DoubleDouble]) -> DoubleDouble:
     return knot[0]
+
+
+def _place(knots: Sequence[Passed[DoubleDouble]], time: SupportsFloat, at: DoubleDouble) -> int:
+    """The knot from which on a circle flies at a time."""
+    if isinstance(time, QuadTime):
+        return max(bisect_right(knots, time.instant, key=_instant) - 1, 0)
+    return max(bisect_right(knots, at, key=_time) - 1, 0)
 
 
 def _quad(time: SupportsFloat) -> DoubleDouble:

@@ -67,6 +67,7 @@ class Violation:
             "bystander": f"the velocity of {who} changes by {size} without a contact",
             "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
             "depth": f"{who} fly {size} into each other, and do not collide",
+            "support": f"{who} are {size} from touching as the one is carried by the other",
         }[self.kind]
         return f"event {self.event} (t = {self.time:.9g}): {what}; rounding may make it {self.room:.3g}"
 
@@ -173,8 +174,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.gravity is not None and run.scene.pockets:
         return Audit(None, "pockets are not audited yet under gravity")
-    if run.scene.settle:
-        return Audit(None, "what walls carry is not audited yet")
+    if run.scene.settle and engine.step is not None:
+        return Audit(None, "what walls carry is not audited yet in steps")
     if run.scene.moving_solid is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet")
     if run.scene.other_walls:
@@ -186,6 +187,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     transcript = Transcript(run, engine.bits is not None, 0.0 if engine.bits is None else 2.0**-engine.bits)
     if not transcript.states:
         return Audit(None, "the record has no states, so that only times and partners can be compared")
+    if transcript.carries is None:
+        return Audit(None, "its motion does not say what walls carry")
     unit = unit_of(engine, transcript)
     with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide, fall=transcript.fall)
@@ -265,7 +268,7 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
         impacts += len(instant.impulses)
         flights += len(instant.after)
     times = sorted(float(event.time) for event in run.events)
-    for passage in passages(laws, transcript.flights(), transcript.end, gone):
+    for passage in passages(laws, transcript.flights(), transcript.end, gone, transcript.carried):
         if not laws.restitution and math.isinf(passage.time):
             continue  # what slides along is carried into it by the rounding of no speed at all, in endless time
         flown = passage.time - passage.began
@@ -549,7 +552,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             events += len(instant.events)
         found.end = transcript.end
         turn = math.inf if run.reversal is None else float(run.reversal.time)
-        for passage in passages(laws, transcript.flights(), transcript.end, gone):
+        for passage in passages(laws, transcript.flights(), transcript.end, gone, transcript.carried):
             base = turn if passage.time > turn else 0.0
             through = step > 0.0 and passes_between(passage.enter, passage.leave, step, base)
             (found.tunnels if through else found.passages).append(passage)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,6 +11,7 @@ from flint import arb
 
 from ...exact.replay.round_falls import RoundFall, told_falling_zero
 from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, SideInBalls, WallInBalls, size_of
+from .transcript import Leg, legs_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,30 +28,6 @@ MOST_CELLS = 4096
 
 CLOSE = 2.0**-46
 """Share of all sizes by which doubles may be wrong about how near two come: what is nearer is enclosed."""
-
-
-class Leg(NamedTuple):
-    """One flight of one circle, as doubles: from `start` to `end`.
-
-    Attributes:
-        apart, turned: how far place and velocity may be from these, where the engine's numbers are enclosures.
-    """
-
-    circle: int
-    start: float
-    end: float
-    t: float
-    x: float
-    y: float
-    vx: float
-    vy: float
-    apart: float = 0.0
-    turned: float = 0.0
-
-    @property
-    def speed(self) -> float:
-        """Of the circle."""
-        return math.hypot(self.vx, self.vy)
 
 
 class Passage(NamedTuple):
@@ -86,7 +63,11 @@ def passes_between(enter: float, leave: float, step: float, base: float) -> bool
 
 
 def passages(
-    laws: Laws, flights: Sequence[Sequence[Sequence[float]]], end: float, gone: Mapping[int, float]
+    laws: Laws,
+    flights: Sequence[Sequence[Sequence[float]]],
+    end: float,
+    gone: Mapping[int, float],
+    carried: Mapping[int, Collection[int]],
 ) -> Iterator[Passage]:
     """Every depth that is more than rounding, pair by pair and flight by flight.
 
@@ -96,37 +77,69 @@ def passages(
         flights: for each circle (t, x, y, vx, vy), by ascending time.
         end: up to when the last of each goes on; infinite where nothing is left to happen.
         gone: when circles leave play.
+        carried: by circle, the places of its flights along which a wall carries it.
     """
-    legs = [leg for k, row in enumerate(flights) for leg in _legs(k, row, min(end, gone.get(k, end)))]
+    legs = [
+        leg for k, row in enumerate(flights) for leg in legs_of(k, row, min(end, gone.get(k, end)), carried.get(k, ()))
+    ]
     legs.sort(key=lambda leg: leg.start)
     near = _All(laws) if laws.count <= FEW or laws.fall is not None else _Cells(laws, legs)
     for leg in legs:
+        found: list[Passage | None] = []
+        fall = laws.fall if laws.moving[leg.circle] and not leg.carried else None
         if laws.moving[leg.circle]:
             for wall in range(len(laws.scene.walls)):
-                if laws.fall is None:
-                    found = _across(laws, leg, wall)
+                if fall is None:
+                    found.append(_across(laws, leg, wall))
                 else:
-                    found = (_fallen_into if wall in laws.scene.faces else _fallen_across)(laws, leg, wall, laws.fall)
-                if found is not None:
-                    yield found
-            for side in range(len(laws.sides)):
-                found = (
-                    _into_side(laws, leg, side) if laws.fall is None else _fallen_to_side(laws, leg, side, laws.fall)
-                )
-                if found is not None:
-                    yield found
+                    found.append((_fallen_into if wall in laws.scene.faces else _fallen_across)(laws, leg, wall, fall))
+            found += [
+                _into_side(laws, leg, side) if fall is None else _fallen_to_side(laws, leg, side, fall)
+                for side in range(len(laws.sides))
+            ]
+        if leg.carried:
+            found.append(_unsupported(laws, leg))
         for other in near.beside(leg):
-            if laws.moving[leg.circle] or laws.moving[other.circle]:
-                if laws.fall is None:
-                    found = _between(laws, leg, other)
-                elif laws.moving[leg.circle] != laws.moving[other.circle]:
-                    falls, stands = (leg, other) if laws.moving[leg.circle] else (other, leg)
-                    found = _fallen_onto(laws, falls, stands, laws.fall)
-                else:  # two fall alike: from where the later flight begins, they pass each other on a straight way
-                    start = max(leg.start, other.start)
-                    found = _between(laws, _from(leg, start, laws.fall), _from(other, start, laws.fall))
-                if found is not None:
-                    yield found
+            if not (laws.moving[leg.circle] or laws.moving[other.circle]):
+                continue
+            also = laws.fall if laws.moving[other.circle] and not other.carried else None
+            if fall is not None and also is not None:
+                # two fall alike: from where the later flight begins, they pass each other on a straight way
+                start = max(leg.start, other.start)
+                found.append(_between(laws, _from(leg, start, fall), _from(other, start, fall)))
+            elif fall is not None:
+                found.append(_fallen_onto(laws, leg, other, fall))
+            else:
+                found.append(_between(laws, leg, other) if also is None else _fallen_onto(laws, other, leg, also))
+        yield from (passage for passage in found if passage is not None)
+
+
+def _unsupported(laws: Laws, leg: Leg) -> Passage | None:
+    """How far a circle that a wall carries is from any that can: one across gravity, to which gravity pulls it.
+
+    Looked at is where its flight begins and ends; of one without an end, where it has gone its own distance. A face
+    carries between its ends alone.
+    """
+    radius = laws.things[leg.circle].radius
+    away = math.hypot(leg.x, leg.y) + radius
+    later = leg.end if leg.end < math.inf else leg.start + (away / leg.speed if leg.speed else 1.0)
+    worst: Passage | None = None
+    for time in (leg.start, later):
+        nearest = Residual("support", (leg.circle,), math.inf, 0.0)
+        x, y = (arb(time) - leg.t) * leg.vx + leg.x, (arb(time) - leg.t) * leg.vy + leg.y
+        for wall in laws.supports[leg.circle]:
+            line = laws.line(leg.circle, wall)
+            gap = line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[leg.circle].r
+            along = float((line.nx * (y - line.y) - line.ny * (x - line.x)).mid())
+            beside = max(0.0, -along, along - line.length) if wall in laws.scene.faces else 0.0
+            size = math.hypot(size_of(gap), beside)
+            sizes = (away + leg.speed * (time - leg.t) + leg.speed * time) + line.size * (1 + abs(along) / line.length)
+            room = ROOT_UNITS * laws.unit * (sizes + radius) + LEAST + leg.apart + leg.turned * (time - leg.t)
+            if size - room < nearest.size - nearest.room:
+                nearest = Residual("support", (leg.circle, laws.count + wall), size, room)
+        if nearest.broken and (worst is None or nearest.size > worst.residual.size):
+            worst = Passage(time, nearest, leg.start)
+    return worst
 
 
 def _from(leg: Leg, start: float, fall: Fall) -> Leg:
@@ -194,8 +207,14 @@ def _as_fallen(leg: Leg, start: float, fall: Fall) -> tuple[float, float, float,
     return x, y, vx + late * float(fall.gx), vy + late * float(fall.gy)
 
 
+def _slid(leg: Leg, time: float, x: arb | float, y: arb | float) -> tuple[arb, arb]:
+    """How far from a place a circle is at a time that does not fall."""
+    span = arb(time) - leg.t
+    return span * leg.vx + leg.x - x, span * leg.vy + leg.y - y
+
+
 def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | None:
-    """How deep a circle falls into one that stands: where it is nearest, or at the end of its flight.
+    """How deep a circle falls into one that does not: where it is nearest, or at the end of its flight.
 
     Each time that the two come to overlap is looked at, up to one that is deeper than rounding.
     """
@@ -204,7 +223,8 @@ def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | Non
     if end <= start or not wide:
         return None
     x, y, vx, vy = _as_fallen(leg, start, fall)
-    begun = RoundFall(stands.x - x, stands.y - y, -vx, -vy, float(fall.gx) / 2, float(fall.gy) / 2, wide)
+    dx, dy = (float(value.mid()) for value in _slid(stands, start, x, y))
+    begun = RoundFall(dx, dy, stands.vx - vx, stands.vy - vy, float(fall.gx) / 2, float(fall.gy) / 2, wide)
     since, now = 0.0, begun
     overlaps = begun.gap() <= 0.0
     while True:
@@ -240,8 +260,9 @@ def _fallen_deep(laws: Laws, leg: Leg, stands: Leg, fall: Fall, start: float, ti
     fastest = leg.speed
     for moment in (start, time):
         x, y, vx, vy = _fallen(leg, moment, fall)
-        gaps.append(((stands.x - x) ** 2 + (stands.y - y) ** 2).sqrt() - one.r - other.r)
-        fastest = max(fastest, math.hypot(float(vx.mid()), float(vy.mid())))
+        dx, dy = _slid(stands, moment, x, y)
+        gaps.append((dx * dx + dy * dy).sqrt() - one.r - other.r)
+        fastest = max(fastest, math.hypot(float(vx.mid()), float(vy.mid())) + stands.speed)
     first, then = gaps
     deeper = (first.min(arb(0)) - then).mid()
     size, wide = size_of(deeper) if deeper > 0 else 0.0, one.radius + other.radius
@@ -249,7 +270,13 @@ def _fallen_deep(laws: Laws, leg: Leg, stands: Leg, fall: Fall, start: float, ti
     sizes = far + math.hypot(leg.x, leg.y) + math.hypot(stands.x, stands.y) + 2 * fastest * time
     steps = 1.0 + (time - leg.t) / fall.step if fall.step else 1.0
     room = laws.unit * steps * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / wide) + wide)) + LEAST
-    room += leg.apart + leg.turned * (time - leg.t) + stands.apart + laws.underflown(fastest, 0.0)
+    room += (
+        leg.apart
+        + leg.turned * (time - leg.t)
+        + stands.apart
+        + stands.turned * (time - stands.t)
+        + laws.underflown(fastest, 0.0)
+    )
     pair = (min(leg.circle, stands.circle), max(leg.circle, stands.circle))
     return Residual("depth", pair, size, room) if size > room else None
 
@@ -326,13 +353,6 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     leave = start + (through if thick else wait)
     residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
     return Passage(time, residual, start, start + wait, leave if wait > 0.0 and leave < leg.end else math.inf)
-
-
-def _legs(k: int, row: Sequence[Sequence[float]], end: float) -> Iterator[Leg]:
-    for n, knot in enumerate(row):
-        until = min(end, row[n + 1][0]) if n + 1 < len(row) else end
-        if until > knot[0] or (n + 1 == len(row) and until == knot[0]):
-            yield Leg(k, knot[0], until, *knot)
 
 
 class _All:

@@ -73,10 +73,10 @@ class Residual(NamedTuple):
         return self.size > self.room
 
 
-KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "phantom")
+KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "support", "phantom")
 """The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
-energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; one whose
-impulse is below rounding, which breaks no law."""
+energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; a circle
+that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
 
 
 ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
@@ -222,6 +222,9 @@ class Laws:
         step: its time step, if it has one: each adds its roundings to a flight.
         fall: the gravity, as the engine's `Transcript` has it; None without.
 
+    Attributes:
+        supports: by circle, the walls that can carry it: those across gravity, to which that pulls it.
+
     To be used at `AUDIT_BITS`.
     """
 
@@ -248,6 +251,8 @@ class Laws:
         self.moving = [not c.fixed for c in scene.circles]
         self._fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
         self._sides = Sides(scene)
+        level = [w for w in range(len(scene.walls)) if scene.settle and self._sides.level(w)]
+        self.supports = [[w for w in level if self._sides.pull(k, w) < 0] for k in range(self.count)]
         self._ends_of = {wall: parts.ends for parts in self.parts.values() for wall in parts.faces}
         self.first_side = self.count + len(scene.walls)
         self.sides = [self._side(k, side) for k, side in enumerate(scene.arc_sides)]
@@ -426,7 +431,7 @@ class Laws:
         blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, instant.left(j))
         if not near:  # two centres in one place: no line joins them
             return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
-        one_falls = self.fall is not None and self.moving[i] != self.moving[j]
+        one_falls = self.fall is not None and _falls(self, i, a) != _falls(self, j, b)
         fast = 2 * max(speed, a.speed, b.speed) if one_falls else speed  # g t is no more than both its speeds
         far = near + fast * max(0.0, time - max(a.time, b.time))
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
@@ -436,7 +441,7 @@ class Laws:
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         bounced = None
         if one_falls and self.fall is not None:
-            opening, bounced = self._bounced(opening, nx, ny, self.fall, 1 if self.moving[i] else -1)
+            opening, bounced = self._bounced(opening, nx, ny, self.fall, 1 if _falls(self, i, a) else -1)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched, bounced)
 
     def _bounced(self, opening: arb, nx: arb, ny: arb, fall: Fall, sign: int = 1) -> tuple[arb, arb | None]:
@@ -611,6 +616,11 @@ class Laws:
         wall = place - self.count
         exact = self.scene.walls[wall] if 0 <= wall < len(self.scene.walls) else None
         return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
+
+
+def _falls(laws: Laws, k: int, flight: ReportedFlight) -> bool:
+    """Whether a circle falls along a flight under gravity: it is neither fixed nor carried by a wall."""
+    return laws.moving[k] and not flight.carried
 
 
 def _bent_beside(laws: Laws, side: SideInBalls, x: arb, y: arb, near: float, blur: float, radius: float) -> float:

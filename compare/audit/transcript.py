@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -15,7 +15,7 @@ from flint import arb
 from ...exact.numbers import ball
 from ...exact.replay.contact import places_of
 from ...exact.replay.parts import PartsNear
-from ...floating.knots import NEXT_TO, DoubleMotion, EventMotion, SteppedFall
+from ...floating.knots import NEXT_TO, DoubleMotion, EventMotion, FallingMotion, SteppedFall
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 
@@ -47,6 +47,7 @@ class ReportedFlight(NamedTuple):
         time, place, speed: sizes as doubles: of t, of (x, y), of (vx, vy).
         made: how many events the run had when it began.
         fallen: under gravity, a speed of which each rounding of the engine's may take its share; see `Fall.straight`.
+        carried: whether a wall carries the circle, by what the engine says: then it does not fall.
     """
 
     t: arb
@@ -59,6 +60,7 @@ class ReportedFlight(NamedTuple):
     speed: float
     made: int
     fallen: float = 0.0
+    carried: bool = False
 
     def turned(self) -> ReportedFlight:
         """The same with the velocity negated.
@@ -119,7 +121,7 @@ class Fall(NamedTuple):
         [3.0, 0.0, 1.0, -6.0]
         """
         span = t - flight.t
-        if span.is_zero():
+        if span.is_zero() or flight.carried:
             return flight
         way, gain = self.fallen(span)
         vx, vy = flight.vx + self.gx * gain, flight.vy + self.gy * gain
@@ -135,17 +137,16 @@ Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
 """t, x, y, vx, vy of one circle, in the engine's numbers."""
 
 
-def flight_of(row: Row, made: int) -> ReportedFlight:
+def flight_of(row: Row, made: int, carried: bool = False) -> ReportedFlight:
     """A flight from (t, x, y, vx, vy)."""
     if type(row[0]) is float and type(row[1]) is float:
         t, x, y, vx, vy = row
-        return ReportedFlight(
-            arb(t), arb(x), arb(y), arb(vx), arb(vy), abs(t), math.hypot(x, y), math.hypot(vx, vy), made
-        )  # fmt: skip
-    numbers = [arb(float(value)) if isinstance(value, float) else real(value).ball(READ_BITS) for value in row]
-    near = [float(value.mid()) for value in numbers]
-    t, x, y, vx, vy = numbers
-    return ReportedFlight(t, x, y, vx, vy, abs(near[0]), math.hypot(*near[1:3]), math.hypot(*near[3:]), made)
+        sizes = abs(t), math.hypot(x, y), math.hypot(vx, vy)
+        return ReportedFlight(arb(t), arb(x), arb(y), arb(vx), arb(vy), *sizes, made, 0.0, carried)
+    t, x, y, vx, vy = (arb(float(v)) if isinstance(v, float) else real(v).ball(READ_BITS) for v in row)
+    near = [float(value.mid()) for value in (t, x, y, vx, vy)]
+    sizes = abs(near[0]), math.hypot(*near[1:3]), math.hypot(*near[3:])
+    return ReportedFlight(t, x, y, vx, vy, *sizes, made, 0.0, carried)
 
 
 def _middle(flight: ReportedFlight) -> tuple[float, ...]:
@@ -154,6 +155,42 @@ def _middle(flight: ReportedFlight) -> tuple[float, ...]:
     wide = [float(value.rad()) for value in numbers]
     apart = wide[1] + wide[2] + flight.speed * wide[0] + NEAREST * (flight.place + flight.speed * flight.time)
     return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4] + NEAREST * flight.speed)
+
+
+class Leg(NamedTuple):
+    """One flight of one circle, as doubles: from `start` to `end`.
+
+    Attributes:
+        apart, turned: how far place and velocity may be from these, where the engine's numbers are enclosures.
+        carried: whether a wall carries it: then the flight is straight under gravity, too.
+    """
+
+    circle: int
+    start: float
+    end: float
+    t: float
+    x: float
+    y: float
+    vx: float
+    vy: float
+    apart: float = 0.0
+    turned: float = 0.0
+    carried: bool = False
+
+    @property
+    def speed(self) -> float:
+        """Of the circle."""
+        return math.hypot(self.vx, self.vy)
+
+
+def legs_of(k: int, row: Sequence[Sequence[float]], end: float, carried: Collection[int]) -> Iterator[Leg]:
+    """The flights of a circle's row, up to an end."""
+    for n, knot in enumerate(row):
+        until = min(end, row[n + 1][0]) if n + 1 < len(row) else end
+        if until > knot[0] or (n + 1 == len(row) and until == knot[0]):
+            t, x, y, vx, vy, *more = knot
+            apart, turned = more or (0.0, 0.0)
+            yield Leg(k, t, until, t, x, y, vx, vy, apart, turned, n in carried)
 
 
 @dataclass
@@ -228,6 +265,8 @@ class Transcript:
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.
         fall: the gravity of the run; None without.
+        carries: whether a wall carries a circle, by its place, from a time on; None where the motion does not say.
+        carried: by circle, the places in its row of `flights` of those along which a wall carries it.
         end: up to when flights are known, once all of it is read; infinite where nothing is left to happen.
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -250,6 +289,11 @@ class Transcript:
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.gone: dict[int, float] = {}
+        told = not run.scene.settle or isinstance(motion, FallingMotion)
+        self.carries: Callable[[int, Any], bool] | None = (
+            (lambda *_: False) if told else getattr(motion, "carries", None)
+        )
+        self.carried: Mapping[int, Collection[int]] = motion.carried if isinstance(motion, FallingMotion) else {}
         self.fall: Fall | None = None
         if run.scene.gravity is not None:
             gx, gy = (ball.constant(part) for part in run.scene.gravity)
@@ -272,11 +316,11 @@ class Transcript:
 
     def _first(self) -> list[ReportedFlight]:
         if isinstance(self._motion, DoubleMotion):
-            return [flight_of(row[0][:5], 0) for row in self._motion.knots]
+            return [flight_of(row[0][:5], 0, 0 in self.carried.get(k, ())) for k, row in enumerate(self._motion.knots)]
         if self.run.events and float(self.run.events[0].time) == 0.0:  # a state at 0 is the one that it leaves
             rows = [(c.x, c.y, c.vx, c.vy) for c in self.run.scene.circles]
             return [self._flight((0.0, *row), 0) for row in rows]
-        return [self._flight((0.0, *row), 0) for row in self._motion.state(0.0)]
+        return [self._flight((0.0, *row), 0, k, 0.0) for k, row in enumerate(self._motion.state(0.0))]
 
     def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
@@ -347,17 +391,18 @@ class Transcript:
         fixed = [[_middle(self._end(k))] for k in self.scene.ends]
         if isinstance(self._motion, DoubleMotion):
             return [*self._motion.knots, *fixed] if fixed else self._motion.knots
-        rows = [[_middle(flight)] for flight in self._first()]
+        flown = [[flight] for flight in self._first()]
         for instant in self._from_rows():
             for k, flight in instant.after.items():
-                rows[k].append(_middle(flight))
-        return [*rows, *fixed]
+                flown[k].append(flight)
+        self.carried = {k: {n for n, flight in enumerate(row) if flight.carried} for k, row in enumerate(flown)}
+        return [*([_middle(flight) for flight in row] for row in flown), *fixed]
 
     # -- from the flights that a motion keeps
 
     def _from_flights(self, motion: DoubleMotion) -> Iterator[ReportedInstant]:
         knots = motion.knots
-        flying = [flight_of(row[0][:5], 0) for row in knots]
+        flying = self._first()
         end = float(self.run.final_time)  # a record may know more than was asked for
         new = sorted((row[n][0], k, n) for k, row in enumerate(knots) for n in range(1, len(row)) if row[n][0] <= end)
         events = self.run.events
@@ -379,7 +424,7 @@ class Transcript:
             for instant in self._split(now, mine, changed, left, turned):
                 for k, place in instant[1].items():
                     instant[0].before[k] = flying[k]
-                    flying[k] = flight_of(knots[k][place][:5], e)
+                    flying[k] = flight_of(knots[k][place][:5], e, place in self.carried.get(k, ()))
                     instant[0].after[k] = flying[k]
                 for k in instant[0].circles(self._count):
                     if k not in instant[0].before:
@@ -483,17 +528,18 @@ class Transcript:
         instant = ReportedInstant(events, now, self._number(time), links, turned=turned)
         hit = instant.circles(self._count)
         for k, row in enumerate(rows):
-            found = self._flight((time, *row), made)
+            found = self._flight((time, *row), made, k, time)
             known = flying[k] if self.fall is None else self.fall.straight(flying[k], found.t, made)
-            same = found.vx.overlaps(known.vx) and found.vy.overlaps(known.vy)
+            same = found.vx.overlaps(known.vx) and found.vy.overlaps(known.vy) and found.carried == known.carried
             if k in hit or turned or (self._moving[k] and not same):
                 instant.before[k] = flying[k]
                 flying[k] = instant.after[k] = found
         return instant
 
-    def _flight(self, row: Row, made: int) -> ReportedFlight:
+    def _flight(self, row: Row, made: int, k: int = 0, since: Any = None) -> ReportedFlight:
         """A flight from a state; of exact numbers, from the doubles that are nearest to them."""
-        return flight_of(row if self.wide else (*map(float, row),), made)  # pyright: ignore[reportArgumentType]
+        carried = since is not None and self.carries is not None and self.carries(k, since)
+        return flight_of(row if self.wide else (*map(float, row),), made, carried)  # pyright: ignore[reportArgumentType]
 
     def _number(self, value: Any) -> arb:
         return real(value).ball(READ_BITS) if self.wide else arb(float(value))

@@ -254,7 +254,7 @@ def test_cells_find_the_passages_that_pairs_find() -> None:
         for few in (FEW, 1000):
             with pytest.MonkeyPatch.context() as patched:
                 patched.setattr("truebreak.compare.audit.passages.FEW", few)
-                told = passages(laws, transcript.flights(), 4.0, {})
+                told = passages(laws, transcript.flights(), 4.0, {}, {})
                 found.append({(passage.time, passage.residual.bodies) for passage in told})
     assert found[0] == found[1]
     assert len(found[0]) > 10
