@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from operator import itemgetter
-from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from flint import arb
 
@@ -29,7 +29,7 @@ from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
-from ..exact.simulation.prediction import ArrivalQueue
+from ..exact.simulation.prediction import ArrivalQueue, Predictor
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.lazy import Late
@@ -230,6 +230,7 @@ class PlainDecider(Generic[M]):
     """
 
     proves = False
+    predictor: ClassVar[type[Predictor[Any]]] = Predictor
 
     def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
@@ -245,7 +246,8 @@ class PlainDecider(Generic[M]):
     def _parts(self, numbers: NumberSystem[M]) -> tuple[History[M], ArrivalQueue[M], PlainMeetings[M]]:
         history: History[M] = History()
         queue = ArrivalQueue(self.bodies)
-        return history, queue, PlainMeetings(self.scene, self.state, queue, history.plan, numbers, self.ask)
+        meetings = PlainMeetings(self.scene, self.state, queue, history.plan, numbers, self.ask, self.predictor)
+        return history, queue, meetings
 
     def begin(self, instant: int) -> None:
         """The precision is what it is; but time must pass (see `pass_on`)."""
@@ -502,6 +504,10 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
         return FallingMotion(rows, float(end), halves, pegs, carried)
 
+    def decider(self, scene: Scene, state: ReplayState[F]) -> PlainDecider[F]:
+        """What decides, of a state in these numbers."""
+        return PlainDecider(scene, state, self.numbers)
+
     def shown(self, time: F, instant: int) -> Real:
         """A time of the trajectory, from a number and the number of its instant."""
         return Double(float(time))
@@ -539,7 +545,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         """As `run`, with a policy of the caller's in place of the scene's."""
         inner = scene.surfaces
         state = PlainState(inner, self.numbers)
-        falling, decider = state.falling, PlainDecider(inner, state, self.numbers)
+        falling, decider = state.falling, self.decider(inner, state)
 
         def fallen(knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
             assert falling is not None

@@ -51,6 +51,7 @@ class PlainMeetings(Generic[M]):
         plan: counts what is predicted and what is skipped.
         numbers: the state's system.
         ask: decides questions.
+        predictor: what predicts, where nothing round stands under gravity.
     """
 
     def __init__(
@@ -61,10 +62,11 @@ class PlainMeetings(Generic[M]):
         plan: Counter[str],
         numbers: NumberSystem[M],
         ask: Callable[[Question], int],
+        predictor: type[Predictor[M]] = Predictor,
     ) -> None:
-        made = PlainPegs if state.stands else Predictor
-        self._predictor = made(scene, state, queue, plan, numbers.bounds, self._unsure)
-        self.slides = self._predictor.slides
+        made = PlainPegs if state.stands else predictor
+        self.predictor = made(scene, state, queue, plan, numbers.bounds, self._unsure)
+        self.slides = self.predictor.slides
         self._state = state
         self._sign = numbers.sign
         self._bounds = numbers.bounds
@@ -76,12 +78,12 @@ class PlainMeetings(Generic[M]):
 
     def close(self) -> None:
         """Lets go of its predictor and of who decides for it, which know it."""
-        self._predictor.close()
-        del self._predictor, self._ask
+        self.predictor.close()
+        del self.predictor, self._ask
 
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
-        self._predictor.predict(moved, standing, gone)
+        self.predictor.predict(moved, standing, gone)
 
     def timed(self, arrival: Arrival[M]) -> Arrival[M]:
         """Its time was computed when it was predicted."""
@@ -121,10 +123,10 @@ class PlainMeetings(Generic[M]):
         try:
             found = self._meeting(link)
         except Undecided:
-            self._predictor.push_doubtful(link)
+            self.predictor.push_doubtful(link)
             return
         if found is not None:
-            self._predictor.push(found[0], link, found[1])
+            self.predictor.push(found[0], link, found[1])
 
     def _meeting(self, link: Link) -> tuple[M, bool] | None:
         """The time of a meeting, and whether it is a graze; None where there is none.
@@ -140,12 +142,12 @@ class PlainMeetings(Generic[M]):
             return self._meeting_fallen_onto(link)
         if is_arc(link):
             return self._meeting_arc(link)
-        if is_flat(link) and link.wall in self._predictor.faces and self._state.scene.gravity is not None:
+        if is_flat(link) and link.wall in self.predictor.faces and self._state.scene.gravity is not None:
             return self._meeting_fallen_face(link, self._pull(link))
         if is_flat(link) and (pull := self._pull(link)):
             return self._meeting_fallen(link, pull)
         approach = self._ask(Approach(link))
-        if is_flat(link) and link.wall in self._predictor.faces:
+        if is_flat(link) and link.wall in self.predictor.faces:
             return self._meeting_face(link, approach)
         if approach >= 0:
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf, isfinite, nan, sqrt
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from flint import arb
 
@@ -13,6 +13,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..numbers import ball
+from ..numbers.system import N
 from ..replay.contact import FAINT, Body, Doubles, Entry, Landed, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import FloatFlight
@@ -119,7 +120,7 @@ class DoubleFilter:
             return
         self.take(body, (fx, fy, fvx, fvy, ft, late))
 
-    def take(self, body: Body[arb], doubles: Doubles) -> None:
+    def take(self, body: Body[Any], doubles: Doubles) -> None:
         """Sets a body's doubles, which are off by at most 2u, or None if they are too large or too small."""
         fx, fy, fvx, fvy, ft, late = doubles
         px, py, sx, sy = abs(fx), abs(fy), abs(fvx), abs(fvy)
@@ -176,8 +177,8 @@ class DoubleFilter:
         return self._bounds
 
     def pairs(
-        self, a: Body[arb], others: list[Body[arb]], reaches: list[float]
-    ) -> tuple[list[tuple[float, float, Body[arb]]], list[Body[arb]]]:
+        self, a: Body[N], others: list[Body[N]], reaches: list[float]
+    ) -> tuple[list[tuple[float, float, Body[N]]], list[Body[N]]]:
         """Which of several bodies a hits, all keeping their velocities: bounds of the time, and the body; those that
         doubles cannot tell. A body that a surely misses is left out.
 
@@ -189,8 +190,8 @@ class DoubleFilter:
             reaches: the sum of radii with a for each kind of body; not a number where doubles do not tell it.
         """
         fa = a.f
-        found: list[tuple[float, float, Body[arb]]] = []
-        unclear: list[Body[arb]] = []
+        found: list[tuple[float, float, Body[N]]] = []
+        unclear: list[Body[N]] = []
         if fa is None:
             return found, list(others)
         if predictions is not None:
@@ -276,7 +277,7 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
-    def faces(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+    def faces(self, a: Body[Any], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """As `walls`, of faces: those whose line is surely met beyond their ends, or from behind, are left out.
 
         Where the circle touches the line, its place along it is off by what its place now is, as the gap's without
@@ -324,7 +325,7 @@ class DoubleFilter:
                 unclear.append(k)
         return found, unclear
 
-    def walls(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+    def walls(self, a: Body[Any], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
         found: list[tuple[float, float, int]] = []

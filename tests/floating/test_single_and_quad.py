@@ -5,16 +5,23 @@ from __future__ import annotations
 import random
 from fractions import Fraction
 
+import arc_scenes
+import joint_scenes
 import mpmath
 import numpy as np
+import polygon_scenes
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from truebreak.compare.grids.stress_families import FAMILIES, stress_family
+from truebreak.compare.grids.stress_map import stress_plan
 from truebreak.exact import ExactEngine
+from truebreak.exact.numbers.double_pairs import quick_two_sum, two_product, two_sum
 from truebreak.exact.numbers.system import SYSTEMS, number_system
+from truebreak.exact.simulation.prediction import Predictor
 from truebreak.floating import DoubleEngine, QuadEngine, SingleEngine
-from truebreak.floating.quad import QUADS, DoubleDouble
+from truebreak.floating.quad import QUADS, DoubleDouble, QuadDecider, QuadMotion, QuadPredictor
 from truebreak.floating.single import SINGLES
 from truebreak.scenarios import Circle, Scene, catalogue
 from truebreak.scenarios.errors import SceneError
@@ -45,6 +52,78 @@ def test_rounding_twice_does_not_move_a_single(base, side):
 def test_what_singles_cannot_hold_is_refused():
     with pytest.raises(SceneError, match="beyond single precision"):
         SingleEngine().run(Scene([Circle(10**39, 0, vx=1), Circle(0, 0)]))
+
+
+def parts(value: DoubleDouble) -> tuple[str, str]:
+    return value.hi.hex(), value.lo.hex()
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e150, 1e-150])
+def test_operations_of_quads_are_those_of_their_parts(scale):
+    """What is written out in one gives the bits of `two_sum`, `two_product` and `quick_two_sum` in turn."""
+    draw = random.Random(6)
+
+    def number() -> DoubleDouble:
+        high = draw.choice([0.0, -0.0, 1.0, np.inf, np.nan]) if draw.random() < 0.1 else draw.uniform(-2, 2) * scale
+        return DoubleDouble(high, high * draw.uniform(-1, 1) * 2.0**-53)
+
+    for _ in range(5000):
+        a, b = number(), number()
+        high, low = two_sum(a.hi, b.hi)
+        rest, least = two_sum(a.lo, b.lo)
+        high, low = quick_two_sum(high, low + rest)
+        total = DoubleDouble(*quick_two_sum(high, low + least))
+        assert parts(a + b) == parts(total)
+        assert parts(a - DoubleDouble(-b.hi, -b.lo)) == parts(total)
+        high, low = two_product(a.hi, b.hi)
+        assert parts(a * b) == parts(DoubleDouble(*quick_two_sum(high, low + (a.hi * b.lo + a.lo * b.hi))))
+
+
+def followed(scene: Scene, events: int) -> list[object]:
+    run = QuadEngine().run(scene, events=events)
+    motion = run.motion
+    assert isinstance(motion, QuadMotion)
+    told: list[object] = [(parts(e.time.value), e.contacts, e.impulses, e.ties, e.coupled) for e in run.events]
+    return [*told, repr(list(motion.knots)), run.stop, run.plan, run.pocketings, run.reversal]
+
+
+def places() -> list[Scene]:
+    """Of each family of scenes that are hard for floats, the worst that its levels have."""
+    plan = stress_plan(list(FAMILIES))
+    ends = {(place.family, place.side): place for place in plan.places}
+    return [stress_family(place.family).scene(place) for place in ends.values()]
+
+
+@pytest.mark.parametrize(
+    "scenes",
+    [
+        [catalogue.build(name) for name in catalogue.names()],
+        [catalogue.build(f"gas:n={n},seed={seed}") for n in (3, 12, 80) for seed in range(4)],
+        [catalogue.build(f"rack:rows={n}") for n in (2, 3, 4)],
+        places(),
+        [scene for seed in range(150) if (scene := joint_scenes.scene_of(seed)) is not None],
+        [scene for seed in range(40) if (scene := polygon_scenes.scene_of(seed)) is not None],
+        [scene for seed in range(40) if (scene := arc_scenes.scene_of(seed)) is not None],
+        [arc_scenes.falls_to_arcs(seed) for seed in range(10)],
+    ],
+    ids=["catalogue", "gases", "racks", "families", "joints", "polygons", "arcs", "falls"],
+)
+def test_what_doubles_exclude_changes_no_bit_of_a_run(scenes, monkeypatch):
+    with_them = [followed(scene, 60) for scene in scenes]
+    monkeypatch.setattr(QuadDecider, "predictor", Predictor)
+    assert with_them == [followed(scene, 60) for scene in scenes]
+
+
+def test_doubles_exclude_most_of_what_is_far(monkeypatch):
+    """Counted: faces that are asked for in 106 bits, of a wall of bricks."""
+    asked = []
+    plain = QuadPredictor.face
+    monkeypatch.setattr(QuadPredictor, "face", lambda *of: (asked.append(of[2]), plain(*of)))
+    QuadEngine().run(catalogue.build("breakout"), events=60)
+    with_them = len(asked)
+    monkeypatch.setattr(QuadPredictor, "_near", lambda self, a, walls: walls)
+    QuadEngine().run(catalogue.build("breakout"), events=60)
+    assert 0 < 50 * with_them < len(asked) - with_them
 
 
 def exact(value: DoubleDouble) -> Fraction:
