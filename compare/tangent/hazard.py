@@ -90,7 +90,8 @@ class Course:
         scene = scene.surfaces
         circles, sides = scene.circles, scene.arc_sides
         self._count, self._sides = len(circles), sides
-        here = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in circles]
+        paces = [(c.vx + c.drift[0], c.vy + c.drift[1]) for c in circles]  # of an end: that of what it ends
+        here = [(float(c.x), float(c.y), *map(float, pace)) for c, pace in zip(circles, paces, strict=True)]
         here += [(float(side.x), float(side.y), 0.0, 0.0) for side in sides]
         state: NDArray[np.float64] = np.array(here)
         self.places, self.speeds = state[:, :2].copy(), state[:, 2:].copy()
@@ -199,7 +200,8 @@ class Course:
 
     def _fall(self, i: int, k: int) -> RoundFall[float]:
         """A circle that falls, and one that stands."""
-        (x, y), (vx, vy), (gx, gy) = self.places[k] - self.places[i], -self.speeds[i], self.pulls[i] / 2
+        (x, y), (vx, vy) = self.places[k] - self.places[i], self.speeds[k] - self.speeds[i]
+        gx, gy = self.pulls[i] / 2
         reach = self._radii[i] + self._radii[k]
         return RoundFall(*map(float, (x, y, vx, vy, gx, gy, reach)))
 
@@ -254,7 +256,7 @@ class Course:
         ends = sorted({end for thing in things for end in thing.ends})
         if not ends:
             return None
-        (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a]
+        (dx, dy), (vx, vy) = (self.places[ends] - self.places[impact.a]).T, self.speeds[impact.a] - self.speeds[ends[0]]
         speed, reach = hypot(vx, vy), self._radii[ends] + self._radii[impact.a]
         waits, offset = (dx * vx + dy * vy) / speed**2, (dx * vy - dy * vx) / speed
         low, high = int(np.argmin(offset - reach)), int(np.argmax(offset + reach))
@@ -264,9 +266,10 @@ class Course:
 
     def _out_of(self, i: int, things: Sequence[ThingParts]) -> Passing | None:
         """The same of things of which some are not convex: of what of them lies ahead of circle i."""
-        (x, y), (vx, vy), r = self.places[i], self.speeds[i], self._radii[i]
         faces = sorted({wall for thing in things for wall in thing.faces})
         ends = sorted({end for thing in things for end in thing.ends})
+        pace = self._paces[faces[0]] if faces else np.zeros(2)  # a full arc has no faces, and none moves
+        (x, y), (vx, vy), r = self.places[i], self.speeds[i] - pace, self._radii[i]
         lines = [
             SeenWall(*map(arb, (x0, y0, nx * long, ny * long, long * long, long)))
             for (x0, y0, nx, ny), long in zip(self._walls[faces].tolist(), self._length[faces].tolist(), strict=True)

@@ -41,13 +41,14 @@ from ...exact.replay.contact import (
 from ...exact.replay.state import Go, Kick
 from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
+from ...scenarios.things import Circle
 
 if TYPE_CHECKING:
     import numpy as np
 
     from ...exact.replay.contact import Link
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Wall
+    from ...scenarios.things import Wall
     from ...scenarios.trajectory import Event, Trajectory
 
 else:
@@ -149,7 +150,7 @@ def _nearest(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
             continue
         if k in scene.ends:
             end = scene.circles[k]
-            rows.append([ball.constant(number) for number in (Quantity.of(0), end.x, end.y, end.vx, end.vy)])
+            rows.append([ball.constant(number) for number in (ZERO, end.x, end.y, *end.drift)])
             continue
         knots = motion.knots[k]
         knot = knots[bisect_right(knots, instant + 1, key=lambda knot: knot[-1]) - 1]
@@ -174,8 +175,9 @@ def _skimmed(motion: ExactMotion, i: int, j: int, instant: int) -> arb:
     t, x, y, vx, vy = (float(known_ball(number, BITS)) for number in knot[:5])
     assert scene.gravity is not None
     gx, gy = map(float, scene.gravity)
-    x, y = x + gx * t * t / 2 - float(still.x), y + gy * t * t / 2 - float(still.y)
-    vx, vy = vx + gx * t, vy + gy * t
+    ux, uy = map(float, still.drift if isinstance(still, Circle) else Circle.drift)  # of an end that moves
+    x, y = x + gx * t * t / 2 - float(still.x) - ux * t, y + gy * t * t / 2 - float(still.y) - uy * t
+    vx, vy = vx + gx * t - ux, vy + gy * t - uy
     cubic = [(gx * gx + gy * gy) / 2, 1.5 * (vx * gx + vy * gy), vx * vx + vy * vy + x * gx + y * gy, x * vx + y * vy]
     waits = [float(root.real) for root in np.roots(cubic) if abs(root.imag) <= SKIMMED * (1 + abs(root))]
     away = [(s, hypot(x + (vx + gx * s / 2) * s, y + (vy + gy * s / 2) * s) - reach) for s in waits if s > 0.0]
@@ -249,9 +251,8 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if walls are of kinds of their own, if segments or polygons move, if circles go out of play, touch
-            at time 0 and go on touching, if a restitution is 0, what has settled goes on, or pockets are there under
-            gravity.
+        NoTangentMap: if walls are of kinds of their own, if circles go out of play, touch at time 0 and go on touching,
+            if a restitution is 0, what has settled goes on, or pockets are there under gravity.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -261,8 +262,6 @@ def check_start(scene: Scene) -> None:
         raise NoTangentMap("the scene has settle = true, and of what walls carry there is no tangent map")
     if scene.gravity is not None and scene.pockets:
         raise NoTangentMap("the scene has gravity and pockets, of which there is no tangent map yet")
-    if scene.moving_solid is not None:
-        raise NoTangentMap(f"{scene.moving_solid} moves, of whose ends there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces
@@ -281,7 +280,8 @@ def check_start(scene: Scene) -> None:
             closing = nx * (a.vx - wall.vx) + ny * (a.vy - wall.vy)
         else:
             b = scene.circles[j]
-            closing = (b.x - a.x) * (b.vx - a.vx) + (b.y - a.y) * (b.vy - a.vy)
+            (ux, uy), (wx, wy) = a.drift, b.drift  # of ends that move; of circles 0
+            closing = (b.x - a.x) * (b.vx + wx - a.vx - ux) + (b.y - a.y) * (b.vy + wy - a.vy - uy)
         if closing.sign() == 0:
             names = f"{scene.ids[i]} and {scene.ids[j]}"
             raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
@@ -491,8 +491,9 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
 
 
 def _true_speed(state: BallState, i: int) -> tuple[arb, arb]:
-    """The velocity of a circle at the instant at hand: that of the falling frame, and what gravity has added."""
-    vx, vy = state.bodies[i].flight[2:4]
+    """The velocity of a circle at the instant at hand: that of the falling frame, and what gravity has added; of an end
+    that moves, its own."""
+    vx, vy = state.paces.get(i, state.bodies[i].flight[2:4])
     if state.falling is None or i in state.pegs:
         return vx, vy
     return fall_speed(vx, state.falling.hx, state.instant), fall_speed(vy, state.falling.hy, state.instant)
@@ -518,7 +519,7 @@ def _check_corner(state: BallState, link: Pair, dx: arb, dy: arb) -> None:
                 raise NoTangentMap(f"{who} meet where an end becomes an arc: nearby they meet the one or the other")
     for k in state.scene.faces:
         face = state.scene.walls[k]
-        if face.id is not None and _starts_at(face, end):
+        if face.id is not None and (face.vx, face.vy) == end.drift and _starts_at(face, end):
             nx, ny = face.normal
             along = dx * state.constant(ny) - dy * state.constant(nx)
             if not (along > 0 or along < 0):

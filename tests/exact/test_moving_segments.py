@@ -15,7 +15,6 @@ from falling_campaign import FALLING
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.certificate import CertificateError
-from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.reduction.smallest import corners, with_number
 from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.report.html import world_phrase
@@ -366,7 +365,6 @@ def test_what_does_not_know_them_says_so_in_one_line():
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "segment 'pad': moves: cannot be turned back"),
         (lambda: scene.with_changes(pockets=[Pocket(9, 9, 1)], capture=True), "captures: beside what moves"),
-        (lambda: chaos(scene, events=1), "segment 'pad' moves, of whose ends there is no tangent map yet"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
         (lambda: shadow(scene, events=1), "of which no shadow is looked for"),
         (lambda: check("double", scene), "segments or polygons that move"),
@@ -376,7 +374,7 @@ def test_what_does_not_know_them_says_so_in_one_line():
         assert "\n" not in str(error.value)
     run = DoubleEngine().run(scene)
     assert audit_run(run, DoubleEngine()).reason == "segment 'pad' moves, and what meets it is not audited yet"
-    with pytest.raises(NoTangentMap, match="of whose ends there is no tangent map yet"):
+    with pytest.raises(NoTangentMap, match="of segments only runs of the exact engine distinguish faces from ends"):
         impacts(run, 1)
 
 
