@@ -444,8 +444,8 @@ def explained(
         new = f"in which {scene.moving_solid} moves"
     if scene.other_walls:
         new = f"with a wall of kind {scene.other_walls[0].kind!r}"
-    if scene.settle:
-        new = "in which walls carry what settles"
+    if scene.settle and engine.step is not None:
+        new = "in which walls carry what settles, of engines of steps"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

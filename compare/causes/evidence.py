@@ -231,9 +231,10 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     own = f"from {name}'s own state before the instant, the exact law"
     does = None if before is None else before.leads_to_the_same(lab, str(lab.study.scene.tie_policy))
     if before is None or does is None:
+        why = "walls carry circles of it" if lab.carried else "rounding has made circles overlap"
         if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
             return [_resolved_otherwise(lab, together)]
-        return [Experiment(cause, f"{own} cannot be run: rounding has made circles overlap")]
+        return [Experiment(cause, f"{own} cannot be run: {why}")]
     if does:
         lab.chosen_before = True
         return [Experiment(cause, f"{own} has the contacts that {name} has: rounding before it chose", None, False)]
@@ -330,10 +331,13 @@ class OwnState:
 
     @staticmethod
     def of(lab: Laboratory) -> OwnState | None:
-        """That of a candidate; None where rounding has made circles overlap, so that there is no such scene."""
+        """That of a candidate; None where rounding has made circles overlap, so that there is no such scene, and where
+        a wall has carried one of them."""
         parted, walks, scene = lab.divergence, lab.candidate.alignment.walks, lab.given or lab.study.scene
         names = {*parted.partners, parted.body} & {*walks}
         names |= {name for pair in _cluster(lab, _near_contacts(lab)) for name in pair if name in walks}
+        if names & lab.carried:
+            return None
         flights: dict[str, OwnFlight] = {}
         known: dict[str, int] = {}
         for name in names:
@@ -452,8 +456,12 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if lab.engine.bits is None and lab.engine.step is None:
         return [Experiment(CauseName["ARITHMETIC"], "its numbers are exact", 0.0, False)]
     if lab.decision is None or lab.margin is None:
+        if lab.carried:
+            return _by_runs_alone(lab, "a wall has carried one of those that meet")
         return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
     account = lab.accounted
+    if isinstance(account, str) and lab.carried:
+        return _by_runs_alone(lab, account)
     if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
         own = Experiment(
@@ -466,6 +474,34 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         account = replace(account, contributions=parts)
     lab.account = account
     return _rows(lab, account)
+
+
+def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
+    """Input rounding by a run; the engine's own, where each step keeps the law, and the input's alone changes nothing.
+
+    Args:
+        why: there is no account of a displacement.
+    """
+    cause, laws = CauseName["ARITHMETIC"], lab.candidate.laws
+    (given,) = _input_by_run(lab)
+    if given.suffices is None and _given_keeps(lab):
+        told = f"the exact law on the scene in {lab.numbers} has the contacts of the exact run up to there"
+        given = Experiment(given.cause, told, None, False)
+    if given.suffices is False and laws is not None and laws.kept:
+        told = (
+            f"each step of {lab.name} keeps the law, and input rounding alone changes nothing, so its own rounding does"
+        )
+        told = f"{told}; no displacement is known: {why}"
+        return [given, Experiment(cause, told, None, True)]
+    return [given, Experiment(cause, f"its share is not determined: {why}")]
+
+
+def _given_keeps(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it has the reference's contacts past the decision."""
+    if lab.given is None:
+        return False
+    span = Span(len(lab.reference.events), lab.last_time * (1 + 2.0**-20))
+    return align(lab.reference, lab.given_run, span=span).verdict == "agree"
 
 
 def _rows(lab: Laboratory, account: Account) -> list[Experiment]:

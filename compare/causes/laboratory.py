@@ -81,6 +81,7 @@ class Laboratory:
         Two that part in both, as after their last meeting, decide nothing, whatever the candidate reports of them.
         """
         found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
+        found = [d for d in found if not self.carried & {n for p in _all_of(d) for n in (p.body, p.partner)}]
         self.truth.read_ahead(found)
         asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
         known = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
@@ -89,6 +90,20 @@ class Laboratory:
             if other is not None and answer(decision, other) != answer(decision, value):
                 return decision
         return min(known, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
+
+    @cached_property
+    def carried(self) -> frozenset[str]:
+        """The circles that a wall has carried in either run up to the decision: they do not fly as others do."""
+        runs = self.reference, self.candidate.trajectory
+        return frozenset(s.circle for run in runs for s in run.settlings if float(s.time) <= self.last_time)
+
+    def _leads_over_carried(self) -> frozenset[str]:
+        """Those of them that may have led to the decision: that hang together with it by contacts before."""
+        assert self.decision is not None
+        walks, names = self.candidate.alignment.walks, {n for p in _all_of(self.decision) for n in (p.body, p.partner)}
+        for event in reversed(self.reference.events[: self.divergence.expected_event + 1]):
+            names |= {name for pair in event.contacts if names & walks.keys() & {*pair} for name in pair}
+        return self.carried & names
 
     @property
     def numbers(self) -> str:
@@ -125,6 +140,8 @@ class Laboratory:
 
         if self.decision is None or self.margin is None:
             return "no contact can be named"
+        if carried := self._leads_over_carried():
+            return f"a wall carries {' and '.join(sorted(carried))} on the way there"
         stepped = self.engine.step is not None
         try:
             run = Continuation(
@@ -189,6 +206,11 @@ class Laboratory:
         if self.decision is None or not self.changes(value):
             return False
         return not self.changes(self.got) or answer(self.decision, value) == answer(self.decision, self.got)
+
+
+def _all_of(decision: DecidingNumber) -> list[Pairing]:
+    """The pairings of a decision, with the meeting that the other run has instead."""
+    return [*decision.pairings, *([] if decision.rival is None else [decision.rival])]
 
 
 def rounded_or_none(scene: Scene, bits: int) -> Scene | None:

@@ -331,7 +331,8 @@ def _flights_before(reference: Trajectory, event: int) -> dict[str, ExactFlight]
     """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
     met = history(reference).meetings
     flights: dict[str, ExactFlight] = {}
-    for circle in reference.scene.circles:
+    carried = {settling.circle for settling in reference.settlings}  # which fly otherwise
+    for circle in (c for c in reference.scene.circles if c.id not in carried):
         past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
         time = reference.events[past[-1]].time if past else Quantity.of(0)
         state = reference.at(time)[str(circle.id)]

@@ -1,6 +1,6 @@
 """Tries to refute the causes that a comparison names, by other runs; it shares no code with what names them.
 
-    python tests/compare/refuting.py placements racks catalogue survey falls [--json FILE]
+    python tests/compare/refuting.py placements racks catalogue survey falls rests [--json FILE]
 
 A cause is a claim about other runs. "Input rounding suffices" says that the exact engine on the rounded scene lacks,
 or gains, the same contact; "time step" says that a finer step passes the event; "law" that the steps do not keep the
@@ -20,9 +20,9 @@ from decimal import localcontext
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
-from random import Random
 from typing import Any
 
+from drawn_falls import edged, fallen, pegged, settled
 from other_runs import (
     PASSES,
     PAST,
@@ -42,14 +42,10 @@ from truebreak.compare.candidate import Candidate
 from truebreak.compare.engines import engine as engine_named
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import (
-    Arc,
     Circle,
-    Polygon,
     Scene,
     SceneError,
-    Segment,
     Trajectory,
-    Wall,
     catalogue,
 )
 
@@ -241,7 +237,10 @@ def _input(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             yield Refutation(INPUT, "refused scene", f"in {bits} bits it is no scene: that is evidence of nothing")
         elif runs.input == PASSES:
             yield Refutation(INPUT, "exact on rounded", f"the exact run of the scene in {bits} bits passes the event")
-    if said.closed is False and said.causes and said.causes[0] in ROUNDING and runs.input != SAME:
+    laws = runs.candidate.laws
+    honest = runs.scene.settle and runs.input == PASSES and laws is not None and bool(laws.kept)
+    told = said.closed is False and said.causes and said.causes[0] in ROUNDING and runs.input != SAME
+    if told and not (honest and said.causes[0] == ARITHMETIC):  # what is carried has no account, but runs
         yield Refutation(said.causes[0], "not closed", "the account does not close, and no run says so either")
     if runs.engine.step is None and runs.engine.rounds_input and runs.input == SAME:
         same = f"the exact run of the scene in {bits} bits does the same"
@@ -483,67 +482,15 @@ def racks() -> Iterator[Job]:
                 yield Job(spec, catalogue.build(spec), f"pymunk:dt={step}", 24)
 
 
-def fallen(seed: int) -> Scene:
-    """Three discs in a box with gravity or without, of some restitution, whose right wall may move."""
-    draw = Random(f"fallen {seed}")
-    discs = [
-        Circle(
-            f"{2 * k + 1} + {draw.randint(0, 60)}/100", f"{2 + 2 * k} + {draw.randint(0, 90)}/100", "1/2",
-            f"{draw.randint(-100, 100)}/100", f"{draw.randint(-100, 100)}/100",
-        )
-        for k in range(3)
-    ]  # fmt: skip
-    right = Wall(8, 0, 8, 1, id="right", vx="-1/8" if draw.random() < 0.3 else 0)
-    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), right]
-    pull = None if draw.random() < 0.2 else draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3)))
-    return Scene(discs, walls, gravity=pull, restitution=draw.choice((1, "9/10", "3/4")), name=f"fallen {seed}")
-
-
-def pegged(seed: int) -> Scene:
-    """Two discs that fall among pegs in a box, of some restitution."""
-    draw = Random(f"pegged {seed}")
-    discs = [
-        Circle(
-            f"{2 + 2 * k} + {draw.randint(0, 90)}/100", f"7 + {draw.randint(0, 90)}/100", "2/5",
-            f"{draw.randint(-50, 50)}/100", f"{draw.randint(-50, 50)}/100", id=f"disc {k}",
-        )
-        for k in range(2)
-    ]  # fmt: skip
-    pegs = [
-        Circle(f"{2 * k + 1 + j} + {draw.randint(0, 30)}/100", 2 + 2 * j, "1/5", m="oo", id=f"peg {k},{j}")
-        for j in range(2)
-        for k in range(3)
-    ]
-    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
-    pull = draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3)))
-    restitution = draw.choice((1, "9/10", "3/4"))
-    return Scene([*discs, *pegs], walls, gravity=pull, restitution=restitution, name=f"pegged {seed}")
-
-
-def edged(seed: int) -> Scene:
-    """Two discs that fall onto a ramp, a thick bar, a polygon that may have a notch, and a bow, in a box."""
-    draw = Random(f"edged {seed}")
-
-    def some(low: int, high: int) -> str:
-        return f"{draw.randint(100 * low, 100 * high)}/100"
-
-    discs = [
-        Circle(f"{2 + 3 * k} + {some(0, 1)}", f"8 + {some(0, 1)}", "2/5", some(-1, 1), some(-1, 1), id=f"disc {k}")
-        for k in range(2)
-    ]
-    ramp = Segment("1/2", f"4 + {some(0, 1)}", "5/2", f"3 + {some(0, 1)}", id="ramp", r=draw.choice((0, "1/8")))
-    bar = Segment(
-        f"4 + {some(0, 1)}", "5", f"6 + {some(0, 1)}", f"5 + {some(0, 1)}", id="bar", r=draw.choice((0, "1/7"))
-    )
-    notch = [("3/2", "3/2")] if draw.random() < 0.5 else []
-    block = Polygon([("1/2", "1/2"), ("5/2", "1/2"), ("5/2", f"1 + {some(0, 1)}"), *notch, ("1/2", 2)], id="block")
-    bow = Arc(5, 3, "3/2", id="bow", x0="7/2", y0=f"2 + {some(0, 1)}", x1="13/2", y1=3)
-    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), Wall(8, 0, 8, 1, id="right")]
-    return Scene(
-        discs, walls, segments=[ramp, bar], polygons=[block], arcs=[bow] if draw.random() < 0.7 else [],
-        gravity=draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3))), restitution=draw.choice((1, "9/10", "3/4")),
-        name=f"edged {seed}",
-    )  # fmt: skip
+def rests() -> Iterator[Job]:
+    """Scenes in which walls carry what has come to rest, or slides, in the engines that follow it."""
+    names = ("double", "single", "quad", "interval", "rounded:bits=12", "rounded:bits=16")
+    for seed in range(60):
+        for name in names:
+            yield Job(f"settled {seed}", settled(seed), name, 40)
+    for spec in ("landing", "landing:v=1/3", "struck", "struck:n=5", "struck:n=3,vx=2"):
+        for name in names:
+            yield Job(spec, catalogue.build(spec), name, 80)
 
 
 def falls() -> Iterator[Job]:
@@ -623,6 +570,7 @@ CAMPAIGNS: dict[str, Callable[[], Iterator[Job]]] = {
     "catalogue": every_scene,
     "survey": surveyed,
     "falls": falls,
+    "rests": rests,
 }
 
 

@@ -11,9 +11,10 @@ from typing import Any, ClassVar
 
 import other_runs
 import pytest
+from drawn_falls import edged, fallen, pegged
 from flint import arb
 from other_runs import comes_to, outlines_of
-from refuting import edged, fallen, pegged, refute
+from refuting import refute
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run

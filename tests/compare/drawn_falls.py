@@ -1,0 +1,98 @@
+"""Scenes under gravity that are drawn from a seed: in boxes, among pegs and edges, and with what comes to rest."""
+
+from __future__ import annotations
+
+from random import Random
+
+from truebreak.scenarios import Arc, Circle, Polygon, Scene, Segment, Wall
+
+
+def fallen(seed: int) -> Scene:
+    """Three discs in a box with gravity or without, of some restitution, whose right wall may move."""
+    draw = Random(f"fallen {seed}")
+    discs = [
+        Circle(
+            f"{2 * k + 1} + {draw.randint(0, 60)}/100", f"{2 + 2 * k} + {draw.randint(0, 90)}/100", "1/2",
+            f"{draw.randint(-100, 100)}/100", f"{draw.randint(-100, 100)}/100",
+        )
+        for k in range(3)
+    ]  # fmt: skip
+    right = Wall(8, 0, 8, 1, id="right", vx="-1/8" if draw.random() < 0.3 else 0)
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), right]
+    pull = None if draw.random() < 0.2 else draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3)))
+    return Scene(discs, walls, gravity=pull, restitution=draw.choice((1, "9/10", "3/4")), name=f"fallen {seed}")
+
+
+def pegged(seed: int) -> Scene:
+    """Two discs that fall among pegs in a box, of some restitution."""
+    draw = Random(f"pegged {seed}")
+    discs = [
+        Circle(
+            f"{2 + 2 * k} + {draw.randint(0, 90)}/100", f"7 + {draw.randint(0, 90)}/100", "2/5",
+            f"{draw.randint(-50, 50)}/100", f"{draw.randint(-50, 50)}/100", id=f"disc {k}",
+        )
+        for k in range(2)
+    ]  # fmt: skip
+    pegs = [
+        Circle(f"{2 * k + 1 + j} + {draw.randint(0, 30)}/100", 2 + 2 * j, "1/5", m="oo", id=f"peg {k},{j}")
+        for j in range(2)
+        for k in range(3)
+    ]
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
+    pull = draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3)))
+    restitution = draw.choice((1, "9/10", "3/4"))
+    return Scene([*discs, *pegs], walls, gravity=pull, restitution=restitution, name=f"pegged {seed}")
+
+
+def edged(seed: int) -> Scene:
+    """Two discs that fall onto a ramp, a thick bar, a polygon that may have a notch, and a bow, in a box."""
+    draw = Random(f"edged {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{draw.randint(100 * low, 100 * high)}/100"
+
+    discs = [
+        Circle(f"{2 + 3 * k} + {some(0, 1)}", f"8 + {some(0, 1)}", "2/5", some(-1, 1), some(-1, 1), id=f"disc {k}")
+        for k in range(2)
+    ]
+    ramp = Segment("1/2", f"4 + {some(0, 1)}", "5/2", f"3 + {some(0, 1)}", id="ramp", r=draw.choice((0, "1/8")))
+    bar = Segment(
+        f"4 + {some(0, 1)}", "5", f"6 + {some(0, 1)}", f"5 + {some(0, 1)}", id="bar", r=draw.choice((0, "1/7"))
+    )
+    notch = [("3/2", "3/2")] if draw.random() < 0.5 else []
+    block = Polygon([("1/2", "1/2"), ("5/2", "1/2"), ("5/2", f"1 + {some(0, 1)}"), *notch, ("1/2", 2)], id="block")
+    bow = Arc(5, 3, "3/2", id="bow", x0="7/2", y0=f"2 + {some(0, 1)}", x1="13/2", y1=3)
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 0, 0, 1, id="left"), Wall(8, 0, 8, 1, id="right")]
+    return Scene(
+        discs, walls, segments=[ramp, bar], polygons=[block], arcs=[bow] if draw.random() < 0.7 else [],
+        gravity=draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3))), restitution=draw.choice((1, "9/10", "3/4")),
+        name=f"edged {seed}",
+    )  # fmt: skip
+
+
+def settled(seed: int) -> Scene:
+    """Discs that lie on a floor between two walls, or slide along it, and some that fall onto them."""
+    draw = Random(f"settled {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{draw.randint(100 * low, 100 * high)}/100"
+
+    lying = [
+        Circle(f"{3 * k} + {some(0, 1)}/2", r := draw.choice(("1", "3/4", "sqrt(2)/2")), r,
+               draw.choice(("0", "0", some(-2, 2))), 0, draw.choice(("1", "2", "1/3")), id=f"lies {k}")
+        for k in range(draw.randint(1, 3))
+    ]  # fmt: skip
+    high = [
+        Circle(
+            f"{4 * k - 2} + {some(0, 1)}",
+            f"{4 + 3 * k} + {some(0, 1)}",
+            "1/2",
+            some(0, 2),
+            some(-1, 1),
+            id=f"falls {k}",
+        )
+        for k in range(draw.randint(1, 3))
+    ]
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(-4, 0, -4, 1, id="left"), Wall(11, 0, 11, 1, id="right")]
+    e, pull = draw.choice((0, 0, "1/2", 1)), draw.choice(((0, -10), (0, "-1"), (0, "-sqrt(3)")))
+    return Scene(lying + high, walls, gravity=pull, restitution=e, settle=True, until=40, name=f"settled {seed}")
