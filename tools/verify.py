@@ -424,7 +424,7 @@ class KeptApart:
             if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
         over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
         refuse(not clear and over, f"{c} overlap, or touch from the start")
-        clear = clear or shown("foot", "far")
+        if (clear := clear or shown("foot", "far")) and closing == 1: return
         if clear and closing == -1:
             hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
             refuse(hit, f"{c} meet on the way")
@@ -543,6 +543,7 @@ class KeptApart:
         if hollow and not again and self.zero("disc", c, start): return  # it is never within
         for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
             if self.zero(x, c, start): return
+        if not (bow or hollow or flat) and self.zero("closing", c, start): return  # it rises
         if flat and gap != 1 and (closing == 0 or self.zero("closing", c, start)):
             return self.slides(c, start, age, gap, last)
         ends = closing2 == -1 and not (later.foot.sign() and later.far.sign())  # right at its end?

@@ -17,7 +17,7 @@ from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
 from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
-from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Unsettled, cost
+from ...tools.verify import BITS, CIRCLES, FORMAT, Malformed, Refuted, Unsettled, cost
 from .isometries import Contact
 from .outlines import numbers_of
 from .prover import Prover
@@ -310,6 +310,8 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
             if bits > most:
                 raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {doubt}") from None
             bits = min(2 * bits, follow.needed) if len(log) > LONG and follow.needed > bits else 2 * bits
+        except Malformed as fault:  # the engine itself took more than a certificate may have
+            raise CertificateError(f"no certificate within {bits} bits: {fault}") from None
         except Refuted as fault:
             if frame["end"]["reason"] == "stopped" and len(log) == 1:
                 raise CertificateError("the run stopped within time 0: there is nothing to certify") from None

@@ -245,7 +245,7 @@ export class Run {
     }
     const ends = c.face ? ['foot', 'far'] : ['within'];
     if (!ever && closingNow < 0 && ends.some(x => this.exactly(c, x)) && this.meetsNow(c)) return; // it is at its end
-    const grazes = hollow ? (again ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : [];
+    const grazes = hollow ? (again ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : slope > 0 ? ['closing'] : [];
     for (const question of grazes) {
       if (at(question) === 0) return;
       try { return witness(this, question, c, what); } catch (e) {

@@ -225,7 +225,16 @@ def carried_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
     away = bar(-3, 3, 0, "away", vx=1, vy=-2)
     doors = [bar(-9, -3, 0, "left", vx="1/4", vy="1/2"), bar(3, 9, 0, "right", vx="-1/4", vy="1/2")]
     point = Circle("1/2", 5, 0, point=True, vx="1/9", vy=-1, id="p")
+    slanted = Segment(0, 0, "sqrt(3)", 1, id="slanted", vx="1/7", vy="-1/3")  # in balls nothing along it is zero
+    before = Segment("-2*sqrt(3)", -2, 0, 0, id="before", vx="1/7", vy="-1/3")
+    under = Circle("1/2 - 2*sqrt(3)", "-2 - sqrt(3)/2", 1, "sqrt(3)/2 + 1/7", "1/2 - 1/3", id="under")
+    off = Circle("-1/2", "sqrt(3)/2", 1, "-1/2 + 1/7", "sqrt(3)/2 - 1/3", id="off")
     return {
+        "along the line of a face that it falls from": (
+            Scene([under], BOX[:1], segments=[slanted], gravity=(0, -1)), {"events": 2},
+        ),
+        "off a joint": (Scene([off], BOX, segments=[before, slanted]), {"events": 2}),
+        "off a joint, under gravity": (Scene([off], BOX, segments=[before, slanted], gravity=(0, -1)), {"events": 2}),
         "onto a lift": (Scene([ball], segments=[lift]), {}),
         "between a lift and a press": (Scene([ball], segments=[lift, press]), far),
         "crushed": (Scene([Circle(0, 4, vy=-1)], segments=[lift, press]), {}),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -159,6 +160,9 @@ def test_what_has_no_certificate() -> None:
         certificate_of(assumed)
     with pytest.raises(CertificateError, match="too many roots"):
         certificate_of(ExactEngine().run(Scene([Circle("+".join(f"sqrt({p})" for p in PRIMES), 0)])))
+    run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
+    with pytest.raises(CertificateError, match="within 1310720 bits: it has too many"):
+        certificate_of(replace(run, plan={**run.plan, "bits": 1 << 20}))
     with pytest.raises(CertificateError, match="within time 0"):
         certificate_of(coincidence("wedged", 11))
 
