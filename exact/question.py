@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .laws.formulas import face_along, fall_speed, sag, speed_change
+from .numbers.ball import bits_in_use
 from .numbers.system import N, solve_positive
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
 from .replay.landings import arc_chord, within_arc
@@ -382,24 +383,39 @@ class BeforeTime(Plain):
 # -- Questions about impulses at one instant: which contacts push, and whether their order matters.
 
 
+class Strengths:
+    """The impulses of contacts kicked together: solved once for the questions about each, while no number changes."""
+
+    def __init__(self, basis: tuple[Touch, ...]) -> None:
+        self.basis, self.circles = basis, circles_of(*basis)
+        self._of: tuple[Any, ...] = ()
+        self._found: list[Any] = []
+
+    def __call__(self, state: ReplayState[N]) -> list[N]:
+        """Of a state, computed with the bits in use; again where it is another state, or has other numbers."""
+        of = state, *(state.bodies[i].flight for i in self.circles)
+        same = len(of) == len(self._of) - 1 and all(one is other for one, other in zip(of, self._of, strict=False))
+        if not (same and self._of[-1] == bits_in_use()):
+            matrix, speeds = state.contact_system(self.basis)
+            self._found = solve_positive(matrix, [-speed_change(u) for u in speeds])
+            self._of = *of, bits_in_use()
+        return self._found
+
+
 class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
     words: ClassVar[str] = "whether {} push each other at all"
 
-    def __init__(self, basis: tuple[Touch, ...], link: Touch) -> None:
-        self.basis, self.link = basis, link
+    def __init__(self, basis: tuple[Touch, ...], link: Touch, strengths: Strengths | None = None) -> None:
+        self.basis, self.link, self.strengths = basis, link, strengths or Strengths(basis)
 
     @property
     def bodies(self) -> tuple[int, ...]:
         return circles_of(*self.basis, self.link)
 
-    def _strengths(self, state: ReplayState[N]) -> list[N]:
-        matrix, speeds = state.contact_system(self.basis)
-        return solve_positive(matrix, [-speed_change(u) for u in speeds])
-
     def value(self, state: ReplayState[N]) -> N:
-        return self._strengths(state)[self.basis.index(self.link)]
+        return self.strengths(state)[self.basis.index(self.link)]
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return self.words.format(name(self.link))

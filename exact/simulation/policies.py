@@ -17,7 +17,7 @@ from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.settings import TiePolicy
 from ..numbers.system import BudgetSpent, N
-from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength
+from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength, Strengths
 from ..replay.contact import AtWall, Pair, Touch, is_arc, is_flat, is_pair, scene_order
 from ..replay.state import Kick, ReplayState
 
@@ -51,10 +51,10 @@ def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...
     seen: set[tuple[Touch, ...]] = set()
     while tuple(basis) not in seen:
         seen.add(tuple(basis))
-        pushing = []
+        strengths, pushing = Strengths(tuple(basis)), []
         for link in approaching:
             if link in basis:
-                sign = ask(Strength(tuple(basis), link))
+                sign = ask(Strength(tuple(basis), link, strengths))
                 if sign > 0:
                     pushing.append(link)
             else:

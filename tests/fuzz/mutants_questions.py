@@ -108,16 +108,16 @@ QUESTIONS = (
     Mutant(
         "strength_of_single_speed",
         IMPULSES,
-        "return solve_positive(matrix, [-speed_change(u) for u in speeds])",
-        "return solve_positive(matrix, [-u for u in speeds])",
+        "self._found = solve_positive(matrix, [-speed_change(u) for u in speeds])",
+        "self._found = solve_positive(matrix, [-u for u in speeds])",
         "impulses asked about are half as strong",
         why_it_survives="only the signs of strengths are asked, and half of each has the same sign",
     ),
     Mutant(
         "strength_of_another",
         IMPULSES,
-        "return self._strengths(state)[self.basis.index(self.link)]",
-        "return self._strengths(state)[0]",
+        "return self.strengths(state)[self.basis.index(self.link)]",
+        "return self.strengths(state)[0]",
         "the strength of the first contact is taken for that of each",
     ),
     Mutant(

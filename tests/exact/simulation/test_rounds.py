@@ -11,11 +11,11 @@ import pytest
 from test_policies import SCENE_ORDER, C
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.numbers.ball import Field
+from truebreak.exact.numbers.ball import BALLS, Field, precision
 from truebreak.exact.numbers.system import BudgetSpent
-from truebreak.exact.question import Question
+from truebreak.exact.question import Question, Strengths
 from truebreak.exact.replay.contact import Pair, Touch
-from truebreak.exact.replay.state import ReplayState
+from truebreak.exact.replay.state import Kick, ReplayState
 from truebreak.exact.simulation.policies import pushing_contacts
 from truebreak.scenarios import Circle, Quantity, Scene, Trajectory
 
@@ -113,6 +113,32 @@ def test_the_impulses_of_a_round_solve_the_complementarity_problem(seed: int, fi
         tuple(link for link, s in zip(approaching, solution, strict=True) if s) for solution, _ in solutions
     ]
     assert all(effect == solutions[0][1] for _, effect in solutions)
+
+
+def test_impulses_are_solved_again_where_a_number_has_changed() -> None:
+    """The questions about one set of contacts share them: of one state as it is, with the bits in use."""
+    scene = Scene([C(0, 0, vx=1), C(2, 0, vx=-1), C(4, 0, vx=-2)])
+    links: tuple[Touch, ...] = (Pair(0, 1), Pair(1, 2))
+    shared, heavier = Strengths(links), [C(0, 0, vx=1, m=3), *scene.circles[1:]]
+
+    def radii(found: list[Any]) -> list[float]:
+        return [float(value.rad()) for value in found]
+
+    with precision(64):
+        balls, heavy = ReplayState(scene, BALLS), ReplayState(Scene(heavier), BALLS)
+        first = shared(balls)
+        assert shared(balls) is first
+        for i, body in heavy.bodies.items():
+            body.flight = balls.bodies[i].flight
+        assert not (shared(heavy)[0] - first[0]).contains(0)
+        assert radii(shared(balls)) == radii(first)
+    with precision(256):
+        assert radii(shared(balls)) == radii(Strengths(links)(balls))
+        assert 0 < max(radii(shared(balls))) < min(radii(first))
+        before = shared(balls)
+        balls.do(Kick((links[0],), (links[0],)))
+        assert not (shared(balls)[0] - before[0]).contains(0)
+        assert radii(shared(balls)) == radii(Strengths(links)(balls))
 
 
 def every_solution(matrix: Any, speeds: Any) -> list[tuple[list[Fraction], list[Fraction]]]:
