@@ -54,8 +54,10 @@ def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
 
 DURATIONS = Path(__file__).parent / "durations.json"
 LONG = 0.6
-"""Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts. The others,
-nine of ten, take four minutes on two cores."""
+"""Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts."""
+
+MOST_LONG = 0.099
+"""The part of all tests that is marked, at most: those that take longest. A slower machine has more over `LONG`."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -164,6 +166,8 @@ class Durations:
         kept: dict[str, Any] = json.loads(DURATIONS.read_text("utf-8")) if DURATIONS.exists() else {"seconds": {}}
         others = {name: s for name, s in kept["seconds"].items() if name not in self.seconds}
         long = others | {name: round(s, 1) for name, s in self.seconds.items() if s > LONG}
+        most = int(MOST_LONG * max(kept.get("tests", 0), len({**others, **self.seconds})))
+        long = dict(sorted(long.items(), key=lambda row: -row[1])[:most])
         about = {"tests": len(self.seconds), "cpu": round(sum(self.seconds.values()))}
         about = {"by": "make durations", **{key: kept.get(key, value) for key, value in about.items()}}
         DURATIONS.write_text(json.dumps({**about, "seconds": dict(sorted(long.items()))}, indent=1) + "\n", "utf-8")
