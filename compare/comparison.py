@@ -435,8 +435,6 @@ def explained(
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene
     new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
-    if scene.gravity is not None and scene.pockets:
-        new = "with gravity and a pocket"
     motion = candidate.trajectory.motion
     if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
         new = "with gravity, for engines that add g dt before they move a circle"

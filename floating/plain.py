@@ -24,7 +24,7 @@ from ..exact.replay.contact import (
     name_of,
 )
 from ..exact.replay.landings import told_wait
-from ..exact.replay.state import Lift, ReplayState, Settle, Step
+from ..exact.replay.state import Lift, ReplayState, Settle, Step, Take
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows, true_rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -414,14 +414,15 @@ def run_plain(
 
 
 def carried_knots(history: History[M]) -> dict[int, frozenset[int]]:
-    """For each circle that walls carry in a run, from which of its knots on they do: these, by their place."""
+    """For each circle that walls carry in a run, or that goes out of play, its knots from which on it does not fall: by
+    their place."""
     found: dict[int, frozenset[int]] = {}
-    for body in {step.body for step in history.steps if isinstance(step, Settle)}:
+    for body in {step.body for step in history.steps if isinstance(step, Settle | Take)}:
         places, carried, done = list[int](), False, 0
         for place, knot in enumerate(history.knots[body]):
             for step in history.steps[done : knot[5]]:
-                if isinstance(step, Settle | Lift) and step.body == body:
-                    carried = isinstance(step, Settle)
+                if isinstance(step, Settle | Lift | Take) and step.body == body:
+                    carried = not isinstance(step, Lift)
             done = knot[5]
             if carried:
                 places.append(place)

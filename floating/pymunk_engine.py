@@ -179,11 +179,6 @@ class PymunkEngine(Declared):
                 f"{scene.name!r}: has arcs, and engine 'pymunk' has no such shape; use another engine, or a chain "
                 "of segments, which is another scene"
             )
-        if scene.gravity is not None and scene.pockets:
-            raise SceneError(
-                f"{scene.name!r}: has pockets under gravity, and along steps of engine 'pymunk' entries are not found "
-                "there; use another engine, or leave them out"
-            )
         if scene.capture and scene.pockets:
             raise SceneError(
                 f"{scene.name!r}: capture = true: engine 'pymunk' cannot take circles out of play; "

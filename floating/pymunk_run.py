@@ -295,9 +295,10 @@ class Run:
         with self.interrupts.kept():
             stop, final = self.play()
         if stop.reason is StopReason.QUIET:
-            final = last_entry(self.scene, self.record.knots, final)
+            final = last_entry(self.scene, self.motion(final), final)
         self.glide(final)
         self.record.tie_knots(final)
+        motion = self.motion(final)
         return Trajectory(
             scene=self.scene,
             engine=self.engine.name,
@@ -305,9 +306,9 @@ class Run:
             events=tuple(self.record.events),
             stop=stop,
             final_time=Double(final),
-            motion=self.motion(final),
+            motion=motion,
             reversal=self.reversal,
-            pocketings=entries(self.scene, self.record.knots, final) if self.scene.pockets else (),
+            pocketings=entries(self.scene, motion, final) if self.scene.pockets else (),
             plan={
                 "steps": self.steps,
                 "steps with contacts": self.record.contact_steps,

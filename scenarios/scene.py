@@ -60,9 +60,8 @@ class Scene:
     Raises:
         SceneError: for overlapping circles, a circle across a wall, duplicate ids, limits that are not positive, a
             restitution out of its range, and one below 1, or a wall that moves, together with a reversal; for gravity
-            beside pockets that capture, and beside a reversal where a circle is fixed or something has ends or is
-            round; for a circle that two walls crush at time 0; for settle without gravity, and beside a reversal,
-            walls that move, arcs or pockets.
+            beside a reversal where a circle is fixed or something has ends or is round; for a circle that two walls
+            crush at time 0; for settle without gravity, and beside a reversal, walls that move, arcs or pockets.
 
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], [Wall(7, 0, 7, 1)])
     >>> [c.id for c in scene.circles], scene.walls[0].id
@@ -485,11 +484,6 @@ def _check_falling(scene: Scene) -> None:
             found = found or (f"{kind} {things[0].id!r} is there" if things else "")
         if found:
             raise SceneError(f"gravity: {found}, and no run is turned back there; leave {key} out")
-    if scene.pockets and scene.capture:
-        raise SceneError(
-            f"gravity: pocket {scene.pockets[0].id!r} captures, and under gravity no circle is taken out of play yet; "
-            "leave capture out"
-        )
 
 
 def _check_settling(scene: Scene) -> None:
@@ -529,11 +523,6 @@ def _check_moving(scene: Scene) -> None:
     if scene.reverse_after is not None or scene.reverse_at is not None:
         key = "reverse_at" if scene.reverse_after is None else "reverse_after"
         raise SceneError(f"{moving}: moves: cannot be turned back, as walls go on; leave {key} out")
-    if scene.moving_solid is not None and scene.pockets and scene.capture:
-        raise SceneError(
-            f"{scene.moving_solid}: moves, and pocket {scene.pockets[0].id!r} captures: beside what moves no circle is "
-            "taken out of play yet; leave capture out"
-        )
     for crushed in scene.closing:
         if crushed.time.sign() == 0:
             one, other = (scene.ids[len(scene.circles) + k] for k in crushed.walls)

@@ -387,8 +387,6 @@ FALLING = Campaign(
         ("restitution", "reversal"),
         ("motion", "reversal"),
         ("carried", "reversal"),
-        ("carried", "capture"),
-        ("capture", "gravity"),
     ),
     ("REST", "ACCUMULATION", "CRUSHED"),
     (240, mpf(10) ** -110),

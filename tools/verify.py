@@ -275,9 +275,8 @@ class Space:
     def drops(self, c):  # whether one falls and the other stands, and so their gap is a quartic
         return self.pull and (not 0 <= c[1] < self.bows or not self.pegs.isdisjoint(c))
     def true(self, i, age):  # where a circle is, and its velocity, in the frame of the scene
-        row = self.put(i, age)[:4]
-        if not self.pull or i in self.pegs: return row
-        return [*map(operator.add, row, self.fallen(age))]
+        row, falls = self.put(i, age)[:4], self.pull and i not in self.pegs
+        return [*map(operator.add, row, self.fallen(age))] if falls else row
     def meeting(self, c, age):  # of two at an instant
         (i, j), (x, y, vx, vy, *_) = c, self.put(c[0], age)
         if j < self.n:
@@ -381,13 +380,15 @@ class Space:
         if question in self.limits: return self.less(self.limits[question], self.times[age])
         if question == "slack": return self.before[c] + self.meeting(c, age).closing  # e u + u'
         return getattr(self.meeting(c, age), question)
-    def redirect(self, circles, age, factor):  # their velocities times a factor
+    def turn(self, circles, age):  # their velocities are reversed
         for i, (x, y, vx, vy, *_) in [(i, self.put(i, age)) for i in circles]:
-            vx, vy = vx * self.of(factor), vy * self.of(factor)
             if self.pull:  # -v is -V - 2 g t of V = v - g t
                 *_, u, v = self.fallen(age)
-                vx, vy = vx - (u + u), vy - (v + v)
-            self.flights[i] = Flight(x, y, vx, vy, age, {})
+                vx, vy = vx + (u + u), vy + (v + v)
+            self.flights[i] = Flight(x, y, -vx, -vy, age, {})
+    def halt(self, circles, age):  # they stand from now on, in the frame of the scene
+        for i, (x, y, *_) in [(i, self.true(i, age)) for i in circles]:
+            self.flights[i], self.pegs = Flight(x, y, *[self.none] * 2, age, {}), self.pegs | {i}
 def ends_of(segments, arcs):  # as circles; those at one place that move alike are the largest one
     found = {}
     rows = [(x, y, u, v, r, *way) for x, y, u, v, _, r, *way in segments]
@@ -606,7 +607,6 @@ class Checker(KeptApart):
         pull = pull if any(pull) else []
         ways = [row[-2:] for row in walls + [row for row in segments for _ in range(2)]]
         drift = {k: way for k, way in enumerate(ways) if any(way)}
-        refuse(pull and pockets and scene.get("capture"), "pockets capture in falls", Malformed)
         stands = pull and (segments or arcs or pockets or not all(row[5] for row in circles))
         refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
                "a run that cannot be turned back is", Malformed)
@@ -778,7 +778,7 @@ class Checker(KeptApart):
             if self.falls(c): demand(self.ball.ask("gap", c, 0).sign(), [1], f"{c} overlap")
         if turn: self.settle(self.movable)
         for w in self.worlds if turn else ():
-            w.redirect(self.movable, age, -ONE)
+            w.turn(self.movable, age)
             w.limits.pop("reverse", None)
             if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
         signs = {name: self.sign(name, self.clock) for name in self.ball.limits}
@@ -823,7 +823,7 @@ class Checker(KeptApart):
         refuse(enter != sorted(map(tuple, entry.get("enter", ()))), f"{enter} enter")
         if taken := {i for i, _ in enter if self.told["scene"].get("capture")}:
             self.settle(taken)
-            for w in self.worlds: w.redirect(taken, self.age, NONE)
+            for w in self.worlds: w.halt(taken, self.age)
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = known = {c: sign for c, sign in known.items() if c in self.meets}
         self.lasting = {c: 0 for c in known if (c in self.lasting and not moved & {*c})

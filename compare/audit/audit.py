@@ -172,8 +172,6 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     >>> found.kept, found.impacts, found.flights, found.sentence
     (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
     """
-    if run.scene.gravity is not None and run.scene.pockets:
-        return Audit(None, "pockets are not audited yet under gravity")
     if run.scene.settle and engine.step is not None:
         return Audit(None, "what walls carry is not audited yet in steps")
     if run.scene.moving_solid is not None:

@@ -293,7 +293,6 @@ class Transcript:
         self.carries: Callable[[int, Any], bool] | None = (
             (lambda *_: False) if told else getattr(motion, "carries", None)
         )
-        self.carried: Mapping[int, Collection[int]] = motion.carried if isinstance(motion, FallingMotion) else {}
         self.fall: Fall | None = None
         if run.scene.gravity is not None:
             gx, gy = (ball.constant(part) for part in run.scene.gravity)
@@ -304,6 +303,12 @@ class Transcript:
         if self.scene.capture:
             for entry in run.pocketings:
                 self.gone.setdefault(self._places[entry.circle], float(entry.time))
+        self.carried: Mapping[int, Collection[int]] = {}
+        if isinstance(motion, FallingMotion):
+            self.carried = {
+                k: {n for n in row if motion.knots[k][n][0] < self.gone.get(k, math.inf)}
+                for k, row in motion.carried.items()
+            }
 
     def _own_numbers(self) -> bool:
         """Whether a state holds numbers that enclose, or that are wider than doubles."""

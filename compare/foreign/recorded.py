@@ -78,10 +78,6 @@ class Playing(Unchangeable, ABC):
         if scene.moving_solid is not None:
             told = f"{scene.moving_solid} moves, and no recording is judged there; write walls"
             raise SceneError(f"{scene.name!r}: {told}")
-        if scene.pockets and scene.gravity is not None:
-            raise SceneError(
-                f"{scene.name!r}: has pockets under gravity, and no recording is judged there; leave them out"
-            )
         turns = scene.reverse_at is not None or scene.reverse_after is not None
         returns = turns and until is None and events is None
         time, count = (None, None) if returns else horizon(scene, until, events)

@@ -533,10 +533,12 @@ class Recording:
             knots = [row[:number] for row, number in zip(knots, self._course.left[told[-1]][1], strict=True)]
             turned = turned if turned and turned.after < len(told) else None
         elif stop.reason is StopReason.QUIET:
-            end = Double(last_entry(self.scene, self._course.knots, self._end))
+            whole = self._course.motion(knots, self._end, self._scale)
+            end = Double(last_entry(self.scene, whole, self._end))
         elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
             end, knots = limit, [[knot for knot in row if knot[0] <= float(limit)] for row in knots]
         turned = turned if turned and float(turned.time) <= float(end) else None
+        motion = self._course.motion(knots, float(end), self._scale)
         return Trajectory(
             scene=self.scene,
             engine=self.name,
@@ -544,9 +546,9 @@ class Recording:
             events=tuple(self._course.event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=self._course.motion(knots, float(end), self._scale),
+            motion=motion,
             reversal=turned,
-            pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
+            pocketings=entries(self.scene, motion, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
         )
 

@@ -122,13 +122,15 @@ def shadow(
     """
     if scene.moving_solid is not None:
         raise SceneError(f"{scene.name!r}: {scene.moving_solid} moves, of which no shadow is looked for; leave it out")
-    if scene.surfaces.pegs or (scene.gravity is not None and (scene.arcs or scene.pockets)):
+    if scene.surfaces.pegs or (scene.gravity is not None and scene.arcs):
         raise SceneError(
             f"{scene.name!r}: has gravity and something round and fixed, of which no shadow is looked for; "
             "leave one of them out"
         )
     if other := scene.other_walls:
         raise SceneError(f"{scene.name!r}: has a wall of kind {other[0].kind!r}, of which there is no shadow")
+    if scene.gravity is not None and not scene.capture:  # where a flight enters one it is told anew, and goes on
+        scene = scene.with_changes(pockets=())
     chosen = check_engine(engine_named(engine) if isinstance(engine, str) else engine)
     name = engine if isinstance(engine, str) else engine.name
     truth = uninterrupted(ExactEngine().run(scene, events=events, progress=progress))

@@ -252,7 +252,7 @@ def check_start(scene: Scene) -> None:
 
     Raises:
         NoTangentMap: if walls are of kinds of their own, if circles go out of play, touch at time 0 and go on touching,
-            if a restitution is 0, what has settled goes on, or pockets are there under gravity.
+            if a restitution is 0, or what has settled goes on.
     """
     if scene.restitution.sign() == 0:
         raise NoTangentMap("the scene has restitution 0, and what has met stays together")
@@ -260,8 +260,6 @@ def check_start(scene: Scene) -> None:
         raise NoTangentMap(f"the scene has a wall of kind {other[0].kind!r}, of which there is no tangent map")
     if scene.settle:
         raise NoTangentMap("the scene has settle = true, and of what walls carry there is no tangent map")
-    if scene.gravity is not None and scene.pockets:
-        raise NoTangentMap("the scene has gravity and pockets, of which there is no tangent map yet")
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
     scene = scene.surfaces

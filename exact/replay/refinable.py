@@ -19,7 +19,7 @@ from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
 from .ball_state import SPARE_BITS
 from .centred_state import CentredState, lone_contacts
 from .contact import Body, Flight, Link, Touch, can_push, is_pair
-from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, circles_of
+from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, Take, circles_of
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -155,10 +155,10 @@ class RefinableState:
             self._hold(taking_part)
 
     def _carry(self, step: Step, other: Flights[Any] | None) -> None:
-        """Notes in a state that has not carried out a step whom a wall carries from it on."""
-        if other is None or not isinstance(step, Settle | Lift):
+        """Notes in a state that has not carried out a step whom it leaves standing, or carried by a wall."""
+        if other is None or other.falling is None or not isinstance(step, Settle | Lift | Take):
             return
-        other.pegs = other.pegs | {step.body} if isinstance(step, Settle) else other.pegs - {step.body}
+        other.pegs = other.pegs - {step.body} if isinstance(step, Lift) else other.pegs | {step.body}
 
     def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:
         """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.

@@ -562,9 +562,13 @@ class ReplayState(Flights[N]):
     # -- what changes all at once
 
     def take(self, index: int) -> None:
-        """Takes a body out of play, where it is at the instant."""
+        """Takes a body out of play, where it is at the instant: under gravity it stands there, in true coordinates."""
         body, zero = self.bodies[index], self.zero
-        x, y = self.place(body)
+        if self.falling is not None and index not in self.pegs:
+            x, y, _, _ = self.true_row(body)
+            self.pegs |= {index}
+        else:
+            x, y = self.place(body)
         _, _, _, _, t, instant, late, last, _ = body.flight
         body.flight = Flight(x, y, zero, zero, t, instant, late, last, rest=True)
 

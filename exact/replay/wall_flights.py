@@ -303,17 +303,21 @@ class WallFlights(Generic[N]):
 
     # -- circles that walls carry
 
-    def settle(self, index: int, wall: int, slides: bool) -> None:
-        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
-        body, falls = self.bodies[index], self.falling
+    def true_row(self, body: Body[N]) -> tuple[N, N, N, N]:
+        """(x, y, vx, vy) of a body that falls, in true coordinates, at the instant."""
+        x, y, vx, vy, t, _, late, *_ = body.flight
+        falls = self.falling
         assert falls is not None
-        x, y, vx, vy, t, instant, late, last, _ = body.flight
-        zero = self.zero
         if not falls.bent:
             x, y = x + falls.hx * t * t, y + falls.hy * t * t
             vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
-        if late is not None:
-            x, y, vx, vy = falls.flown((x, y, vx, vy), late)
+        return (x, y, vx, vy) if late is None else falls.flown((x, y, vx, vy), late)
+
+    def settle(self, index: int, wall: int, slides: bool) -> None:
+        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
+        body, zero = self.bodies[index], self.zero
+        _, _, _, _, t, instant, late, last, _ = body.flight
+        x, y, vx, vy = self.true_row(body)
         if slides:
             line = self.line(index, wall)
             slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn

@@ -28,7 +28,7 @@ from ..numbers.system import N, number_system
 from ..question import Decision, Question
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Touch
-from ..replay.state import Lift, ReplayState, Settle, Step, causal_past, replay, step_units
+from ..replay.state import Lift, ReplayState, Settle, Step, Take, causal_past, replay, step_units
 from .endings import Accumulating, Rows
 from .prediction import Arrival, ArrivalQueue
 
@@ -437,18 +437,19 @@ class RunLog:
         return same and all(one == two for one, two in zip(ours[:upto], theirs[:upto], strict=True))
 
     def carries(self, circle: int, upto: int) -> bool:
-        """Whether a wall carries a circle after the first `upto` steps (see `Settle`)."""
+        """Whether a wall carries a circle after the first `upto` steps (see `Settle`), or it is out of play."""
         known = self._carried.get(circle, [])
         before = bisect_right(known, upto, key=itemgetter(0))
         return before > 0 and known[before - 1][1]
 
     @cached_property
     def _carried(self) -> dict[int, list[tuple[int, bool]]]:
-        """For each circle that walls have carried, how many steps led to where one does, or none any more."""
+        """For each circle that walls have carried, how many steps led to where one does, or none any more; of one that
+        went out of play, to there."""
         found: dict[int, list[tuple[int, bool]]] = {}
-        for k, step in enumerate(self.steps if self.given.settle else (), start=1):
-            if isinstance(step, Settle | Lift):
-                found.setdefault(step.body, []).append((k, isinstance(step, Settle)))
+        for k, step in enumerate(self.steps if self.given.settle or self.given.capture else (), start=1):
+            if isinstance(step, Settle | Lift | Take):
+                found.setdefault(step.body, []).append((k, not isinstance(step, Lift)))
         return found
 
     def units(self, bits: int, upto: int) -> int:

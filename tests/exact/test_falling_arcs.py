@@ -6,16 +6,23 @@ import random
 from collections import Counter
 from typing import Any
 
+import edge_campaign
 import pytest
+import segment_referee
 from arc_scenes import scene_of
 from bow_referee import BowReferee, NotForThis, TieMet
+from falling_campaign import FALLING
 from mpmath import mpf, workdps
 
-from truebreak.compare.tangent.impacts import NoTangentMap, check_start
+from truebreak.compare.shadowing.shadows import shadow
+from truebreak.compare.tangent.growth import error_growth
 from truebreak.exact import ExactEngine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
-from truebreak.exact.replay import landings, round_falls
+from truebreak.exact.replay import landings, round_falls, wall_flights
+from truebreak.exact.simulation import decider, instant
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.floating.knots import FallingMotion
+from truebreak.floating.pocket_entries import entries
 from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Segment, Trajectory, Wall
 from truebreak.scenarios.trajectory import StopReason, TieProof
 
@@ -449,14 +456,144 @@ def test_the_referee_finds_faults_of_rims(monkeypatch: pytest.MonkeyPatch, where
     assert any(is_found(seed) for seed in range(12))
 
 
-def test_pockets_that_capture_and_what_does_not_know_them_refuse_by_one_line() -> None:
-    hole = Pocket(0, 2, 1, id="hole")
-    with pytest.raises(SceneError, match="gravity: pocket 'hole' captures, and under gravity no circle is taken out"):
-        Scene([Circle(0, 5)], pockets=[hole], capture=True, gravity=(0, -1))
-    scene = Scene([Circle(0, 5)], pockets=[hole], gravity=(0, -1))
+def test_square_roots_do_not_take_rims_by_one_line() -> None:
+    scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
     with pytest.raises(SceneError, match="pocket 'hole' is round, under gravity, and square roots do not take that"):
         SymbolicEngine().run(scene)
-    with pytest.raises(SceneError, match="has pockets under gravity, and along steps of engine 'pymunk'"):
-        PymunkEngine().run(scene)
-    with pytest.raises(NoTangentMap, match="gravity and pockets"):
-        check_start(scene)
+
+
+# -- Pockets that capture: what they take stands where it entered, in true coordinates.
+
+
+def with_holes(seed: int) -> Scene:
+    """Four discs in a box with two pockets that capture, under gravity."""
+    rng = random.Random(seed)
+    while True:
+        discs = [
+            Circle(rng.randint(2, 18), rng.randint(2, 18), f"{rng.randint(10, 90)}/200", f"{rng.randint(-9, 9)}/3",
+                   f"{rng.randint(-9, 9)}/4", rng.randint(1, 3), id=f"c{k}")
+            for k in range(4)
+        ]  # fmt: skip
+        holes = [
+            Pocket(rng.randint(3, 17), rng.randint(1, 5), f"{rng.randint(20, 60)}/40", id=f"h{k}") for k in range(2)
+        ]
+        walls = [Wall(0, 0, 1, 0), Wall(0, 0, 0, 1), Wall(20, 0, 20, 1), Wall(0, 20, 1, 20)]
+        pull, e = rng.choice([*PULLS, (0, -2)]), rng.choice([1, 1, "9/10"])
+        try:
+            return Scene(discs, walls, pockets=holes, capture=True, gravity=pull, restitution=e)
+        except SceneError:  # two lie on each other
+            continue
+
+
+def takes_otherwise(seed: int) -> str:
+    """What of a run the referee in true coordinates has otherwise: events, entries, or the state at the end."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(segment_referee, "DIGITS", FALLING.digits[0])
+        patch.setattr(segment_referee, "SAME", FALLING.digits[1])
+        aged = edge_campaign.Aged(with_holes(seed), Quantity.of(9))
+        outcome, told, _ = edge_campaign.examined(aged, FALLING)
+    return f"{outcome}: {told}" if outcome == "failure" else ""
+
+
+HOLES = (0, 1, 4, 7)
+
+
+@pytest.mark.parametrize("seed", HOLES)
+def test_what_a_pocket_takes_stands_where_it_entered(seed: int) -> None:
+    scene = with_holes(seed)
+    assert ExactEngine().run(scene, until=9).pocketings
+    assert not takes_otherwise(seed)
+
+
+def in_its_frame(self: Any, body: Any) -> Any:
+    """As it stands in the frame that falls."""
+    return body.flight[:4]
+
+
+@pytest.mark.parametrize(
+    ("where", "name", "fault"),
+    [
+        (wall_flights.WallFlights, "true_row", in_its_frame),
+        (decider.RunLog, "_carried", {}),
+        (instant.Resolver, "_capture", lambda *_: None),
+    ],
+)
+def test_the_referee_finds_faults_of_captures(
+    monkeypatch: pytest.MonkeyPatch, where: Any, name: str, fault: Any
+) -> None:
+    monkeypatch.setattr(where, name, fault)
+    assert any(map(takes_otherwise, HOLES))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_every_engine_takes_what_a_pocket_captures_out_of_play(seed: int) -> None:
+    scene = with_holes(seed)
+    exact = ExactEngine().run(scene, until=9)
+    shorter = ExactEngine().run(scene, events=max(1, len(exact.events) // 2))
+    gone_on = ExactEngine().resume(shorter, until=9)
+    assert [e.contacts for e in gone_on.events] == [e.contacts for e in exact.events]
+    for engine in (DoubleEngine(), QuadEngine(), IntervalEngine(bits=300), RoundedEngine(bits=50)):
+        run = engine.run(scene, until=9)
+        assert [e.contacts for e in run.events] == [e.contacts for e in exact.events]
+        assert [(e.circle, e.pocket) for e in run.pocketings] == [(e.circle, e.pocket) for e in exact.pocketings]
+        for mine, theirs in zip(run.motion.state(8.75), exact.motion.state(8.75), strict=True):
+            assert [*map(float, mine)] == pytest.approx([*map(float, theirs)], abs=1e-7)
+
+
+def test_a_circle_that_a_segment_that_moves_would_meet_is_out_of_play() -> None:
+    paddle = Segment(-2, -3, 2, -3, id="paddle", vy=2)
+    discs = [Circle(0, 5, "1/2", id="falls"), Circle("3/2", 2, "1/4", id="waits", vy=5)]
+    scene = Scene(discs, segments=[paddle], pockets=[Pocket(0, 2, 1, id="hole")], capture=True, gravity=(0, -10))
+    for engine in (ExactEngine(), DoubleEngine()):
+        run = engine.run(scene, until=3)
+        assert [(e.circle, e.pocket) for e in run.pocketings] == [("falls", "hole")]
+        assert "falls" not in {name for event in run.events for pair in event.contacts for name in pair}
+        assert run.events
+        assert float(run.at(3)["falls"].y) == pytest.approx(3)
+
+
+# -- Entries of engines that know no pockets: found along their flights.
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_entries_along_flights_are_those_that_the_exact_run_has(seed: int) -> None:
+    scene = with_holes(seed).with_changes(capture=False)
+    exact, plain = ExactEngine().run(scene, events=12), DoubleEngine().run(scene.with_changes(pockets=[]), events=12)
+    found = entries(scene, plain.motion, float(plain.final_time))
+    assert [(e.circle, e.pocket) for e in found] == [(e.circle, e.pocket) for e in exact.pocketings]
+    for mine, theirs in zip(found, exact.pocketings, strict=True):
+        assert float(mine.time) == pytest.approx(float(theirs.time), abs=1e-9)
+
+
+def test_a_parabola_enters_a_pocket_twice_or_once_or_grazes_it() -> None:
+    def times(vy: float, reach: float, since: float = 0.0) -> list[float]:
+        scene = Scene([Circle(0, 0, "1/4", id="ball")], pockets=[Pocket(0, 2, reach, id="hole")], gravity=(0, -10))
+        motion = FallingMotion([[(since, 0.0, 0.0, 0.0, vy)]], 9.0, halves=(0.0, -5.0))
+        return [float(entry.time) for entry in entries(scene, motion, 9.0)]
+
+    assert times(10.0, 1.0) == pytest.approx([(10 - 80**0.5) / 10, (10 + 40**0.5) / 10])
+    assert times(7.5, 1.0, 2.0) == pytest.approx([2 + (7.5 - 36.25**0.5) / 10])  # it turns within
+    assert times(4.0, 1.0) == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pymunk_enters_as_the_law_has_it_up_to_its_step(seed: int) -> None:
+    scene = with_holes(seed).with_changes(capture=False, restitution=1)
+    law = ExactEngine().run(scene, until=2)
+    for dt in (1 / 256, 1 / 1024):
+        run = PymunkEngine(dt=dt).run(scene, until=2)
+        assert [(e.circle, e.pocket) for e in run.pocketings] == [(e.circle, e.pocket) for e in law.pocketings]
+        for mine, theirs in zip(run.pocketings, law.pocketings, strict=True):
+            assert abs(float(mine.time) - float(theirs.time)) < 12 * dt
+
+
+def test_pockets_that_take_nothing_change_neither_errors_nor_shadows() -> None:
+    scene = with_holes(0).with_changes(capture=False)
+    bare = scene.with_changes(pockets=[])
+    run, plain = (ExactEngine().run(each, events=12) for each in (scene, bare))
+    assert run.pocketings
+    assert error_growth(run, 12) == error_growth(plain, 12)
+    one, other = (shadow(each, events=40).proof for each in (scene, bare))
+    assert one is not None
+    assert other is not None
+    assert one.run_distance == other.run_distance

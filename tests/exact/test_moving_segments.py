@@ -32,7 +32,7 @@ from truebreak.exact.replay.state import Flights
 from truebreak.exact.replay.wall_flights import SeenWall
 from truebreak.exact.simulation.prediction import ArrivalQueue
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Circle, Pocket, Polygon, Quantity, Scene, SceneError, Segment, StopReason, Wall
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, SceneError, Segment, StopReason, Wall
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 from truebreak.scenarios.pictures import as_at
 
@@ -364,7 +364,6 @@ def test_what_does_not_know_them_says_so_in_one_line():
     scene = paddle()
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "segment 'pad': moves: cannot be turned back"),
-        (lambda: scene.with_changes(pockets=[Pocket(9, 9, 1)], capture=True), "captures: beside what moves"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
         (lambda: shadow(scene, events=1), "of which no shadow is looked for"),
         (lambda: check("double", scene), "segments or polygons that move"),

@@ -566,9 +566,12 @@ export class Run {
         }
       }
     }
-    for (const i of caught) {
+    const { gravity, worlds } = this.scene;
+    for (const i of caught) { // under gravity it stands from here on in the frame of the scene
+      const f = this.flights[i], fall = gravity && worlds.map((A, w) => this.scene.fallen(A, w, this.now[w]).by);
       this.captured[i] = true;
-      this.flights[i].v = [this.zero, this.zero];
+      if (fall) f.p = f.p.map((x, a) => worlds.map((A, w) => A.add(x[w], fall[w][a])));
+      f.v = [this.zero, this.zero];
     }
   }
 }

@@ -57,7 +57,7 @@ export class Scene {
   }
 
   /** Restitution, gravity, the velocities of walls; and what is a scene with them. */
-  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs, capture }) {
+  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs }) {
     const one = fraction(1n), zero = e => this.exact.sign(e) === 0;
     this.restitution = this.number(restitution ?? one);
     this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
@@ -67,7 +67,6 @@ export class Scene {
     const drift = this.walls.some(x => x.way) || segments.some(x => this.way(x.vx && this.number(x.vx), x.vy && this.number(x.vy)));
     if (turned && (!elastic || drift)) malformed('no scene: a run that cannot be turned back is');
     if (!this.gravity) return;
-    if (pockets.length && capture) malformed('no scene: under gravity pockets capture');
     const stands = segments.length || arcs.length || pockets.length || this.circles.some(c => zero(c.w[2]));
     if (turned && stands) malformed('no scene: a run that cannot be turned back is, where something stands');
   }

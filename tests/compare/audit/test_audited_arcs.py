@@ -14,7 +14,7 @@ from guise_campaign import GUISED
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Wall, catalogue
 
 SCENES = [scene for seed in range(120) if (scene := scene_of(seed)) is not None and scene.elastic]
 UNTIL, EVENTS = 20, 30
@@ -159,9 +159,15 @@ def test_one_that_leaves_a_bowl_at_an_extreme_speed_meets_nothing_more(name: str
     assert audit_run(run, engine(name)).kept
 
 
-def test_pockets_under_gravity_are_not_audited() -> None:
-    scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
-    assert "pockets are not audited yet under gravity" in audited(DoubleEngine(), scene).sentence
+@pytest.mark.parametrize("capture", [False, True])
+def test_laws_are_kept_among_pockets_under_gravity(capture: bool) -> None:
+    discs = [Circle(0, 5, id="falls"), Circle(5, 5, vx=-1, vy=3, id="thrown"), Circle(-6, 2, vx=1, id="rolls")]
+    floor, hole = Wall(0, 0, 1, 0, id="floor"), Pocket(0, 2, 1, id="hole")
+    scene = Scene(discs, [floor], pockets=[hole], capture=capture, gravity=(0, -1))
+    for name in ("double", "single", "rounded:bits=20", *(() if capture else ("pymunk:dt=1/256",))):
+        run = engine(name).run(scene, until=20)
+        assert run.pocketings
+        assert audit_run(run, engine(name)).kept, name
 
 
 def test_what_comes_after_all_is_turned_back_at_one_double_is_no_part_of_the_turn() -> None:

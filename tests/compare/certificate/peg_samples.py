@@ -155,6 +155,10 @@ def bows_by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
         "through a pocket, up and down": (
             Scene([up], BOX, arcs=[RING], pockets=[hole], gravity=DOWN), far,
         ),
+        "into a pocket that captures": (
+            Scene([ball, *pair[1:]], BOX, arcs=[CUP], pockets=[HOLE], capture=True, gravity=DOWN),
+            far,
+        ),
         "out of a pocket": (Scene([Circle(0, -3, "1/4", vy=3)], BOX, arcs=[RING], pockets=[HOLE], gravity=DOWN), far),
     }  # fmt: skip
 
@@ -189,6 +193,7 @@ def bow_scene_of(seed: int) -> Scene | None:
             pockets=holes,
             gravity=rng.choice([(0, -10), ("1/3", -4), ("sqrt(2)", -3)]),
             restitution=rng.choice(["1", "9/10", "1/2", "0"]),
+            capture=rng.random() < 0.5,
         )
     except SceneError:
         return None

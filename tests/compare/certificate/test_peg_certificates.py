@@ -161,8 +161,16 @@ FAULTS = {
         [("if (!wait) parts.push(", "if (0) parts.push(")],
     ),
     "the final place of what stands falls": (
-        [("if not self.pull or i in self.pegs: return row", "if not self.pull: return row")],
-        [("const fall = gravity && !run.fixed[i] && worlds", "const fall = gravity && worlds")],
+        [("self.pull and i not in self.pegs", "self.pull")],
+        [("const fall = gravity && !run.fixed[i] && !run.captured[i] && worlds", "const fall = gravity && worlds")],
+    ),
+    "what a pocket takes falls on": (
+        [("age, {}), self.pegs | {i}", "age, {}), self.pegs")],
+        [("!run.fixed[i] && !run.captured[i] && worlds", "!run.fixed[i] && worlds")],
+    ),
+    "what a pocket takes stands where the frame has it": (
+        [("for i, (x, y, *_) in [(i, self.true(i, age))", "for i, (x, y, *_) in [(i, self.put(i, age))")],
+        [("if (fall) f.p = f.p.map(", "if (0) f.p = f.p.map(")],
     ),
     "the rising zero of a face": (
         [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # the sign", "return -(m.closing + (m.closing if again else -m.disc.sqrt())) / m.speed\n    def there(m, again):  # the sign")],

@@ -173,7 +173,7 @@ FAULTS = {
         [("x.sign = this.scene.bounced;", "x.sign = 1;")],
     ),
     "a run turned back as without gravity": (
-        [("vx, vy = vx - (u + u), vy - (v + v)", "pass")],
+        [("vx, vy = vx + (u + u), vy + (v + v)", "pass")],
         [("const fall = gravity && worlds.map((A, w) => A.twice(", "const fall = null && worlds.map((A, w) => A.twice(")],
     ),
     "the final state in the falling frame": (
