@@ -177,8 +177,8 @@ FAULTS = {
         [("const fall = gravity && worlds.map((A, w) => A.twice(", "const fall = null && worlds.map((A, w) => A.twice(")],
     ),
     "the final state in the falling frame": (
-        [("if not self.pull or i in self.pegs: return row", "return row")],
-        [("const fall = gravity && !run.fixed[i] && worlds.map((A, w) => run.scene.fallen", "const fall = null && worlds.map((A, w) => run.scene.fallen")],
+        [("self.fallen(age))] if falls else row", "self.fallen(age))] if 0 else row")],
+        [("const fall = gravity && !run.fixed[i] && !run.captured[i] && worlds.map((A, w) => run.scene.fallen", "const fall = null && worlds.map((A, w) => run.scene.fallen")],
     ),
     "nothing pulls to a wall": (
         [("return self.bends.get(c, 0) < 0", "return 0 and self.bends.get(c, 0) < 0")],
