@@ -121,8 +121,10 @@ class Fall(NamedTuple):
         [3.0, 0.0, 1.0, -6.0]
         """
         span = t - flight.t
-        if span.is_zero() or flight.carried:
+        if flight.carried:
             return flight
+        if span.is_zero():  # by its clock, of which a last bit may be all of a bounce
+            return flight._replace(fallen=self.size * (abs(float(t)) + flight.time))
         way, gain = self.fallen(span)
         vx, vy = flight.vx + self.gx * gain, flight.vy + self.gy * gain
         x, y = flight.x + self.gx * (way - gain * span), flight.y + self.gy * (way - gain * span)

@@ -9,6 +9,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from drawn_falls import pegged
 
 from audit.faulty import Faulty
 from truebreak.compare import engine
@@ -46,6 +47,16 @@ def scene_of(seed: int) -> Scene:
 
 
 SCENES = [scene_of(seed) for seed in range(40)]
+
+
+@pytest.mark.parametrize(("seed", "bits"), [(75, 16), (66, 10)])
+def test_bounces_that_take_no_time_by_the_clock_keep_the_law(seed: int, bits: int) -> None:
+    """The last bounces take less than a last bit of the clock; gravity changes velocities in them all the same."""
+    scene, chosen = pegged(seed), engine(f"rounded:bits={bits}")
+    run = chosen.run(scene, until=40, events=60)
+    assert len({float(event.time) for event in run.events}) < len(run.events)
+    found = audit_run(run, chosen)
+    assert found.kept, found.sentence
 
 
 def among_pegs(seed: int) -> Scene | None:
