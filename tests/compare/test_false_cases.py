@@ -20,7 +20,7 @@ from truebreak.compare.foreign.guard import wider_of
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.compare.study import Study
 from truebreak.floating import PymunkEngine
-from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 
 DATA = Path(__file__).parents[1] / "data" / "verdict"
@@ -394,3 +394,17 @@ def test_a_changed_outcome_never_stands_beside_no_change() -> None:
     candidate = replace(comparison["double"], changed=("break_pattern",))
     assert comparison.verdict == "agree"
     assert not verdict_sentence(replace(comparison, candidates=(candidate,))).startswith("Floating point did not")
+
+
+def test_an_entry_of_one_run_alone_is_no_matter_of_the_contact_after_it() -> None:
+    """Rounded to 6 bits a flight that passes a rim by a thousandth goes in: nothing decides about what comes then."""
+    ball, wall = Circle(0, "14/61", "1/4", vx=1, id="ball"), Wall(20, 0, 20, 1, id="wall")
+    hole = Pocket(10, Quantity.of("14/61") + Quantity.of("1001/1000"), 1, id="hole")
+    scene = Scene([ball], [wall], pockets=[hole], capture=True)
+    found = compare(scene, [engine("rounded:bits=6")], until=30).candidates[0]
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.UNKNOWN
+    assert found.diagnosis.finding == (
+        "ball entered pocket hole in rounded alone, and of entries no cause is looked for yet"
+    )
