@@ -20,7 +20,7 @@ from truebreak.compare.validation import EngineError
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine, RoundedEngine, SingleEngine
 from truebreak.floating.knots import FallingEvents, SteppedEvents, SteppedFall
-from truebreak.scenarios import Circle, Quantity, Scene, Segment, Wall, catalogue
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall, catalogue
 from truebreak.scenarios.engine import ALL_KEYS
 from truebreak.scenarios.files import dump_json
 
@@ -116,6 +116,21 @@ def test_times_alone_lead_along_the_run_under_gravity() -> None:
     log = logged(run, PAIR, states=False)
     assert float(abs(log.last.sample([1.0, 3.0, 5.9]) - run.sample([1.0, 3.0, 5.9])).max()) < 1e-9
     assert not log.last.notes
+
+
+@pytest.mark.parametrize("states", [True, False])
+def test_a_log_enters_pockets_along_its_parabolas(states: bool) -> None:
+    scene = PAIR.with_changes(pockets=[Pocket(0, 2, 1, id="low"), Pocket(1, 4, "3/2", id="high")])
+    run = DoubleEngine().run(scene, until=6)
+    assert len(run.pocketings) > 4
+    log = logged(run, scene, states=states)
+    assert [(e.circle, e.pocket) for e in log.last.pocketings] == [(e.circle, e.pocket) for e in run.pocketings]
+    for mine, theirs in zip(log.last.pocketings, run.pocketings, strict=True):
+        assert float(mine.time) == pytest.approx(float(theirs.time), abs=1e-9)
+    found = judged(scene, log, 6)
+    assert found.verdict == "agree"
+    assert found.laws.kept is (True if states else None)
+    assert found.changed == ()
 
 
 PLANTED = {
