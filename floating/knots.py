@@ -115,6 +115,10 @@ class FallingMotion(DoubleMotion):
             rows.append(DoubleMotion.flown(self, i, row[k], t) if straight else self.flown(i, row[k], t))
         return rows
 
+    def carries(self, place: int, time: SupportsFloat) -> bool:
+        """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""
+        return bisect_right(self.knots[place], float(time), key=_time) - 1 in self.carried.get(place, ())
+
     def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
         """See `DoubleMotion.flown`; of a circle that falls."""
         (t0, x, y, vx, vy), (hx, hy) = knot, self.halves

@@ -110,9 +110,10 @@ def played(
     Returns:
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
         of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
-        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs], and
-        how much later than the one before, where a double does not tell; `matches`, for each event of the first run,
-        which of its own that is, -1 for none.
+        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; under gravity `still`, the places
+        of those from which on nothing falls: a wall carries it, or it is out of play; `events`, [index, time, pairs],
+        and how much later than the one before, where a double does not tell; `matches`, for each event of the first
+        run, which of its own that is, -1 for none.
     """
     if not float(first.final_time) > 0 or not scene.circles:
         return None
@@ -169,12 +170,14 @@ def _run(run: Trajectory, begin: float, end: float, count: int, matched: Collect
     events = inside[:count]
     if len(inside) > count:
         last = min(last, float(inside[count].time))
-    others = [entry.time for entry in run.pocketings] + ([run.reversal.time] if run.reversal else [])
+    others = [mark.time for mark in (*run.pocketings, *run.settlings, *([run.reversal] if run.reversal else ()))]
     marks = {min(float(event.time), last) for event in events} | {t for t in map(float, others) if begin <= t <= last}
     times = sorted({begin, *marks})
+    knots, still = _knots(run, times, last)
     return {
         "times": times,
-        "knots": _knots(run, times, last),
+        "knots": knots,
+        **({"still": still} if still else {}),
         "events": [_event(e, before) for e, before in zip(events, [None, *events], strict=False)],
         "end": last,
         "stop": run.stop.message,
@@ -189,8 +192,11 @@ def _event(event: Event, before: Event | None) -> list[Any]:
     return row
 
 
-def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]]:
-    """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight."""
+def _knots(run: Trajectory, times: list[float], last: float) -> tuple[list[list[float]], list[int]]:
+    """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight.
+
+    With the places of the knots from which on a circle does not fall, where others do.
+    """
     final = float(run.final_time)
     middles = [min(a + (b - a) / 2, final) for a, b in zip(times, [*times[1:], last], strict=True)]
     flights = [(k, a, m) for k, (a, m) in enumerate(zip(times, middles, strict=True)) if m > a]
@@ -203,16 +209,26 @@ def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]
     size = _size(run.scene, rows)
     room, decimals = JUMP * size, DIGITS - math.floor(math.log10(size))
     gravities = _gravities(run.scene)
+    carries = getattr(run.motion, "carries", None) if run.scene.settle or run.scene.capture else None
+    stands, still = set[int](), list[int]()
     for (k, begin, middle), row in zip(flights, rows, strict=True):
         for i, ((x, y, vx, vy), gravity) in enumerate(zip(row, gravities, strict=True)):
-            if i in known and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
+            stood = i in stands
+            if gravity != (0.0, 0.0) and carries is not None and carries(i, min(middle, final)):
+                gravity = 0.0, 0.0
+                stands.add(i)
+            else:
+                stands.discard(i)
+            same = stood is (i in stands)
+            if i in known and same and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
             known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
+            still += [len(knots)] if i in stands else []
             _, *place, vx, vy = known[i]
             knots.append(
                 [k, i, *(round(value, decimals) for value in place), *(float(f"{v:.{DIGITS}g}") for v in (vx, vy))]
             )
-    return knots
+    return knots, still
 
 
 def _size(scene: Scene, rows: Sequence[Sequence[Sequence[float]]]) -> float:
@@ -270,10 +286,11 @@ def _passed(scene: Scene, run: Mapping[str, Any]) -> list[list[float]]:
     gravities, knots, times = _gravities(scene), run["knots"], run["times"]
     if _gravity(scene) == (0.0, 0.0):
         return knots
-    ends = [*times[1:], run["end"]]
+    ends, still = [*times[1:], run["end"]], {*run.get("still", ())}
+    pulls = [(0.0, 0.0) if n in still else gravities[int(i)] for n, (_, i, *_) in enumerate(knots)]
     return [
-        [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, gravities[int(i)])]
-        for k, i, *state in knots
+        [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, pull)]
+        for (k, i, *state), pull in zip(knots, pulls, strict=True)
         for piece in range(PIECES + 1)
     ]
 

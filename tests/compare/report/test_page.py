@@ -9,6 +9,8 @@ import re
 import struct
 from itertools import pairwise
 from pathlib import Path
+from shutil import which
+from subprocess import run as run_program
 
 import jsonschema
 import pytest
@@ -27,7 +29,7 @@ from truebreak.compare.report.html import SAME, UNTOLD, changed, kept, settled, 
 from truebreak.compare.report.page import events_csv, provenance, whole_name
 from truebreak.compare.report.player import JUMP, MOST_EVENTS, recording
 from truebreak.compare.report.schema import schema
-from truebreak.scenarios import Circle, Scene, SceneError, catalogue
+from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import loads_toml
 
 
@@ -272,6 +274,43 @@ def test_what_is_fixed_does_not_fall_in_a_recording() -> None:
         knots = [knot for knot in run["knots"] if knot[1] in fixed]
         assert [knot[1] for knot in knots] == sorted(fixed)
         assert all(knot[4:] == [0.0, 0.0] for knot in knots)
+
+
+HOLE = Scene(
+    [Circle(0, 8, "1/4", vx="1/2", id="a"), Circle(5, 3, "1/4", vx=-1, vy=6, id="b")],
+    [Wall(0, 0, 1, 0, id="floor"), Wall(9, 0, 9, 1, id="right"), Wall(-9, 0, -9, 1, id="left")],
+    pockets=[Pocket(2, 3, 1, id="hole")],
+    capture=True,
+    gravity=(0, -10),
+)
+
+MOTION = """
+const data = JSON.parse(require("fs").readFileSync(0, "utf-8"));
+const told = data.runs.map((run, k) => {
+  const motion = new Motion(run, data.bodies, data.gravity);
+  return data.times[k].map((time) => data.bodies.map((_, body) => motion.at(body, time)));
+});
+console.log(JSON.stringify(told));
+"""
+
+
+@pytest.mark.skipif(which("node") is None, reason="node is not at hand")
+@pytest.mark.parametrize("scene", [catalogue.build("landing"), catalogue.build("struck"), HOLE], ids=lambda s: s.name)
+def test_a_page_shows_what_is_carried_or_out_of_play_where_the_run_has_it(scene: Scene) -> None:
+    """What had settled was shown as if it fell through the floor and rose again, from one event to the next."""
+    found = compare(scene, ["double", "single", "quad", "interval"], until=4, causes=False)
+    data = recording(found)
+    assert data is not None
+    runs = [found.reference, *(c.trajectory for c in found.candidates)]
+    ends = [min(told["end"], float(run.final_time)) for told, run in zip(data["runs"], runs, strict=True)]
+    data["times"] = [[end * (k + 0.37) / 40 for k in range(40)] for end in ends]
+    script = (Path(page_provenance.__file__).parent / "templates" / "stage.js").read_text("utf-8") + MOTION
+    shown = run_program(["node", "-e", script], input=json.dumps(data), capture_output=True, text=True, check=True)
+    for run, times, rows, told in zip(runs, data["times"], json.loads(shown.stdout), data["runs"], strict=True):
+        assert told["still"], run.engine
+        for time, row in zip(times, rows, strict=True):
+            for (x, y, *_), state in zip(row, run.sample([time])[0], strict=True):
+                assert (x, y) == pytest.approx((state[0], state[1]), abs=1e-5), (run.engine, time)
 
 
 def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
