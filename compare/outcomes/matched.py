@@ -246,7 +246,7 @@ def _part(reference: Trajectory, known: Mapping[int, Impulses], entries: Iterabl
     turned = reference.reversal if reference.reversal and float(reference.reversal.time) <= end else None
     final = reference.final_time if float(reference.final_time) <= end else end  # which a double may be beyond
     cut = replace(reference, events=events, final_time=final, pocketings=tuple(entries), reversal=turned)
-    if reference.scene.capture or reference.reversal is not None:
+    if reference.scene.capture or reference.scene.settle or reference.reversal is not None:
         return cut
     return replace(cut, motion=Left(reference, {m: reference.events[m] for m in sorted(known)}))
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from truebreak.compare import compare, engine
+from truebreak.compare.outcomes import matched
 from truebreak.compare.outcomes.outcome import OUTCOMES, changed_outcomes, mirror, outcomes_of, symmetry, table
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Polygon, Scene, Segment, Trajectory, Wall, catalogue
@@ -120,3 +121,11 @@ def test_a_mirror_line_among_segments_and_polygons() -> None:
     assert mirror(scene.with_changes(polygons=[wedges[0], Polygon(wedges[1].points, "down", "1/9")]), "y") is None
     joined = [Segment(-6, 0, -7, 3, id="s"), Segment(-6, 0, -7, -3, id="t")]
     assert mirror(scene.with_changes(segments=joined), "y") is None
+
+
+def test_what_has_settled_stays_where_it_is_in_the_part_that_a_shorter_run_is_held_to() -> None:
+    """It was taken to fall on from its last meeting."""
+    run = ExactEngine().run(catalogue.build("landing"))
+    known = {event.index: event.impulses for event in run.events[:2]}
+    part = matched._part(run, known, (), 1.25)
+    assert [float(circle.y) for circle in part.at(1.25).circles] == [1.0, 1.0]
