@@ -220,11 +220,21 @@ def states_at(run: Trajectory, time: float) -> list[list[float]]:
     if time < final:
         return [list(row) for row in rows_of(run, [time])[0]]
     flown = time - final if run.stop.reason is StopReason.QUIET else 0.0
-    gx, gy = map(float, run.scene.gravity or (0, 0))
+    stand = standing(run, final)
+    gx, gy = (float(part) * flown for part in run.scene.gravity or (0, 0))
     return [
-        [x + vx * flown + gx * flown**2 / 2, y + vy * flown + gy * flown**2 / 2, vx + gx * flown, vy + gy * flown]
-        for x, y, vx, vy in run.final.rows()
+        [x + vx * flown, y + vy * flown, vx, vy]
+        if i in stand
+        else [x + (vx + gx / 2) * flown, y + (vy + gy / 2) * flown, vx + gx, vy + gy]
+        for i, (x, y, vx, vy) in enumerate(run.final.rows())
     ]
+
+
+def standing(run: Trajectory, time: float) -> set[int]:
+    """The circles, by place, that do not fall at a time: fixed, carried by a wall, or out of play."""
+    carries = getattr(run.motion, "carries", None) if run.scene.settle or run.scene.capture else None
+    at = time if time < float(run.final_time) else run.final_time
+    return {i for i, circle in enumerate(run.scene.circles) if circle.fixed or (carries is not None and carries(i, at))}
 
 
 def _discs_at(

@@ -13,7 +13,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.pictures import DrawnDisc, arc_line, polygon_outline, segment_line, view_of, wall_line
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import rows_of
-from ..picture import instant_of, names_of
+from ..picture import instant_of, names_of, standing
 from .charts import COASTING, errors_shown, predictions
 from .sentences import headline
 from .terminal import later
@@ -209,21 +209,16 @@ def _knots(run: Trajectory, times: list[float], last: float) -> tuple[list[list[
     size = _size(run.scene, rows)
     room, decimals = JUMP * size, DIGITS - math.floor(math.log10(size))
     gravities = _gravities(run.scene)
-    carries = getattr(run.motion, "carries", None) if run.scene.settle or run.scene.capture else None
-    stands, still = set[int](), list[int]()
+    stood, still = set[int](), list[int]()
     for (k, begin, middle), row in zip(flights, rows, strict=True):
+        before, stood = stood, standing(run, middle) if run.scene.gravity is not None else stood
         for i, ((x, y, vx, vy), gravity) in enumerate(zip(row, gravities, strict=True)):
-            stood = i in stands
-            if gravity != (0.0, 0.0) and carries is not None and carries(i, min(middle, final)):
-                gravity = 0.0, 0.0
-                stands.add(i)
-            else:
-                stands.discard(i)
-            same = stood is (i in stands)
+            stands, same = i in stood and gravity != (0.0, 0.0), (i in stood) is (i in before)
+            gravity = (0.0, 0.0) if stands else gravity
             if i in known and same and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
             known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
-            still += [len(knots)] if i in stands else []
+            still += [len(knots)] if stands else []
             _, *place, vx, vy = known[i]
             knots.append(
                 [k, i, *(round(value, decimals) for value in place), *(float(f"{v:.{DIGITS}g}") for v in (vx, vy))]

@@ -22,6 +22,7 @@ from tags import saved, tags
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
+from truebreak.compare.picture import states_at
 from truebreak.compare.report import page as page_provenance
 from truebreak.compare.report.chaos_page import chaos_html
 from truebreak.compare.report.documents import comparison_json
@@ -29,7 +30,8 @@ from truebreak.compare.report.html import SAME, UNTOLD, changed, kept, settled, 
 from truebreak.compare.report.page import events_csv, provenance, whole_name
 from truebreak.compare.report.player import JUMP, MOST_EVENTS, recording
 from truebreak.compare.report.schema import schema
-from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Pocket, Scene, SceneError, StopReason, Wall, catalogue
 from truebreak.scenarios.files import loads_toml
 
 
@@ -311,6 +313,16 @@ def test_a_page_shows_what_is_carried_or_out_of_play_where_the_run_has_it(scene:
         for time, row in zip(times, rows, strict=True):
             for (x, y, *_), state in zip(row, run.sample([time])[0], strict=True):
                 assert (x, y) == pytest.approx((state[0], state[1]), abs=1e-5), (run.engine, time)
+
+
+def test_after_the_last_event_what_stands_is_drawn_where_it_stands() -> None:
+    """What a pocket has taken, and what is fixed, was drawn as if it fell on."""
+    peg = Circle(-5, 1, "1/2", m="oo", id="peg")
+    run = ExactEngine().run(HOLE.with_changes(circles=[*HOLE.circles, peg]))
+    assert run.stop.reason is StopReason.QUIET
+    assert len(run.pocketings) == 2
+    for now, last in zip(states_at(run, float(run.final_time) + 3), run.final.rows(), strict=True):
+        assert now == pytest.approx(last)
 
 
 def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
