@@ -179,7 +179,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (![b, d, A.sub(a, one), A.sub(e, one)].every(x => A.sign(x) === 0)) return false;", ""), forged.nearly_turned,
     ),
     "what is taken is met no more": (
-        ("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"),
+        [("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"), ("self.pegs | {i}", "self.pegs")],
         ("if (!c || this.movers(c).some(x => this.captured[x])) refute(", "if (!c) refute("), forged.taken_and_yet_there,
     ),
     "an isometry's first column is of length 1": (

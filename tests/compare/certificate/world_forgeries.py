@@ -43,11 +43,6 @@ def turned_back(walls: list[Told], **scene: Any) -> Told:
     return entries(beside(walls, (0, 50, 0, 0), reverse_at="1", **scene), {}, {"exact": "1"}, {"turn": True})
 
 
-def more_than_walls(**scene: Any) -> Told:
-    """Something falls, and there is what may not be; a moment of it."""
-    return entries(beside(FLOOR, (0, 50, 0, 0), gravity=DOWN, **scene))
-
-
 def from_within_the_floor() -> Told:
     """A disc that starts across the floor leaves it, and is said to come back to it."""
     cert = beside(FLOOR, (0, "1/2", 0, 4), gravity=DOWN)
@@ -171,10 +166,6 @@ CANNOT_TURN = (
     'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
     "if (turned && (!elastic || drift)) malformed(",
 )
-MORE = (
-    'refuse(pull and pockets and scene.get("capture"), ',
-    "if (pockets.length && capture) malformed(",
-)
 WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "no restitution is above 1": (
         ("for x in loss, ONE - loss: demand(", "for x in (): demand("), ("demand((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n)))", "void ((A, w) => A.sub(A.add(A.of(fraction(1n)), A.of(fraction(1n)))"), lambda: bounced("2"),
@@ -187,9 +178,6 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     ),
     "what moves is not turned back": (
         (CANNOT_TURN[0], "refuse(0,"), (CANNOT_TURN[1], "if (0) malformed("), lambda: turned_back([wall(0, 0, 1, 0, vy=1)]),
-    ),
-    "no pocket captures under gravity": (
-        (MORE[0], "refuse(0,"), (MORE[1], "if (0) malformed("), lambda: more_than_walls(capture=True, pockets=[{"id": "p", "x": "9", "y": "9", "r": "1"}]),
     ),
     "nothing starts across a wall to which it is pulled": (
         ('if self.falls(c): demand(', "if 0: demand("), ("if (this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} overlap`) <= 0) refute(", "if (0) refute("), from_within_the_floor,
