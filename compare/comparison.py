@@ -463,7 +463,7 @@ def explained(
 
 
 def _taken_by_one(study: Study, candidate: Candidate, engine: Engine) -> str:
-    """Which circle of the first divergence a pocket has taken by then in one of the two runs alone; empty for none.
+    """Which circle of the first divergence a pocket has taken by then in one of the two runs only; empty for none.
 
     Where its flights lead after that is nothing that either run has decided.
     """
@@ -480,8 +480,8 @@ def _taken_by_one(study: Study, candidate: Candidate, engine: Engine) -> str:
         pockets = [(exact.get(name), "the exact run"), (own.get(name), engine.name)]
         if pockets[0][0] != pockets[1][0]:
             found = " and ".join(f"pocket {pocket} in {run}" for pocket, run in pockets if pocket is not None)
-            alone = "" if " and " in found else " alone"
-            return f"{name} entered {found}{alone}, and of entries no cause is looked for yet"
+            only = "" if " and " in found else " only"
+            return f"{name} entered {found}{only}; causes of entries are not looked for yet"
     return ""
 
 

@@ -38,6 +38,7 @@ from ...exact.replay.contact import (
     name_of,
     places_of,
 )
+from ...exact.replay.landings import begins_at
 from ...exact.replay.state import Go, Kick
 from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
 
     from ...exact.replay.contact import Link
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Wall
     from ...scenarios.trajectory import Event, Trajectory
 
 else:
@@ -517,19 +517,12 @@ def _check_corner(state: BallState, link: Pair, dx: arb, dy: arb) -> None:
                 raise NoTangentMap(f"{who} meet where an end becomes an arc: nearby they meet the one or the other")
     for k in state.scene.faces:
         face = state.scene.walls[k]
-        if face.id is not None and (face.vx, face.vy) == end.drift and _starts_at(face, end):
+        if face.id is not None and (face.vx, face.vy) == end.drift and begins_at(face, end):
             nx, ny = face.normal
             along = dx * state.constant(ny) - dy * state.constant(nx)
             if not (along > 0 or along < 0):
                 who = name_of(state.scene, link)
                 raise NoTangentMap(f"{who} meet where an end becomes a face: nearby they meet the one or the other")
-
-
-def _starts_at(face: Wall, end: Circle) -> bool:
-    """Whether a face of a segment begins or ends beside the middle of an end: at right angles to it."""
-    nx, ny = face.normal
-    across = ((end.x - x) * ny - (end.y - y) * nx for x, y in ((face.x0, face.y0), (face.x1, face.y1)))
-    return any(value.sign() == 0 for value in across)
 
 
 def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.things import Circle, Wall
 from ..laws.formulas import arc_range, pair_approach, pair_gap
 from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sign_of
 from ..numbers.system import M, N
@@ -282,9 +283,46 @@ def passes(state: Flights[FieldNumber], link: Round) -> bool | None:
     False, which its factors tell; None where they may hit. Two points that graze do, and there is no normal."""
     known = gap_in_fractions(state, link)
     found = None if known is None else falling_zero_exactly(known[1])
-    if not isinstance(found, bool) or (found and field_sign(state.reach(*link.ends(state))) == 0):
+    if known is None or not isinstance(found, bool):
+        return None
+    if found and (field_sign(state.reach(*link.ends(state))) == 0 or _may_go_onto_a_face(state, link, known[1])):
         return None
     return found
+
+
+def begins_at(face: Wall, end: Circle) -> bool:
+    """Whether a face of a segment begins or ends beside the middle of an end: at right angles to it.
+
+    >>> begins_at(Wall(0, 1, 4, 1), Circle(4, 0, m="oo")), begins_at(Wall(0, 1, 4, 1), Circle(3, 0, m="oo"))
+    (True, False)
+    """
+    nx, ny = face.normal
+    across = ((end.x - x) * ny - (end.y - y) * nx for x, y in ((face.x0, face.y0), (face.x1, face.y1)))
+    return any(value.sign() == 0 for value in across)
+
+
+def _may_go_onto_a_face(state: Flights[FieldNumber], link: Round, gap: list[fmpq]) -> bool:
+    """Whether a circle that grazes an end may do so where a face begins that it is not pulled away from.
+
+    Beside the end its gap to that face is zero, too, and falls: neither gap does so through zero, and yet it would go
+    into the face. Both are told of one moment by the common divisor of two polynomials.
+    """
+    scene = state.scene
+    circle, end = (next((i for i in link.circles if (i in scene.ends) is wanted), None) for wanted in (False, True))
+    if circle is None or end is None:
+        return False
+    whole = fmpq_poly(gap)
+    fall, twice, there = state.peg_fall(link), whole.gcd(whole.derivative()), scene.circles[end]
+    for k, face in enumerate(scene.walls):
+        known = k in scene.faces and (face.vx, face.vy) == there.drift and begins_at(face, there)
+        if not known or state.sides.pull(circle, k) > 0:
+            continue
+        nx, ny = (state.constant(part) for part in face.normal)
+        along = [ny * x - nx * y for x, y in ((fall.dx, fall.dy), (fall.vx, fall.vy), (-fall.hx, -fall.hy))]
+        told = [value for value in along if isinstance(value, fmpq)]
+        if len(told) < len(along) or twice.gcd(fmpq_poly(told)).degree() > 0:
+            return True
+    return False
 
 
 def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:

@@ -40,7 +40,7 @@ def test_rounding_of_its_own_is_named_where_the_input_alone_changes_nothing(seed
     assert {row.cause.name: row.suffices for row in diagnosis.experiments}["INPUT"] is False
     assert diagnosis.displacement is None
     assert not diagnosis.shares
-    assert "keeps the law, and input rounding alone changes nothing, so its own rounding does" in diagnosis.finding
+    assert "keeps the law, and input rounding by itself changes nothing, so its own rounding does" in diagnosis.finding
     assert "no displacement is known: a wall " in diagnosis.finding
     assert not refute(settled(seed), engine(name), found)
 

@@ -406,5 +406,5 @@ def test_an_entry_of_one_run_alone_is_no_matter_of_the_contact_after_it() -> Non
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.UNKNOWN
     assert found.diagnosis.finding == (
-        "ball entered pocket hole in rounded alone, and of entries no cause is looked for yet"
+        "ball entered pocket hole in rounded only; causes of entries are not looked for yet"
     )

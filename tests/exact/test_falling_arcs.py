@@ -597,3 +597,17 @@ def test_pockets_that_take_nothing_change_neither_errors_nor_shadows() -> None:
     assert one is not None
     assert other is not None
     assert one.run_distance == other.run_distance
+
+
+@pytest.mark.parametrize("r", ["0", "1/4"])
+def test_a_graze_of_an_end_where_a_face_begins_to_which_gravity_pulls_is_no_miss(r: str) -> None:
+    """At its apex the disc touches the end where the face begins, and moves over it: it was certified to go through."""
+    ball = Circle(2, Quantity.of(r) - Quantity.of("5/3"), "1/2", vx=-1, vy="1/3", id="ball")
+    bar = Segment(0, -2, 1, -2, id="bar", r=r)
+    run = ExactEngine().run(Scene([ball], segments=[bar], gravity=(0, "-1/3")), until=3)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "ball and bar hit, graze or miss" in run.stop.message
+    assert run.events == ()
+    upright = Segment(1, -2, 1, -9, id="bar", r=r)  # no face begins there: it grazes the end, and goes on
+    past = ExactEngine().run(Scene([ball], segments=[upright], gravity=(0, "-1/3")), until=3)
+    assert past.stop.reason is StopReason.HORIZON
