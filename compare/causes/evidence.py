@@ -477,7 +477,7 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 
 def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
-    """Input rounding by a run; the engine's own, where each step keeps the law, and the input's by itself changes nothing.
+    """Input rounding by a run; the engine's own, where each step keeps the law and the input's does not suffice.
 
     Args:
         why: there is no account of a displacement.
@@ -488,7 +488,8 @@ def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
         told = f"the exact law on the scene in {lab.numbers} has the contacts of the exact run up to there"
         given = Experiment(given.cause, told, None, False)
     if given.suffices is False and laws is not None and laws.kept:
-        told = f"each step of {lab.name} keeps the law, and input rounding by itself changes nothing, so its own rounding does"
+        told = f"each step of {lab.name} keeps the law, and input rounding by itself changes nothing"
+        told = f"{told}, so its own rounding does"
         told = f"{told}; no displacement is known: {why}"
         return [given, Experiment(cause, told, None, True)]
     return [given, Experiment(cause, f"its share is not determined: {why}")]
