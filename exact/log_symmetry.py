@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from math import inf
 from typing import TypeAlias
@@ -567,18 +567,24 @@ def _exactly(scene: Scene, wanted: Iterable[Likely]) -> Iterator[Symmetry]:
             continue
         matrix = matrices[mirror]
         g = Isometry(data, matrix, minus(centre, turned(matrix, centre)))
-        circles = _all_apart([g.circle(i) for i in range(data.n)])
-        walls = _all_apart([g.wall(k) for k in range(len(data.walls))])
-        sides = _all_apart([g.arc(k) for k in range(len(data.arcs))])
-        held = not scene.capture or all(g.pocket(k) is not None for k in range(len(data.pockets)))
-        if circles is not None and walls is not None and sides is not None and held:
+        if (
+            (circles := _all_apart(g.circle, data.n)) is not None
+            and (walls := _all_apart(g.wall, len(data.walls))) is not None
+            and (sides := _all_apart(g.arc, len(data.arcs))) is not None
+            and (not scene.capture or all(g.pocket(k) is not None for k in range(len(data.pockets))))
+        ):
             yield Symmetry(matrix, centre, circles, walls, sides, mirror)
 
 
-def _all_apart(images: list[int | None]) -> tuple[int, ...] | None:
-    """The images, if each thing has one of its own."""
-    found = tuple(image for image in images if image is not None)
-    return found if len(set(found)) == len(images) else None
+def _all_apart(image: Callable[[int], int | None], count: int) -> tuple[int, ...] | None:
+    """The images of so many things, if each has one of its own; the first without one is the last looked at."""
+    found: list[int] = []
+    for k in range(count):
+        at = image(k)
+        if at is None or at in found:
+            return None
+        found.append(at)
+    return tuple(found)
 
 
 # -- Circles that an isometry of their own past holds to a line or a point.

@@ -20,13 +20,26 @@ from ..deadline import Clock, time_limit, uninterrupted
 class Choice(NamedTuple):
     """One choice: at which instant (of those with several impulses), among which contacts, which was taken.
 
-    `asleep` are those that were not to be taken.
+    `asleep` are those that were not to be taken; `rounds`, how many had begun by then.
     """
 
     instant: int
     offered: tuple[Touch, ...]
     chosen: Touch
     asleep: frozenset[Touch]
+    rounds: int
+
+
+class Branch(NamedTuple):
+    """A branch to be followed: its script, the contacts asleep at the end of that, and the signs known until there.
+
+    They are those of the first `known` rounds of the branch that it leaves: up to its last choice both are the same.
+    """
+
+    script: tuple[Touch, ...] = ()
+    asleep: frozenset[Touch] = frozenset()
+    rounds: Sequence[dict[Touch, int]] = ()
+    known: int = 0
 
 
 MOST_CHOICES = 1_000
@@ -54,8 +67,8 @@ class Scripted(Policy):
     beginning, the branch is merged into that one: the same future follows.
 
     Args:
-        script: the contacts to kick where there is a choice, in order.
-        asleep: at the script's last choice, the contacts whose branches have been followed, and the sleepers.
+        branch: the contacts to kick where there is a choice, in order; at the last of these choices, the contacts whose
+            branches have been followed, and the sleepers; what is known of the rounds until there.
         movers: for each circle, whether its mass is finite.
         seen: the states reached by all branches so far, shared among them.
     """
@@ -66,19 +79,24 @@ class Scripted(Policy):
 
     def __init__(
         self,
-        script: Sequence[Touch],
-        asleep: frozenset[Touch],
+        branch: Branch,
         movers: Sequence[bool],
         seen: dict[Hashable, int],
     ) -> None:
-        self.script = tuple(script)
-        self.asleep = asleep
+        self.script, self.asleep, self._told, self._known = branch
+        self.rounds: list[dict[Touch, int]] = []
         self.movers = movers
         self.seen = seen
         self.node = 0
         self.instant = 0
         self.choices: list[Choice] = []
         self._before = 0
+
+    def signs(self, ask: Callable[[], dict[Touch, int]]) -> dict[Touch, int]:
+        """Asked but for the rounds that are those of another branch: signs follow from the scene and the script."""
+        k = len(self.rounds)
+        self.rounds.append(self._told[k] if k < self._known else ask())
+        return self.rounds[k]
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact.
@@ -99,14 +117,14 @@ class Scripted(Policy):
         _in_bounds(place - self._before)
         if place <= last:
             chosen = self.script[place]
-            self.choices.append(Choice(self.instant, tuple(approaching), chosen, frozenset()))
+            self.choices.append(Choice(self.instant, tuple(approaching), chosen, frozenset(), len(self.rounds)))
             if place == last:
                 self.asleep = self._still_asleep(chosen)
             return (chosen,)
         awake = [link for link in approaching if link not in self.asleep]
         if not awake:
             raise BranchDone("asleep")
-        self.choices.append(Choice(self.instant, tuple(approaching), awake[0], self.asleep))
+        self.choices.append(Choice(self.instant, tuple(approaching), awake[0], self.asleep, len(self.rounds)))
         self.asleep = self._still_asleep(awake[0])
         return (awake[0],)
 
@@ -335,10 +353,9 @@ def all_orders(
     outcomes: list[Leaf] = []
     known = _Ends()
     merged = reordered = followed = 0
-    stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
+    stack = [Branch()]
     while stack and followed < cap:
-        script, asleep = stack.pop()
-        policy = Scripted(script, asleep, movers, seen)
+        policy = Scripted(stack.pop(), movers, seen)
         try:
             trajectory = engine.run_with(scene, policy, until=until, events=events)
             followed += 1
@@ -349,7 +366,7 @@ def all_orders(
         except BranchDone as done:
             merged += done.args[0] == "merged"
             reordered += done.args[0] == "asleep"
-        stack += _alternatives(policy.choices, len(script))
+        stack += _alternatives(policy)
         if progress is not None:
             progress(Progress(len(outcomes), 0.0, f"{len(stack)} branches open"))
     sampled = 0
@@ -366,20 +383,21 @@ def all_orders(
     return OrderTree(tuple(outcomes), not stack, cap, merged, reordered, sampled, known.unproved)
 
 
-def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touch, ...], frozenset[Touch]]]:
+def _alternatives(policy: Scripted) -> list[Branch]:
     """The branches not taken at the choices after the script, each with the contacts asleep at it.
 
     The last choice comes last, so that the stack goes depth first; at one choice, contacts in scene order.
     """
-    branches: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = []
-    for place in range(followed, len(choices)):
+    branches: list[Branch] = []
+    choices = policy.choices
+    for place in range(len(policy.script), len(choices)):
         choice = choices[place]
         before = tuple(earlier.chosen for earlier in choices[:place])
         asleep = set(choice.asleep) | {choice.chosen}
-        siblings = []
+        siblings: list[Branch] = []
         for other in choice.offered:
             if other not in asleep:
-                siblings.append(((*before, other), frozenset(asleep)))
+                siblings.append(Branch((*before, other), frozenset(asleep), policy.rounds, choice.rounds))
                 asleep.add(other)
         branches += siblings[::-1]
     return branches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import import_module
 from itertools import pairwise
 from typing import Protocol
@@ -106,6 +106,10 @@ class Policy(Protocol):
             ask: decides the sign of a question about the state.
         """
         ...
+
+    def signs(self, ask: Callable[[], dict[Touch, int]]) -> dict[Touch, int]:
+        """The signs of all closing speeds as a round begins: `ask` decides them, where they are not known."""
+        return ask()
 
     def note(self, link: Touch) -> None:
         """Called when a contact was alone at its instant, so that nothing was to be chosen."""
@@ -257,6 +261,11 @@ def _holds_back(parting: Touch, pushing: Touch, ask: Ask) -> bool:
     return not set(parting.circles).isdisjoint(pushing.circles) and ask(Coupling(parting, pushing)) < 0
 
 
+def _closing_signs(known: Mapping[Touch, int | None], ask: Ask) -> dict[Touch, int]:
+    """The signs of closing speeds, those that are not known asked for."""
+    return {link: ask(Closing(link)) if sign is None else sign for link, sign in known.items()}
+
+
 def settle(
     links: Sequence[Touch],
     known: Mapping[Touch, int],
@@ -290,7 +299,7 @@ def settle(
     rounds = 0
     alone: dict[tuple[Touch, frozenset[Touch]], int] = {}
     while True:
-        told = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
+        told = policy.signs(partial(_closing_signs, signs, ask))
         coming = [link for link in links if told[link] < 0]
         if not coming:
             return Rounds(tuple(impulses), frozenset(taking_part), told)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
 
 import pytest
 
-from truebreak.compare.orders.all_orders import OrderTree, all_orders, equality
+from truebreak.compare.orders.all_orders import OrderTree, Scripted, all_orders, equality
 from truebreak.exact import ExactEngine
 from truebreak.exact.replay.contact import Touch
-from truebreak.exact.simulation.policies import Ask
+from truebreak.exact.simulation.policies import Ask, Policy
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, Wall, catalogue
 
@@ -37,7 +37,7 @@ def speeds(tree: OrderTree) -> set[tuple[str, ...]]:
 # -- every sequence, one by one
 
 
-class Spelled:
+class Spelled(Policy):
     """Kicks the contacts that a list of places spells, then always the first; no sequence is left out."""
 
     chooses_order = True
@@ -54,12 +54,6 @@ class Spelled:
         place = self.places[number] if number < len(self.places) else 0
         self.made.append((place, len(approaching)))
         return (approaching[place],)
-
-    def note(self, link: Touch) -> None:
-        """Nothing to note."""
-
-    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
-        """Nothing to note."""
 
 
 def every_sequence(scene: Scene, **limits: Any) -> tuple[set[tuple[str, ...]], int]:
@@ -133,6 +127,31 @@ def test_the_outcomes_are_those_of_every_sequence(name: str) -> None:
     assert tree.complete
     assert set(found(tree)) == naive
     assert len(naive) == count
+
+
+@pytest.mark.parametrize("name", ["lee twice", "onto a square", "five on a line", "a corner", "rack of three rows"])
+def test_signs_known_of_another_branch_are_those_that_would_be_asked(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, limits, _ = SMALL[name]
+    true, kept = Scripted.signs, list[bool]()
+
+    def watched(self: Scripted, ask: Callable[[], dict[Touch, int]]) -> dict[Touch, int]:
+        asked: list[dict[Touch, int]] = []
+
+        def once() -> dict[Touch, int]:
+            asked.append(ask())
+            return asked[0]
+
+        told = true(self, once)
+        kept.append(not asked)
+        assert told == (asked[0] if asked else ask())
+        return told
+
+    monkeypatch.setattr(Scripted, "signs", watched)
+    tree = all_orders(ENGINE, scene, **limits)
+    assert tree.complete
+    assert any(kept)
 
 
 @pytest.mark.parametrize("seed", range(8))
