@@ -21,7 +21,7 @@ QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length vx vy", "pockets": "x y r",
           "segments": "x0 y0 x1 y1 length r vx vy", "arcs": "x y r x0 y0 x1 y1"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
-            "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1",  # read by kind
+            "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1", "settle",
             "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
@@ -34,13 +34,14 @@ def shape(own, all):  # what the parts of a certificate are, and how they are sp
     told = each(CONTACT.replace(r"\]", rf",{any}\]"), "++")
     zeros, rounds = each(rf"\[{QUESTION},{CONTACT},{HOW}(?:,{CONTACT})?\]"), f"(?:{pushes}|{told})"
     scene = {"capture": "true|false", "reverse_after": COUNT, "reverse_at": own, "roots": each(own)}
-    scene |= {"restitution": own, "gravity": each(own, "{2}")}
+    scene |= {"restitution": own, "gravity": each(own, "{2}"), "settle": "true"}
     for kind, names in THINGS.items(): scene[kind] = {"id": ANY} | dict.fromkeys(names.split(), own)
     return {"format": ANY, "writer": ANY, "bits": COUNT, "roots": each(any),
             "scene": scene | {"tie_policy": POLICY},
             "isometries": {"matrix": each(any, "{4}"), "shift": each(any, "{2}"), "map": map},
             "instants": {"time": DECIMAL, "met": pushes, "exact": any, "turn": "true",
-                         "rounds": each(rounds), "enter": each(CONTACT), "zeros": zeros},
+                         "rounds": each(rounds), "enter": each(CONTACT), "settle": each(CONTACT),
+                         "zeros": zeros},
             "end": {"reason": REASON, "limit": COUNT, "until": any, "zeros": zeros},
             "final": {"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}}
 def dense(x): return json.dumps(x, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
@@ -134,7 +135,11 @@ def number(text):  # reads a sum of terms such as 3/4*r1*r2
         total += math.prod((Sum({k: 1}) for k in roots), start=Sum({frozenset(): Fraction(x)}))
     return total
 class Nearing:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `arms`: the rows of J
+    hollow = 0  # whether its speed is negative
     def __init__(self, d, v, reach, arms): self.d, self.v, self.reach, self.arms = d, v, reach, arms
+    def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
+        if not (again or m.hollow): return m.gap / (m.disc.sqrt() - m.closing)
+        return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
     gap = cached_property(lambda m: m.d[0] * m.d[0] + m.d[1] * m.d[1] - m.reach * m.reach)
     closing = cached_property(lambda m: m.d[0] * m.v[0] + m.d[1] * m.v[1])
     speed = cached_property(lambda m: m.v[0] * m.v[0] + m.v[1] * m.v[1])
@@ -146,13 +151,6 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
     foot = cached_property(lambda m: m.d[1] * m.place[0] - m.d[0] * m.place[1])  # from its start,
     far = cached_property(lambda m: m.square - m.foot)  # and from its end
     slide = cached_property(lambda m: m.d[1] * m.v[0] - m.d[0] * m.v[1])
-    twice = cached_property(lambda m: m.closing + m.closing)
-    near = cached_property(lambda m: m.slide * m.gap - m.twice * m.foot)  # where the gap is zero,
-    beyond = cached_property(lambda m: -m.twice * m.square - m.near)  # both times -2 closing
-    hollow, pull = 0, ()  # under gravity: whether its speed is negative; half of gravity
-    def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
-        if not m.hollow: return m.gap / (m.disc.sqrt() - m.closing)
-        return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
     def there(m, again):  # the sign of whether the foot is on it then
         wait, lift = m.wait(again), m.d[1] * m.pull[0] - m.d[0] * m.pull[1]
         foot = m.foot + (m.slide + lift * wait) * wait
@@ -168,7 +166,7 @@ class Dropping(Nearing):  # of one that falls and a fixed one: further terms of 
 class Ringing(Dropping):  # of one that falls and a rim: it may be left, and is not entered
     def tests(m, row): return [row, [-x for x in row], slope_of(m.row)]
 class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
-    hollow, bow = 0, ()
+    bow = ()
     def turn(m, x): return -x if m.hollow else x
     gap = cached_property(lambda m: m.turn(Nearing.gap.func(m)))
     closing = cached_property(lambda m: m.turn(Nearing.closing.func(m)))
@@ -179,8 +177,6 @@ class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap
     def beside(m, d, reach):  # d is the way to the middle, so long: the sign says whether within it
         p, q, r, edge = m.bow
         return -(p * d[0] + q * d[1]) * r - edge * reach
-    def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
-        return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed
     def there(m, again):  # whether that is within the range
         wait = m.wait(again)
         return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach).sign()
@@ -250,7 +246,8 @@ class Space:
         # move, the first side of an arc, and how faces pull: the sign of their speeds
         self.loss, self.pull = of(e), [*map(of, pull)]
         self.drift = {k: [*map(of, v)] for k, v in drift.items()}
-        self.pegs = {k for k in range(n) if pull and not things[k][5]}  # fixed, where others fall
+        self.fixed = {k for k in range(n) if pull and not things[k][5]}
+        self.pegs = {*self.fixed}  # where others fall: these, and what is carried
         self.things = {k: [*map(of, row)] for k, row in things.items()}
         self.flights = {k: Flight(*row[:4], 0, {}) for k, row in self.things.items()}
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
@@ -273,7 +270,8 @@ class Space:
         pull = [x * time for x in self.at(*self.pull)]  # half of what pulls, times the time
         return [x * time for x in pull] + [x + x for x in pull]
     def drops(self, c):  # whether one falls and the other stands, and so their gap is a quartic
-        return self.pull and (not 0 <= c[1] < self.bows or not self.pegs.isdisjoint(c))
+        one = c[1] < self.n and (c[0] in self.pegs) != (c[1] in self.pegs)
+        return self.pull and (one or not 0 <= c[1] < self.bows)
     def true(self, i, age):  # where a circle is, and its velocity, in the frame of the scene
         row, falls = self.put(i, age)[:4], self.pull and i not in self.pegs
         return [*map(operator.add, row, self.fallen(age))] if falls else row
@@ -301,7 +299,7 @@ class Space:
             return m
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
         x, y, time = x - u, y - v, self.times[age].at(self.bits)
-        if self.pull:
+        if falls := self.pull and i not in self.pegs:
             p, q, u, v = self.fallen(age)
             x, y, vx, vy = x + p, y + q, vx + u, vy + v
         if j in self.drift:
@@ -310,8 +308,8 @@ class Space:
         (wall := Facing(d, (vx, vy), none, {i: d})).place = x, y
         gap = wall.height - (r + more) * size
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
-        if self.pull:
-            wall.pull = p, q = self.at(*self.pull)
+        wall.pull = p, q = self.at(*self.pull) if falls else (none, none)
+        if falls:
             wall.hollow = self.slopes.get(j) == -1
             wall.speed = d[0] * (p + p) + d[1] * (q + q)
             wall.disc = wall.disc - wall.speed * wall.gap
@@ -327,10 +325,7 @@ class Space:
         if self.read is Sum: return UNTOLD
         if self.drops(c): return self.drop(c, again, near)
         m = self.meeting(c, start := self.start(c))
-        if c[1] >= self.bows or c[1] in self.slopes: wait = m.wait(again)
-        elif again: wait = -(m.closing + m.closing) / m.speed
-        else: wait = m.gap / (m.disc.sqrt() - m.closing)
-        return self.times[start].at(self.bits) + wait
+        return self.times[start].at(self.bits) + m.wait(again)
     def drop(self, c, again, near):  # the same, of a fixed one: where a decimal says
         start, order = again or (self.start(c), 0)
         charge(9_000 + len(near) * (len(near) + self.bits >> 5))
@@ -340,7 +335,8 @@ class Space:
         return first + falling(self.meeting(c, start).row[order:], low - first, high - first)
     def aside(self, c, start, age):  # whether all of a flight is beside a fixed circle
         i, j = c if c[1] in self.pegs else c[::-1]
-        if age is None or any(z.m or z.r for z in self.things[j][2:4]): return False
+        u, v, *way = self.put(j, start)[:4]
+        if age is None or any(z.m or z.r for z in way): return False
         kept, key = self.flights[i].seen, (start, age, self.bits, 0)
         if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
             (x, y, vx, vy), wait = self.true(i, start), self.wait(start, age)
@@ -348,7 +344,7 @@ class Space:
             to = zip((x, y), way, self.true(i, age), strict=False)
             spots = [(z + z, z + z + w, e + e) for z, w, e in to]
             kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
-        (u, v, *_), r, s = self.put(j, 0), *self.at(*(self.things[k][4] for k in c))
+        r, s = self.at(*(self.things[k][4] for k in c))
         charge(5_000)
         room = 2 * (r.m + r.r + s.m + s.r)
         return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
@@ -371,7 +367,7 @@ class Space:
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
                                -(met[c].closing + self.before[c])] for c in push])
         for c, j in zip(push, s, strict=True):
-            flown = met[c].arms.keys() - self.pegs  # those have one flight from time 0 on
+            flown = met[c].arms.keys() - self.fixed  # those have one flight from time 0 on
             for i, (x, y) in ((i, met[c].arms[i]) for i in flown):
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
                 self.flights[i] = Flight(u, v, vx + w * x, vy + w * y, age, {})
@@ -386,9 +382,14 @@ class Space:
                 *_, u, v = self.fallen(age)
                 vx, vy = vx + (u + u), vy + (v + v)
             self.flights[i] = Flight(x, y, -vx, -vy, age, {})
-    def halt(self, circles, age):  # they stand from now on, in the frame of the scene
-        for i, (x, y, *_) in [(i, self.true(i, age)) for i in circles]:
-            self.flights[i], self.pegs = Flight(x, y, *[self.none] * 2, age, {}), self.pegs | {i}
+    def stand(self, i, age, known):  # from now on in the frame of the scene, with what is known
+        row = [self.of(known[k]) if k in known else x for k, x in enumerate(self.true(i, age))]
+        self.flights[i] = Flight(*row, age, {})
+        self.pegs.add(i)
+    def lift(self, i, age):  # it falls from now on
+        row = map(operator.sub, self.put(i, age)[:4], self.fallen(age))
+        self.flights[i] = Flight(*row, age, {})
+        self.pegs.remove(i)
 def ends_of(segments, arcs):  # as circles; those at one place that move alike are the largest one
     found = {}
     rows = [(x, y, u, v, r, *way) for x, y, u, v, _, r, *way in segments]
@@ -407,39 +408,16 @@ class KeptApart:
         return c[0], first + ((c[1] - first) ^ 1)
     def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
         bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
-        return bow or self.slopes.get(c[1]) == -1
+        return bow or self.slope(c) == -1
+    def slope(self, c): return 0 if c[0] in self.carried else self.slopes.get(c[1], 0)
     def drops(self, c): return self.ball.drops(c)
     def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
-    def passes(self, c, age, last):  # proves that a face is not met, and at the end not touched
-        if self.other(c) in self.parted: return
-        start, end = self.ball.start(c), None
-        def out(sign): return any(sign(x) in (-1, 0) for x in ("foot", "far"))
-        def shown(*names, at=start): return any(self.zero(x, c, at) for x in names)
-        for world in (self.few, self.ball):
-            charge(30_000)
-            def sign(name, at=start, world=world): return world.ask(name, c, at).sign()
-            gap, closing = sign("gap"), sign("closing")
-            clear = start or gap == 1 or sign("height") == -1 or out(sign)  # at time 0
-            if clear and (gap == -1 or closing == 1 or (closing == 0 and gap == 1)): return
-            if gap == 1 and age is not None and (end := sign("gap", age)) == 1: return
-            if clear and closing == -1 and {sign("near"), sign("beyond")} & {-1, 0}: return
-        over = gap in (-1, 0) and 1 == sign("foot") == sign("far") and sign("height") in (0, 1)
-        refuse(not clear and over, f"{c} overlap, or touch from the start")
-        if (clear := clear or shown("foot", "far")) and closing == 1: return
-        if clear and closing == -1:
-            hit = 1 == gap == sign("near") == sign("beyond") and (age is None or end in (-1, 0))
-            refuse(hit, f"{c} meet on the way")
-            if shown("near", "beyond"): return
-        elif clear and (closing == 0 or shown("closing")):
-            return self.slides(c, start, age, gap, last)
-        raise Unsettled(f"whether {c} pass it")
     def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
         signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
         if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
         if any(self.zero(x, c, age) for x in ("foot", "far")): return
         inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
-        refuse(inside, f"{c} touch as the flight ends")
-        raise Unsettled(f"whether {c} are on it")
+        demand(0 if inside else None, [1], f"{c} touch as the flight ends")
     def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
         gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
                                   for x in ("gap", "height", "foot", "far"))
@@ -478,10 +456,9 @@ class KeptApart:
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if self.falls(c): return self.rises(c, age)
         if self.drops(c): return self.flies(c, age)
-        slides = self.slopes.get(c[1]) == 0  # perhaps: and then comes back to be beside it
+        slides = self.pull and c[1] in self.faces and not self.slope(c)  # and then comes back
         if c in self.parted and not (self.hollow(c) or slides): return charge(500)
-        if c[1] in self.arcs or c[1] in self.slopes: return self.misses(c, age, last)
-        if c[1] in self.faces: return self.passes(c, age, last)
+        if c[1] >= self.faces.start: return self.misses(c, age, last)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
         for world in (self.few, self.ball):
             gaps, meet = [], True
@@ -512,7 +489,7 @@ class KeptApart:
             if c in self.met and ends == 2: tops += [value(row, wait)]
             if (signs := {keeps(wait, *m.tests(row)), *(x.sign() for x in tops)}) == {1}: return
         demand(None if signs <= {None, 1} else 0, [1], f"{c} meet before it, or overlap")
-    def falls(self, c): return self.bends.get(c, 0) < 0  # whether a circle is pulled to a wall
+    def falls(self, c): return self.bends.get(c, 0) < 0 and c[0] not in self.carried  # to a wall
     def rises(self, c, age):  # as `clear`, of a wall to which a circle is pulled
         refuse(age is None, f"{c} meet in the end")
         if (start := self.ball.start(c)) == age: return charge(500)
@@ -526,7 +503,7 @@ class KeptApart:
     def misses(self, c, age, last):  # as `clear`, of a side of an arc, or of a face where it falls
         other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
         if start == age or other in self.parted or c in self.lasting: return charge(500)
-        bow, flat = c[1] in self.arcs, self.slopes.get(c[1]) == 0
+        bow, flat = c[1] in self.arcs, c[1] in self.faces and not self.slope(c)
         if hollow and bow and other in self.met: return charge(500)  # it was outside up to now
         again = c in self.parted  # from within alone
         for world in (self.few, self.ball):
@@ -537,8 +514,8 @@ class KeptApart:
             if disc == -1 and not again: return
             if hollow:  # the gap is concave: it falls later than now, or fell before the start
                 if gap2 == 1 or closing2 == 1 or (gap == -1 and closing in (-1, 0)): return
-            elif gap == -1 or closing == 1 or (gap2 == 1 and closing2 == -1) or (
-                    closing == 0 and (gap == 1 or not flat)): return  # convex
+            elif gap == -1 or closing == 1 or (closing == 0 and (gap == 1 or not flat)) or (
+                    gap2 == 1 and (closing2 == -1 or (flat and gap == 1))): return  # convex
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(again) if hits else None) == -1: return
         if hollow and not again and self.zero("disc", c, start): return  # it is never within
@@ -608,16 +585,17 @@ class Checker(KeptApart):
         ways = [row[-2:] for row in walls + [row for row in segments for _ in range(2)]]
         drift = {k: way for k, way in enumerate(ways) if any(way)}
         stands = pull and (segments or arcs or pockets or not all(row[5] for row in circles))
-        refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),
-               "a run that cannot be turned back is", Malformed)
+        turns, settle = {"reverse_at", "reverse_after"} & scene.keys(), "settle" in scene
+        refuse(turns and (drift or loss != ONE or stands), "what cannot turn back does", Malformed)
+        refuse(settle and (not pull or drift or arcs or pockets or turns), "none settle", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
         self.bounced = 1 if loss else 0  # the sign of what has pushed
         sides, circles = ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5)), circles + ends_of(segments, arcs)
         faces = [[row[k] for k in side] for row, side in product(segments, sides)]
         lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
                  for x, y, u, v, length, *thick in [row[:5] for row in walls] + faces]
-        first, n = n, len(circles)  # the first end, if there is one
-        self.n, self.faces = n, range(n + len(walls), n + len(lines))
+        first, n, level = n, len(circles), set()  # the first end, if there is one; what is level
+        self.n, self.carried, self.faces = n, {}, range(n + len(walls), n + len(lines))
         self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
         bows, sizes = [], [row[2] for row in arcs]
         for x, y, r, *ends in arcs:  # it lies beyond its chord: the normal of that, and how far
@@ -656,12 +634,15 @@ class Checker(KeptApart):
             p, q = self.things[j][2:4]
             sign = sign_of(p * pull[0] + q * pull[1])
             self.slopes[j] = demand(sign, [-1, 0, 1], f"whether gravity pulls to {j}")
+            leans = sign_of(q * pull[0] - p * pull[1]) if settle else 1
+            if not demand(leans, [-1, 0, 1], f"whether {j} is level"): level.add(j)
         for c in self.bends if pull else (): self.bends[c] = sides[c] * self.slopes[c[1]]
+        self.bears = {c for c in self.meets if c[1] in level  # what can carry what it pulls
+                      and self.bends.get(c, self.slopes.get(c[1])) < 0}
         for j in range(n, self.faces.start): self.slopes.pop(j, None)  # of faces alone from now on
         sides |= dict.fromkeys(product(self.movable, self.faces), 1)  # met from their left alone
-        laws = loss, [x * HALF for x in pull], self.drift, n + len(lines), self.slopes
-        self.laws = laws
-        self.worlds = [Space(n, self.things, sides, limits, laws, of) for of in (enclosed, Sum)]
+        self.laws = loss, [x * HALF for x in pull], self.drift, n + len(lines), self.slopes
+        self.worlds = [Space(n, self.things, sides, limits, self.laws, f) for f in (enclosed, Sum)]
         self.ball, self.form = self.worlds
         self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
         self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], {}
@@ -690,7 +671,7 @@ class Checker(KeptApart):
             elif i >= self.n and not bow:
                 zeros += [vx * wy - vy * wx, *(s * wx + t * wy for s, t in ((x, y), stays, falls))]
             else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
-            zeros += falls if bow or i < 0 or i in self.ball.pegs else []
+            zeros += falls if bow or i < 0 or i in self.ball.fixed else []
         refuse(len({*images.values()}) < len(told["map"]), "an isometry maps two to one")
         for x in zeros: demand(sign_of(x), [0], "an isometry maps otherwise")
         return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
@@ -765,7 +746,7 @@ class Checker(KeptApart):
             if ranged:
                 refuse(self.other(c) in self.parted, f"{c}: it is on the other side")
                 if face and not age: refuse(self.sign("height", c) < 1, f"{c}: it is on the line")
-                away = 0 if self.slopes.get(c[1]) == -1 else 1  # what rises to it, or from it
+                away = 0 if self.slope(c) == -1 else 1  # what rises to it, or from it
                 refuse(age and self.met[c] >= away, f"{c}: it comes from behind")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
@@ -773,7 +754,7 @@ class Checker(KeptApart):
         self.known = turned if turn else self.lasting | self.met
         for c in () if age else self.meets:
             if c[1] in self.arcs and not self.hollow(c): self.across(c)
-            if c[1] in self.slopes and c not in self.met: self.outside(c)
+            if c[1] in self.faces and c not in self.met: self.outside(c)
         for c in () if age else self.bends.keys() - self.met.keys():
             if self.falls(c): demand(self.ball.ask("gap", c, 0).sign(), [1], f"{c} overlap")
         if turn: self.settle(self.movable)
@@ -791,7 +772,7 @@ class Checker(KeptApart):
         bits = max(max(sharp, default=0) + KEEP, self.few.bits)
         if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
-        found = {c for i in circles - self.ball.pegs for c in self.of[i]} - self.known.keys()
+        found = {c for i in circles & self.movable for c in self.of[i]} - self.known.keys()
         for c in found & self.meets: self.clear(c, self.age)
     def resolve(self, rounds, entry, moved):  # rounds; then entries; then what lasts
         known, pushes, self.count = self.known, {}, self.count + bool(rounds)
@@ -823,9 +804,19 @@ class Checker(KeptApart):
         refuse(enter != sorted(map(tuple, entry.get("enter", ()))), f"{enter} enter")
         if taken := {i for i, _ in enter if self.told["scene"].get("capture")}:
             self.settle(taken)
-            for w in self.worlds: w.halt(taken, self.age)
+            for w, i in product(self.worlds, taken): w.stand(i, self.age, {2: NONE, 3: NONE})
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = known = {c: sign for c, sign in known.items() if c in self.meets}
+        bears = {c[0]: c for c in sorted(known, reverse=True) if c in self.bears and not known[c]}
+        begun = {c for c in bears.values() if c[0] not in self.carried}
+        refuse(sorted(begun) != sorted(map(tuple, entry.get("settle", ()))), f"{begun} settle")
+        self.settle({i for i, _ in begun} - moved)
+        moved |= {i for i, _ in begun}
+        for w, i in product(self.worlds, self.carried.keys() - bears.keys()): w.lift(i, self.age)
+        for i in moved & bears.keys():
+            self.rows.setdefault(i, []).append({bears[i]})
+            for w in self.worlds: w.stand(i, self.age, self.along(*bears[i]))
+        self.carried = bears
         self.lasting = {c: 0 for c in known if (c in self.lasting and not moved & {*c})
                         or not (known[c] or self.drops(c) or self.sign("speed", c))}
         self.parted = {c: since for c, since in self.parted.items() if not moved & {*c}}
@@ -835,6 +826,15 @@ class Checker(KeptApart):
             self.out.append((pushes, {c for c in known if c[1] >= 0}))
         back = {i: rows[::-1] for i, rows in pushes.items()}
         if self.way and back: del self.out[-1 if [back] == [x for x, _ in self.out[-1:]] else 0:]
+    def along(self, i, j):  # what is known of the flight of what is carried, by place
+        *spot, p, q, _, thick = self.things[j]
+        known = dict.fromkeys((2, 3) if j in self.faces else (), NONE)
+        refuse(known and self.sign("slide", (i, j)), f"{i, j}: it slides, up to an end")
+        reach = self.things[i][4] + thick
+        for k in (k for k in (0, 1) if not (q, p)[k]):  # the way up is along an axis
+            down = demand(sign_of(self.pull[k]), [-1, 1], "which way is down")
+            known |= {k: spot[k] + (reach if down < 0 else -reach), k + 2: NONE}
+        return known
     def said(self, value, text):  # that a number is as its decimal says, to one unit of its end
         charge(5_000 + (len(text) ** 2 >> 5) + (len(text) * value.m.bit_length() >> 8))
         scale, at = 10 ** len(text.partition(".")[2]), int(text.replace(".", ""))

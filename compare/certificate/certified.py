@@ -229,6 +229,8 @@ def difference(block: Mapping[str, Any], scene: Scene) -> str | None:
         return f"reverse_at is {told_at}, not {scene.reverse_at}"
     if scene.reverse_at is not None and not _same(str(told_at), scene.reverse_at, roots):
         return f"reverse_at is {told_at}, not {scene.reverse_at}"
+    if block.get("settle", False) != scene.settle:
+        return f"settle is {block.get('settle', False)}, not {scene.settle}"
     if scene.pockets and block.get("capture", False) != scene.capture:
         return f"capture is {block.get('capture', False)}, not {scene.capture}"
     return None

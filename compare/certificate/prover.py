@@ -147,7 +147,8 @@ class Prover(Checker):
         of = (told.sides, told.limits, self.laws)
         self.form = Recorded(self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
         balls = Remembering(self.n, self.things, *of, enclosed)
-        balls.flights, balls.times = self.few.flights, self.few.times  # those that `few` reads with few bits
+        few = self.few  # reads these with few bits
+        balls.flights, balls.times, balls.pegs = few.flights, few.times, few.pegs
         self.ball = balls
         self.worlds = self.ball, self.form
 
@@ -216,9 +217,11 @@ class Prover(Checker):
         self.cleared.clear()
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
+        clock = entry["met"][0] if self.age >= 0 and entry.get("met") else None
+        a_witness = clock is not None and self.drops(tuple(clock))  # as it is before what falls stands, or the reverse
         super().instant(entry)
         self.history.append(self.rows)
-        if not (self.clock and self.drops(self.clock) and self.age):  # that one is a witness
+        if not a_witness:
             entry["time"] = self.decimal(self.ball.times[self.age])
 
     # -- what falls on an instant
@@ -300,17 +303,13 @@ class Prover(Checker):
             return True
         for world in (self.few, self.ball):
             m = world.meeting(c, world.start(c))
-            if isinstance(m, Bowing) or (isinstance(m, Facing) and c[1] in self.slopes):
+            if isinstance(m, Bowing) or (isinstance(m, Facing) and c[1] in self.faces):
                 again, gap, closing = bool(self.again(c)), m.gap.sign(), m.closing.sign()
                 ahead = closing == 1 or (gap == 1 and not again) if m.hollow else gap == 1 and closing == -1
                 if ahead and (again or m.disc.sign() == 1) and m.there(again) == 1:
                     return True
                 continue
             signs = [m.closing.sign(), m.disc.sign()]
-            if c[1] in self.faces and isinstance(m, Facing):
-                if m.gap.sign() == -1:  # it is behind, and was at gap zero before
-                    return False
-                signs += [m.near.sign(), m.beyond.sign()]
             if None not in signs:
                 return signs == [-1, 1, 1, 1][: len(signs)]
         return False
@@ -365,7 +364,7 @@ class Prover(Checker):
 
     def settle(self, circles: Set[int]) -> None:
         """As the checker's, of what has not been seen to keep apart while the instant was gathered."""
-        found = {c for i in circles - self.ball.pegs for c in self.of[i] if c not in self.known}
+        found = {c for i in circles & self.movable for c in self.of[i] if c not in self.known}
         for c in found & self.meets:
             if c not in self.cleared:
                 self.clear(c, self.age)

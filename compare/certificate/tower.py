@@ -204,6 +204,8 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         told["restitution"] = text_of(exact_number(scene.restitution))
     if scene.gravity is not None:
         told["gravity"] = [text_of(exact_number(part)) for part in scene.gravity]
+    if scene.settle:
+        told["settle"] = True
     if scene.reverse_after is not None:
         told["reverse_after"] = scene.reverse_after
     if scene.reverse_at is not None:

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
 
 from ...exact.certified.certified_decider import FIRST_BITS
 from ...exact.exact_motion import ExactValue
-from ...exact.replay.contact import places_of
-from ...exact.replay.state import Kick, Step
+from ...exact.replay.contact import AtWall, places_of
+from ...exact.replay.state import Kick, Lift, Settle, Step
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
@@ -157,6 +157,7 @@ class WrittenScene(TypedDict):
     capture: NotRequired[bool]
     restitution: NotRequired[NumberText]
     gravity: NotRequired[Plane]
+    settle: NotRequired[Annotated[bool, InSchema(const=True)]]
     circles: Annotated[list[CircleData], InSchema(minItems=1, maxItems=CIRCLES)]
     walls: NotRequired[list[WallData]]
     pockets: NotRequired[list[PocketData]]
@@ -181,6 +182,7 @@ class MomentData(TypedDict):
     turn: NotRequired[Annotated[bool, InSchema(const=True)]]
     rounds: NotRequired[list[Annotated[list[PushData], InSchema(minItems=1)]]]
     enter: NotRequired[list[ContactData]]
+    settle: NotRequired[list[ContactData]]
     zeros: NotRequired[list[ZeroData]]
 
 
@@ -239,8 +241,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:
         raise CertificateError(f"the scene has a wall of kind {other[0].kind!r}, which they do not know")
-    if trajectory.scene.settle:
-        raise CertificateError("the scene has settle = true: certificates do not know what walls carry; leave it out")
     sides = sum(len(polygon.sides()) for polygon in trajectory.scene.polygons)
     if len(trajectory.scene.surfaces.faces) != 2 * len(trajectory.scene.segments) + sides:
         raise CertificateError("the scene has surfaces that certificates do not know yet; write them as segments")
@@ -428,17 +428,18 @@ def instants(
     entries: dict[int, list[list[int]]] = {}
     steps: Sequence[Step] = ()
     times: dict[int, ExactValue] = {}
-    for happened in (*trajectory.events, *trajectory.pocketings, trajectory.reversal):
+    for happened in (*trajectory.events, *trajectory.pocketings, trajectory.reversal, *trajectory.settlings):
         if happened is None:
             continue
         time, number = _instant(happened.time)
         times[number] = time
-        steps = time.log.steps
+        steps = time.log.steps if len(time.log.steps) > len(steps) else steps
         ends[number] = max(time.upto, ends.get(number, 0))
         if isinstance(happened, Event):
             contacts[number] = {(place[a], part) for a, b in happened.contacts for part in parts[b]}
         elif isinstance(happened, Pocketing):
             entries.setdefault(number, []).append([place[happened.circle], -1 - pockets[happened.pocket]])
+    carried: set[int] = set()
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
     when: dict[int, ExactValue] = {}
@@ -454,7 +455,12 @@ def instants(
         clocks = {} if turn or not number else {"met": [list(c) for c in sorted(pushed)] or list(enter)}
         if number in times:
             when[len(found)] = times[number]
-        found.append({**turn, **clocks, "rounds": rounds, "enter": enter, "time": "0"})
+        settled = [step for step in steps[done : ends[number]] if isinstance(step, Settle) and step.body not in carried]
+        begun = [[step.body, number_of[places_of(scene, AtWall(step.body, step.wall))[1]]] for step in settled]
+        for step in steps[done : ends[number]]:
+            if isinstance(step, Settle | Lift):
+                (carried.add if isinstance(step, Settle) else carried.discard)(step.body)
+        found.append({**turn, **clocks, "rounds": rounds, "enter": enter, "settle": begun, "time": "0"})
         met.append(frozenset(pushed))
         done = max(done, ends[number])
     return found, met, when

@@ -22,7 +22,7 @@ export function theEnd(run) {
   for (const [i, row] of final.circles.entries()) {
     for (const a of [0, 1]) {
       const { worlds, gravity } = run.scene, v = run.flights[i].v[a];
-      const fall = gravity && !run.fixed[i] && !run.captured[i] && worlds.map((A, w) => run.scene.fallen(A, w, run.now[w]));
+      const fall = gravity && !run.scene.stands(i) && !run.captured[i] && worlds.map((A, w) => run.scene.fallen(A, w, run.now[w]));
       const p = worlds.map((A, w) => (fall ? A.add(run.here(i, w)[a], fall[w].by[a]) : run.here(i, w)[a]));
       run.decimal(p, row[a], `${'xy'[a]} of circle ${i}`);
       run.decimal(fall ? v.map((x, w) => worlds[w].add(x, fall[w].speed[a])) : v, row[2 + a], `v${'xy'[a]} of circle ${i}`);

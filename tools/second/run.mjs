@@ -4,7 +4,8 @@ import { Scene } from './scene.mjs';
 import { Isometry } from './isometry.mjs';
 import { WayBack } from './back.mjs';
 import { Random } from './random.mjs';
-import { Rounds } from './rounds.mjs';
+import { append, Rounds } from './rounds.mjs';
+import { ZERO } from './exact.mjs';
 import { witness } from './witness.mjs';
 import { theEnd } from './end.mjs';
 import { divided, falling, horner, keeps, slope } from './quartic.mjs';
@@ -85,14 +86,16 @@ export class Run {
   }
   /** Since when a gap with one that stands is a polynomial, and of what order its zero is there. */
   since(c) {
-    const { start, t } = this.flights[c.drops.mover];
+    const { mover, peg } = c.drops, last = this.scene.carried.has(peg) && this.flights[peg].start > this.flights[mover].start ? peg : mover;
+    const { start, t } = this.flights[last];
     return this.parted(c) ? this.zeroes.get(c.key) : { k: start, t, order: 0 };
   }
   /** The laws of such a contact at a time since which its gap is that polynomial. */
   fallingLaws(c, A, w, t) {
     const { mover, peg } = c.drops, f = this.flights[mover], there = this.moved(f, A, w, A.sub(t[w], f.t[w])), way = f.v.map(x => x[w]);
-    const end = peg < 0 ? null : this.flights[peg], at = end && (this.scene.circles[peg].way ? this.moved(end, A, w, A.sub(t[w], end.t[w])) : end.p.map(x => x[w]));
-    const both = mover === c.i ? [there, way, at, null] : [at, null, there, way];
+    const end = peg < 0 ? null : this.flights[peg], own = end && end.v.map(x => x[w]), moves = end && (this.scene.circles[peg].way || this.scene.carried.has(peg));
+    const at = end && (moves ? this.moved(end, A, w, A.sub(t[w], end.t[w])) : end.p.map(x => x[w])), pace = moves ? own : null;
+    const both = mover === c.i ? [there, way, at, pace] : [at, pace, there, way];
     return this.scene.laws(c, A, w, ...both, t[w]);
   }
   sign(law) { return this.scene.sign(law); }
@@ -337,7 +340,7 @@ export class Run {
   endFlights(circles, known) {
     const ending = new Set(circles);
     for (const i of ending) for (const c of this.contactsOf(i)) {
-      if (known.has(c.key) || c.drops?.peg === i) continue; // of what stands, flights of others end
+      if (known.has(c.key) || (c.drops?.peg === i && this.fixed[i])) continue; // of what is fixed, flights of others end
       const other = c.kind === 'circle' && !c.drops ? (c.i === i ? c.j : c.i) : -1;
       if (other < i && ending.has(other)) continue; // done
       if (other >= 0 && !ending.has(other) && this.flights[other].start === this.k && this.k) continue; // done when that ended
@@ -416,6 +419,8 @@ export class Run {
     const caught = this.certificate.scene.capture ? new Set(entering.map(x => x.c.i)) : new Set();
     this.capture(caught, known, rounds.pushed);
 
+    this.settle(e.settle ?? [], known, rounds.pushed);
+
     // 7: what lasts
     for (const x of known.values()) {
       this.knownAt.set(x.c.key, k);
@@ -442,6 +447,51 @@ export class Run {
     const { worlds, gravity } = this.scene;
     const fall = gravity && worlds.map((A, w) => A.twice(A.mul(gravity[a][w], this.now[w])));
     return x.map((y, w) => (fall ? worlds[w].sub(worlds[w].neg(y), fall[w]) : worlds[w].neg(y)));
+  }
+
+  /** Step 7: what comes to rest on a level wall or face, or slides along such a wall, is carried; what was pushed off is not. */
+  settle(told, known, pushed) {
+    const { scene, k } = this, { worlds, carried } = scene, on = new Map();
+    for (const x of [...known.values()].sort((a, b) => a.c.key - b.c.key)) {
+      if (x.sign === 0 && scene.bears(x.c) && !on.has(x.c.i)) on.set(x.c.i, x.c);
+    }
+    const begun = [...on.values()].filter(c => !carried.has(c.i)), keys = new Set(told.map(([i, j]) => this.meeting(scene.contact(i, j), i, j).key));
+    if (keys.size !== told.length || keys.size !== begun.length || begun.some(c => !keys.has(c.key))) refute('not these circles settle');
+    this.endFlights(begun.map(c => c.i).filter(i => !pushed.has(i)), known);
+    for (const i of [...carried.keys()].filter(i => !on.has(i))) { // it falls from now on
+      this.shift(i, -1);
+      carried.delete(i);
+    }
+    for (const [i, c] of on) {
+      if (carried.has(i) && !pushed.has(i)) continue;
+      if (!carried.has(i)) this.shift(i, 1);
+      carried.set(i, c);
+      this.turnedAt[i] = k;
+      pushed.add(i);
+      append(this.rows, i, [c]); // an isometry maps that too
+      this.rest(c);
+    }
+  }
+  /** From the frame in which flights are straight to that of the scene, or (-1) back; the flight starts now. */
+  shift(i, side) {
+    const { worlds } = this.scene, f = this.flights[i], fall = worlds.map((A, w) => this.scene.fallen(A, w, this.now[w]));
+    const moved = (x, part, a) => worlds.map((A, w) => (side > 0 ? A.add(x[w], fall[w][part][a]) : A.sub(x[w], fall[w][part][a])));
+    this.flights[i] = { ...f, p: f.p.map((x, a) => moved(x, 'by', a)), v: f.v.map((x, a) => moved(x, 'speed', a)) };
+  }
+  /** What is known of a flight that a wall carries: it lies at gap zero, along the wall; and on a face at rest. */
+  rest(c) {
+    const { scene } = this, { exact } = scene, f = this.flights[c.i], wall = scene.walls[c.j - scene.n], none = scene.number(ZERO);
+    if (c.face) {
+      if (this.known((A, w) => this.laws(c, A, w).slide(), `whether ${c.name} slides`)) refute(`${c.name} slides along a face, which ends`);
+      f.v = [none, none];
+    }
+    for (const a of [0, 1]) {
+      if (exact.sign(wall.n[1 - a][2]) !== 0) continue; // upright along an axis
+      const down = scene.signOf(scene.gravity[a]) ?? undecided('which way is down'), from = a ? wall.y0 : wall.x0;
+      const reach = scene.worlds.map((A, w) => (wall.face ? A.add(scene.circles[c.i].r[w], wall.thick[w]) : scene.circles[c.i].r[w]));
+      f.p[a] = scene.worlds.map((A, w) => (down < 0 ? A.add(from[w], reach[w]) : A.sub(from[w], reach[w])));
+      f.v[a] = none;
+    }
   }
 
   moving() { return this.flights.map((_, i) => i).filter(i => !this.fixed[i] && !this.captured[i]); }

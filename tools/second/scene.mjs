@@ -57,15 +57,18 @@ export class Scene {
   }
 
   /** Restitution, gravity, the velocities of walls; and what is a scene with them. */
-  physics({ restitution, gravity, reverse_at, reverse_after, pockets, segments, arcs }) {
+  physics({ restitution, gravity, settle, reverse_at, reverse_after, pockets, segments, arcs }) {
     const one = fraction(1n), zero = e => this.exact.sign(e) === 0;
     this.restitution = this.number(restitution ?? one);
     this.factor = this.worlds.map((A, w) => A.add(A.of(one), this.restitution[w]));
     this.gravity = gravity && !gravity.every(zero) ? gravity.map(x => this.number(x)) : null;
+    this.settles = Boolean(settle && this.gravity);
+    /** @type {Map<number, Contact>} the circles that walls carry, each with that contact */ this.carried = new Map();
     for (const wall of this.walls) wall.way = this.way(wall.vx, wall.vy);
     const elastic = zero(this.exact.sub(this.restitution[2], one)), turned = reverse_at || reverse_after;
     const drift = this.walls.some(x => x.way) || segments.some(x => this.way(x.vx && this.number(x.vx), x.vy && this.number(x.vy)));
     if (turned && (!elastic || drift)) malformed('no scene: a run that cannot be turned back is');
+    if (settle && (!this.gravity || drift || turned || pockets.length || arcs.length)) malformed('no scene: nothing settles there');
     if (!this.gravity) return;
     const stands = segments.length || arcs.length || pockets.length || this.circles.some(c => zero(c.w[2]));
     if (turned && stands) malformed('no scene: a run that cannot be turned back is, where something stands');
@@ -188,17 +191,25 @@ export class Scene {
       /** Does gravity part a circle on the left from it (1), pull it there (-1), or neither? */
       wall.pulls = this.gravity ? this.sign((A, w) => A.add(A.mul(wall.n[0][w], this.gravity[0][w]), A.mul(wall.n[1][w], this.gravity[1][w])))
         ?? undecided(`whether gravity pulls along wall ${wall.id}`) : 0;
+      const lean = (A, w) => A.sub(A.mul(wall.n[1][w], this.gravity[0][w]), A.mul(wall.n[0][w], this.gravity[1][w]));
+      wall.level = this.settles && (this.sign(lean) ?? undecided(`whether wall ${wall.id} is level`)) === 0;
     }
   }
 
   /** Is it of a wall to which its circle is pulled? */
   falls(c) {
-    if (c.kind !== 'wall' || c.face) return false;
+    if (c.kind !== 'wall' || c.face || this.carried.has(c.i)) return false;
     const { pulls, side } = this.walls[c.j - this.n];
     return pulls * side[c.i] < 0;
   }
   /** Of a face under gravity: is the circle pulled to it (-1), parted from it (1), or neither? Else null. */
-  slope(c) { return c.face && this.gravity ? this.walls[c.j - this.n].pulls : null; }
+  slope(c) { return c.face && this.gravity && !this.carried.has(c.i) ? this.walls[c.j - this.n].pulls : null; }
+  /** Can it carry the circle: is it level, and pulls it? */
+  bears(c) {
+    if (c.kind !== 'wall') return false;
+    const { level, pulls, side } = this.walls[c.j - this.n];
+    return level && pulls * (c.face ? 1 : side[c.i]) < 0;
+  }
   /** Is it of a wall from which the gap does not change as from one that rests? */
   steered(c) { return c.kind === 'wall' && Boolean(this.gravity || this.walls[c.j - this.n].way); }
 
@@ -214,10 +225,18 @@ export class Scene {
     const hollow = kind === 'arc' && (j - this.firstBow) % 2 === 1;
     if (hollow && !this.roomy[i][(j - this.firstBow) >> 1]) return null;
     const face = kind === 'wall' && j >= this.firstFace, blunt = kind === 'circle' && circles[i].point && circles[j].point;
-    const fixed = kind === 'circle' && this.gravity && (circles[i].fixed ? j : circles[j].fixed ? i : -1);
-    const stands = this.gravity && (kind === 'arc' || kind === 'pocket') ? { mover: i, peg: -1 } : null; // no circle
-    const drops = kind === 'circle' && this.gravity && fixed >= 0 ? { mover: fixed, peg: i + j - fixed } : stands; // the one falls, the other does not
-    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow, drops };
+    const drops = () => this.drops(i, j, kind); // as it is now
+    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]`, face, blunt, hollow, get drops() { return drops(); } };
+  }
+
+  /** Does a circle stand, in the frame of the scene: is it fixed there, or carried? */
+  stands(i) { return this.circles[i].fixed || this.carried.has(i); }
+  /** Of a contact of one that falls and one that stands: which is which; peg -1 for what is no circle. */
+  drops(i, j, kind) {
+    if (!this.gravity || kind === 'wall') return null;
+    if (kind !== 'circle') return { mover: i, peg: -1 };
+    if (this.stands(i) === this.stands(j)) return null;
+    return this.stands(i) ? { mover: j, peg: i } : { mover: i, peg: j };
   }
 
   /** The same circle with the other side of the same arc; null where there is no room for it. */
@@ -251,7 +270,8 @@ export class Scene {
       const wall = this.walls[c.j - this.n], n = this.normal(c, A, w);
       let place = minus(p, [wall.x0[w], wall.y0[w]]), way = u;
       const plus = (a, b) => [A.add(a[0], b[0]), A.add(a[1], b[1])];
-      if (this.gravity) { // the wall flies up, seen from where flights are straight
+      const falls = this.gravity && !this.carried.has(c.i);
+      if (falls) { // the wall flies up, seen from where flights are straight
         const { by, speed } = this.fallen(A, w, time);
         place = plus(place, by);
         way = plus(way, speed);
@@ -262,7 +282,7 @@ export class Scene {
         way = minus(way, own);
       }
       const closing = () => dot(n, way), height = () => dot(n, place);
-      const speed = () => (this.gravity ? dot(n, this.gravity.map(x => x[w])) : A.zero ?? ZERO);
+      const speed = () => (falls ? dot(n, this.gravity.map(x => x[w])) : A.zero ?? ZERO);
       const reach = wall.face ? A.add(radius, wall.thick[w]) : radius;
       const gap = () => A.twice(A.sub(height(), A.mul(reach, wall.length[w])));
       // along a face: of the centre's foot, from its first point, the same as it moves, and how long the face is
@@ -283,7 +303,8 @@ export class Scene {
         gap,
         closing,
         speed,
-        disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),
+        slide: () => along(way),
+        disc: () => (falls ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),
       };
     }
     if (c.kind === 'arc') {
@@ -336,8 +357,8 @@ export class Scene {
     const first = c.drops.mover === c.i, { by, speed } = this.fallen(A, w, time);
     const [place, way, centre] = first ? [p, u, q] : [q, v, p];
     const from = [0, 1].map(k => A.sub(A.add(place[k], by[k]), centre[k])); // from the one that stands
-    const own = (first ? this.circles[c.j] : this.circles[c.i])?.way, still = pocket || !own; // an end may move
-    const fast = [0, 1].map(k => A.add(way[k], speed[k])).map((x, k) => (still ? x : A.sub(x, own[k][w])));
+    const own = pocket ? null : first ? v : u; // of the one that stands: an end may move, and what is carried
+    const fast = [0, 1].map(k => A.add(way[k], speed[k])).map((x, k) => (own ? A.sub(x, own[k]) : x));
     const row = this.quartic(A, w, from, fast, 1, pocket ? pocket.r[w] : A.add(this.circles[c.i].r[w], this.circles[c.j].r[w]));
     return {
       direction: () => (first ? from.map(x => A.neg(x)) : from),

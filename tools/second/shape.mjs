@@ -101,7 +101,7 @@ export function readCertificate(json, work) {
     scene: of({
       'roots?': v => v, tie_policy: policy,
       'reverse_after?': (v, where) => whole(v, where, 1), 'reverse_at?': ofScene,
-      'restitution?': ofScene, 'gravity?': two(ofScene),
+      'restitution?': ofScene, 'gravity?': two(ofScene), 'settle?': isTrue,
       'capture?': (v, where) => typeof v === 'boolean' ? v : malformed(`${where} is neither true nor false`),
       circles: listOf(of({ id: text, ...numbers('x y r vx vy w') }), 1),
       'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length vx? vy?') })),
@@ -117,7 +117,7 @@ export function readCertificate(json, work) {
     bits: (v, where) => whole(v, where, 1),
     instants: listOf(of({
       time: decimal, 'exact?': number, 'met?': listOf(contact, 1), 'turn?': isTrue,
-      'rounds?': listOf(round), 'enter?': listOf(contact), 'zeros?': listOf(zero),
+      'rounds?': listOf(round), 'enter?': listOf(contact), 'settle?': listOf(contact), 'zeros?': listOf(zero),
     }), 1),
     end: of({ reason, 'until?': number, 'limit?': (v, where) => whole(v, where, 1), 'zeros?': listOf(zero) }),
     final: of({ time: decimal, circles: listOf(four(decimal)) }),

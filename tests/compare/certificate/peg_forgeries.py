@@ -163,7 +163,7 @@ MEETS = (
     ),
 )
 CANNOT_TURN = (
-    'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
+    "refuse(turns and (drift or loss != ONE or stands),",
     "if (turned && stands) malformed(",
 )
 PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
@@ -184,11 +184,11 @@ PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = 
         ("if (c.drops) { this.stays(c, mode); return; }", "if (c.drops) { if (!this.parted(c)) this.stays(c, mode); return; }"), off_a_peg_and_through_it,
     ),
     "a flight past a fixed circle is that of what falls": (
-        ("met[c].arms.keys() - self.pegs", "met[c].arms.keys()"),
-        ("const { start, t } = this.flights[c.drops.mover];", "const { start, t } = this.flights[c.drops.peg]?.start ? this.flights[c.drops.peg] : this.flights[c.drops.mover];"), before_another_hits_it,
+        ("met[c].arms.keys() - self.fixed", "met[c].arms.keys()"),
+        ("const { start, t } = this.flights[last];", "const { start, t } = this.flights[peg]?.start ? this.flights[peg] : this.flights[last];"), before_another_hits_it,
     ),
     "an isometry keeps gravity where it maps a fixed circle": (
-        ("zeros += falls if bow or i < 0 or i in self.ball.pegs else []", "pass"), ("if (kind === 'pocket' || p.fixed) falls(what);", ""),
+        ("zeros += falls if bow or i < 0 or i in self.ball.fixed else []", "pass"), ("if (kind === 'pocket' || p.fixed) falls(what);", ""),
         lambda: no_image({**UPSIDE_DOWN, "map": [[0, 0]]}, FLOOR, gravity=DOWN) | {"scene": dropped((0, 0, 0, 0, *PEG), (50, 50, 0, 0))["scene"], "final": {"time": "0", "circles": [["0"] * 4] * 2}},
     ),
     "an isometry keeps gravity where it maps a face": (
@@ -220,7 +220,7 @@ PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = 
         ("(m.slide + lift * wait) * wait", "m.slide * wait"), ("A.mul(A.mul(along(this.gravity.map(x => x[w])), this.half[w]), wait)", "A.zero"), led_onto_a_shelf,
     ),
     "what slid along a face may come back to be beside it": (
-        ("slides = self.slopes.get(c[1]) == 0", "slides = False"), ("(!hollow && slope !== 0 && this.parted(c))", "(!hollow && this.parted(c))"), back_along_a_face,
+        ("slides = self.pull and c[1] in self.faces and not self.slope(c)", "slides = False"), ("(!hollow && slope !== 0 && this.parted(c))", "(!hollow && this.parted(c))"), back_along_a_face,
     ),
     "nothing falls through an arc": (*MEETS, through_a_cap),
     "nothing falls out of an arc": (*MEETS, through_a_cup),
@@ -241,11 +241,11 @@ PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = 
         ("tops = row[:c in self.parted and c[1] >= 0]", "tops = []"), ("if (leaves) reads.push(", "if (0) reads.push("), down_from_where_it_rests,
     ),
     "an isometry keeps gravity where it maps an arc": (
-        ("zeros += falls if bow or i < 0 or i in self.ball.pegs else []", "pass"), ("        falls(what);\n        continue;\n      }\n      if (kind === 'face')", "        continue;\n      }\n      if (kind === 'face')"),
+        ("zeros += falls if bow or i < 0 or i in self.ball.fixed else []", "pass"), ("        falls(what);\n        continue;\n      }\n      if (kind === 'face')", "        continue;\n      }\n      if (kind === 'face')"),
         lambda: mapped_upside_down(1, arcs=[RING]),
     ),
     "an isometry keeps gravity where it maps a pocket": (
-        ("zeros += falls if bow or i < 0 or i in self.ball.pegs else []", "pass"), ("if (kind === 'pocket' || p.fixed) falls(what);", ""),
+        ("zeros += falls if bow or i < 0 or i in self.ball.fixed else []", "pass"), ("if (kind === 'pocket' || p.fixed) falls(what);", ""),
         lambda: mapped_upside_down(-1, pockets=[{"id": "hole", "x": "0", "y": "0", "r": "1"}]),
     ),
     "nothing turns back where an arc is under gravity": (

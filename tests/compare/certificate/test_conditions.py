@@ -18,6 +18,7 @@ from certificate.forgeries_by_condition import MEET, PAIR, STOPPED, TURN, of
 from certificate.forging import Told, refused_by_both, told
 from certificate.peg_forgeries import PEG_CONDITIONS
 from certificate.segment_forgeries import SEGMENT_CONDITIONS
+from certificate.settle_forgeries import SETTLE_CONDITIONS
 from certificate.test_forgeries import back_after_rounds_that_do_not_go_back
 from certificate.test_loopholes import (
     an_entry_hidden_by_the_leaving,
@@ -179,7 +180,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (![b, d, A.sub(a, one), A.sub(e, one)].every(x => A.sign(x) === 0)) return false;", ""), forged.nearly_turned,
     ),
     "what is taken is met no more": (
-        [("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"), ("self.pegs | {i}", "self.pegs")],
+        [("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"), ("        self.pegs.add(i)\n", "")],
         ("if (!c || this.movers(c).some(x => this.captured[x])) refute(", "if (!c) refute("), forged.taken_and_yet_there,
     ),
     "an isometry's first column is of length 1": (
@@ -484,6 +485,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     **SEGMENT_CONDITIONS,
     **WORLD_CONDITIONS,
     **PEG_CONDITIONS,
+    **SETTLE_CONDITIONS,
 }  # fmt: skip
 
 
@@ -526,7 +528,6 @@ ELSEWHERE = {
     "overlap, or touch from the start": "the line that asks for it stands above",
     "meet on the way": "what it refutes would not be decided in the next lines",
     "touch as the flight ends": "the line before it stands above",
-    'raise Unsettled(f"whether {c} are on it")': "the line that returns stands above",
     "whether a gap falls all the time that is said": "without it a quotient would be none",
     "a gap does not fall through zero where it is said": "DECIMALS: what is found instead is not where it is said",
     # and of the second one

@@ -161,19 +161,19 @@ FAULTS = {
         [("if (!wait) parts.push(", "if (0) parts.push(")],
     ),
     "the final place of what stands falls": (
-        [("self.pull and i not in self.pegs", "self.pull")],
-        [("const fall = gravity && !run.fixed[i] && !run.captured[i] && worlds", "const fall = gravity && worlds")],
+        [("falls = self.put(i, age)[:4], self.pull and i not in self.pegs", "falls = self.put(i, age)[:4], self.pull")],
+        [("const fall = gravity && !run.scene.stands(i) && !run.captured[i] && worlds", "const fall = gravity && worlds")],
     ),
     "what a pocket takes falls on": (
-        [("age, {}), self.pegs | {i}", "age, {}), self.pegs")],
-        [("!run.fixed[i] && !run.captured[i] && worlds", "!run.fixed[i] && worlds")],
+        [("        self.pegs.add(i)\n", "")],
+        [("!run.scene.stands(i) && !run.captured[i] && worlds", "!run.scene.stands(i) && worlds")],
     ),
     "what a pocket takes stands where the frame has it": (
-        [("for i, (x, y, *_) in [(i, self.true(i, age))", "for i, (x, y, *_) in [(i, self.put(i, age))")],
+        [("enumerate(self.true(i, age))]", "enumerate(self.put(i, age)[:4])]")],
         [("if (fall) f.p = f.p.map(", "if (0) f.p = f.p.map(")],
     ),
     "the rising zero of a face": (
-        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # the sign", "return -(m.closing + (m.closing if again else -m.disc.sqrt())) / m.speed\n    def there(m, again):  # the sign")],
+        [("(m.closing if again else m.disc.sqrt())", "(m.closing if again else -m.disc.sqrt())")],
         [("arc ? full.div(full.neg(full.add(laws.closing(), root)), laws.speed())", "arc ? full.div(full.neg(full.sub(laws.closing(), root)), laws.speed())")],
     ),
     "a foot that is not pulled": (

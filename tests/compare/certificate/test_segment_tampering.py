@@ -226,7 +226,7 @@ FAULTS = {
         [("['foot', 'far']).every(name =>", "[]).every(name =>")],
     ),
     "the range with the wrong sign": (
-        [("m.slide * m.gap - m.twice * m.foot", "m.twice * m.foot - m.slide * m.gap")],
+        [("{foot.sign(), (m.square - foot).sign()}", "{(-foot).sign(), (foot + m.square).sign()}")],
         [("A.sub(A.mul(along(way), gap()), A.twice(A.mul(closing(), foot())))", "A.sub(A.twice(A.mul(closing(), foot())), A.mul(along(way), gap()))")],
     ),
     "an end without thickness": (
@@ -271,11 +271,11 @@ MOVING_FAULTS = {
     "ends that move the other way": (
         [("found[key] = [*place, *way, r, NONE]", "found[key] = [*place, *(-z for z in way), r, NONE]")],
         [("(x => ({ p: [x.x, x.y], v: [x.vx, x.vy],", "(x => ({ p: [x.x, x.y], v: [x.vx, x.vy].map(v => (x.end ? v.map((z, w) => scene.worlds[w].neg(z)) : v)),"),
-         ("(still ? x : A.sub(x, own[k][w]))", "(still ? x : A.add(x, own[k][w]))")],
+         ("(own ? A.sub(x, own[k]) : x)", "(own ? A.add(x, own[k]) : x)")],
     ),
     "ends that push as if they stood": (
         [("speeds = p - vx, q - vy", "speeds = (-vx, -vy) if not getattr(w := self.things[j][5], 'm', w) else (p - vx, q - vy)")],
-        [("(still ? x : A.sub(x, own[k][w]))", "x"), (": minus(v, u);\n    const reach", ": minus(this.circles[c.j].end ? [A.zero, A.zero] : v, u);\n    const reach")],
+        [("(own ? A.sub(x, own[k]) : x)", "x"), (": minus(v, u);\n    const reach", ": minus(this.circles[c.j].end ? [A.zero, A.zero] : v, u);\n    const reach")],
     ),
     "one side of a segment alone moves": (
         [("for row in segments for _ in range(2)]]", "for row in segments for row in (row, [NONE])]]")],

@@ -219,6 +219,7 @@ def run_again(told: Told) -> Told:
         capture=scene.get("capture", False),
         restitution=exact_text(scene.get("restitution", "1"), roots),
         gravity=[exact_text(part, roots) for part in scene["gravity"]] if "gravity" in scene else None,
+        settle=scene.get("settle", False),
     )
     until = exact_text(end["until"], roots) if end["reason"] == "horizon" else None
     count = sum(bool(rounds(part)) for part in told["instants"])
@@ -240,7 +241,11 @@ def shown_true(told: Told) -> bool:
     def history(of: Told) -> list[Any]:
         entries = of["instants"]
         return [
-            (sorted(p.get("met", ())), [sorted(r) for r in rounds(p)], sorted(p.get("enter", ())))
+            (
+                sorted(p.get("met", ())),
+                [sorted(r) for r in rounds(p)],
+                *(sorted(p.get(k, ())) for k in ("enter", "settle")),
+            )
             for p in entries
             if rounds(p) or p.get("enter") or p.get("met")
         ]

@@ -134,18 +134,18 @@ FAULTS = {
     ),
     "the pull without its part of the root": (
         [("            wall.disc = wall.disc - wall.speed * wall.gap\n", "")],
-        [("disc: () => (this.gravity ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),", "disc: () => A.square(closing()),")],
+        [("disc: () => (falls ? A.sub(A.square(closing()), A.mul(speed(), gap())) : A.square(closing())),", "disc: () => A.square(closing()),")],
     ),
     "the rising zero": (
-        [("else: wait = m.gap / (m.disc.sqrt() - m.closing)", "else: wait = m.gap / (-m.disc.sqrt() - m.closing)")],
+        [("return m.gap / (m.disc.sqrt() - m.closing)", "return m.gap / (-m.disc.sqrt() - m.closing)")],
         [("full.sub(root, laws.closing()))) ??", "full.sub(full.neg(root), laws.closing()))) ??")],
     ),
     "the zero at 0, not the second one": (
-        [("elif again: wait = -(m.closing + m.closing) / m.speed", "elif again: wait = self.none")],
+        [("(m.closing if again else m.disc.sqrt())", "(-m.closing if again else m.disc.sqrt())")],
         [("full.div(full.twice(laws.closing()), full.neg(laws.speed()))", "full.sub(laws.closing(), laws.closing())")],
     ),
     "half the wait to the second zero": (
-        [("wait = -(m.closing + m.closing) / m.speed", "wait = -m.closing / m.speed")],
+        [("(m.closing if again else m.disc.sqrt())", "(m.closing - m.closing if again else m.disc.sqrt())")],
         [("full.div(full.twice(laws.closing()),", "full.div(laws.closing(),")],
     ),
     "walls that stand still": (
@@ -178,7 +178,7 @@ FAULTS = {
     ),
     "the final state in the falling frame": (
         [("self.fallen(age))] if falls else row", "self.fallen(age))] if 0 else row")],
-        [("const fall = gravity && !run.fixed[i] && !run.captured[i] && worlds.map((A, w) => run.scene.fallen", "const fall = null && worlds.map((A, w) => run.scene.fallen")],
+        [("const fall = gravity && !run.scene.stands(i) && !run.captured[i] && worlds.map((A, w) => run.scene.fallen", "const fall = null && worlds.map((A, w) => run.scene.fallen")],
     ),
     "nothing pulls to a wall": (
         [("return self.bends.get(c, 0) < 0", "return 0 and self.bends.get(c, 0) < 0")],
@@ -207,11 +207,11 @@ ARC_FAULTS = {
         [("        A.mul(arc.far[w], length)));", "        A.sub(length, length)));")],
     ),
     "the earlier zero from within": (
-        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that", "return -(m.closing + (m.closing if again else -m.disc.sqrt() if m.hollow else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that")],
+        [("(m.closing if again else m.disc.sqrt())", "(m.closing if again else -m.disc.sqrt() if m.hollow else m.disc.sqrt())")],
         [("full.div(full.neg(full.add(laws.closing(), root)), laws.speed())", "full.div(full.neg(c.hollow ? full.sub(laws.closing(), root) : full.add(laws.closing(), root)), laws.speed())")],
     ),
     "half the chord after a bounce": (
-        [("return -(m.closing + (m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that", "return -(m.closing + (m.closing - m.closing if again else m.disc.sqrt())) / m.speed\n    def there(m, again):  # whether that")],
+        [("(m.closing if again else m.disc.sqrt())", "(m.closing - m.closing if again else m.disc.sqrt())")],
         [("full.neg(full.twice(laws.closing())), laws.speed())", "full.neg(laws.closing()), laws.speed())")],
     ),
     "no room taken by the disc within": (

@@ -163,7 +163,7 @@ def short_to_long() -> Told:
 
 Changes = tuple[str, str] | list[tuple[str, str]]
 CANNOT_TURN = (
-    'refuse({"reverse_at", "reverse_after"} & scene.keys() and (drift or loss != ONE or stands),',
+    "refuse(turns and (drift or loss != ONE or stands),",
     "if (turned && (!elastic || drift)) malformed(",
 )
 WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
