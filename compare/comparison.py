@@ -444,8 +444,8 @@ def explained(
         new = f"with a wall of kind {scene.other_walls[0].kind!r}"
     if scene.settle and engine.step is not None:
         new = "in which walls carry what settles, of engines of steps"
-    told = f"causes are not looked for yet in scenes {new}" if new else _taken_by_one(study, candidate, engine)
-    if told and unsettled and not candidate.unable:
+    told = f"causes are not looked for yet in scenes {new}"
+    if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 
         unknown = CauseName["UNKNOWN"]
@@ -460,29 +460,6 @@ def explained(
             found = diagnosis_of_stop(Stopped(study, candidate, engine, progress, bits))
             return replace(candidate, diagnosis=found)
     return candidate
-
-
-def _taken_by_one(study: Study, candidate: Candidate, engine: Engine) -> str:
-    """Which circle of the first divergence a pocket has taken by then in one of the two runs only; empty for none.
-
-    Where its flights lead after that is nothing that either run has decided.
-    """
-    divergence, audit = candidate.alignment.divergence, candidate.laws
-    if divergence is None or not study.scene.capture or (audit is not None and audit.kept is False):
-        return ""
-    times = divergence.time, divergence.expected_time, divergence.got_time
-    last = max(time for time in times if time is not None)
-    exact, own = (
-        {entry.circle: entry.pocket for entry in run.pocketings if float(entry.time) <= last}
-        for run in (study.reference, candidate.trajectory)
-    )
-    for name in (divergence.body, *divergence.partners):
-        pockets = [(exact.get(name), "the exact run"), (own.get(name), engine.name)]
-        if pockets[0][0] != pockets[1][0]:
-            found = " and ".join(f"pocket {pocket} in {run}" for pocket, run in pockets if pocket is not None)
-            only = "" if " and " in found else " only"
-            return f"{name} entered {found}{only}; causes of entries are not looked for yet"
-    return ""
 
 
 def _in_part(candidate: Candidate) -> bool:

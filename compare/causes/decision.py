@@ -1,4 +1,4 @@
-"""The decision at which two histories part: which meeting comes first, or whether two meet; and how a run has it."""
+"""The number that decides at a divergence: which meeting comes first, or whether two meet; and how a run has it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ from ...exact.replay.parts import NearestPart, PartsNear
 from ...exact.replay.round_falls import RoundFall, told_falling_zero
 from ...exact.replay.wall_flights import fall_of
 from ...floating.knots import DoubleMotion, SteppedFall
-from ...scenarios.numbers.quantity import Quantity, real
+from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.surfaces import ThingParts, parts_of
-from ..alignment.instants import Kind, instants
 from ..tangent.flight_aside import middle as _middle
 from ..tangent.flight_aside import out_of, stretches
 from .free_flights import (
@@ -47,9 +46,7 @@ from .free_flights import (
 from .given_scene import RoundedState, nearest
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import Contact, State, Trajectory
-    from ..alignment.align import Alignment
-    from ..alignment.instants import Divergence
+    from ...scenarios.trajectory import State, Trajectory
     from ..alignment.walk import Walk
 
 
@@ -65,7 +62,7 @@ class Pairing:
     """A body and a partner, each as its last meeting before the decision left it.
 
     Attributes:
-        body, partner: ids; the partner may be a wall or a fixed circle.
+        body, partner: ids; the partner may be a wall, a fixed circle, or a pocket, whose rim the centre comes to.
         anchors: for each movable one of the two, the reference's event that is its last before; None: the start.
     """
 
@@ -110,113 +107,6 @@ def answer(decision: DecidingNumber, value: arb | None) -> int | None:
     return sign
 
 
-def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[DecidingNumber]:
-    """What may have been decided otherwise at the first divergence, likeliest first.
-
-    Of the meeting that one run has and the one that the other has instead, the earlier: whatever comes after it, its
-    being there or not has changed the history.
-    """
-    divergence = alignment.divergence
-    assert divergence is not None
-    walks, body = alignment.walks, divergence.body
-    if divergence.kind is Kind.TIE:
-        return _of_tie(reference, candidate, alignment, divergence)
-    expected = got = None
-    if divergence.expected is not None:
-        expected = _pairing(reference, walks, body, divergence.expected, divergence.expected_event, None)
-    if divergence.got is not None and divergence.candidate_event is not None:
-        got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
-    hits = [(divergence.got_time or 0.0, got), (divergence.expected_time or 0.0, expected)]
-    found: list[DecidingNumber] = []
-    for (_, pairing), (instead, rival) in sorted(zip(hits, hits[::-1], strict=True), key=lambda both: both[0][0]):
-        if pairing is not None:
-            found.append(DecidingNumber("hit", pairing, None, rival, instead))
-    if expected is not None and got is not None:
-        found.append(DecidingNumber("order", expected, got))
-    return found
-
-
-def _pairing(
-    reference: Trajectory, walks: Mapping[str, Walk], body: str, partner: str, event: int | None, theirs: int | None
-) -> Pairing | None:
-    """Both as their last matched meetings before an event of either run left them."""
-    anchors: dict[str, int | None] = {}
-    for name in (body, partner):
-        if name not in walks:
-            continue
-        pairs = walks[name].pairs
-        if event is not None and name != body:
-            before = [m for m in _own_events(reference, name) if m < event]
-            anchors[name] = before[-1] if before else None
-            continue
-        known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
-        if name == body:
-            known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
-        elif theirs is not None and _parted_before(walks[name], theirs):
-            return None
-        anchors[name] = max(known, default=None)
-    return Pairing(body, partner, anchors)
-
-
-def _parted_before(walked: Walk, theirs: int) -> bool:
-    return walked.mismatch is not None and walked.mismatch.theirs is not None and walked.mismatch.theirs < theirs
-
-
-def _own_events(reference: Trajectory, name: str) -> list[int]:
-    return [e.index for e in reference.events if any(name in pair for pair in e.impulses)]
-
-
-def _of_tie(
-    reference: Trajectory, candidate: Trajectory, alignment: Alignment, divergence: Divergence
-) -> list[DecidingNumber]:
-    """The order of the first two partners that the body meets at the instant, or in the instants taken as one.
-
-    Where it meets but one of them, the first two of several instants taken as one, of which one leads to the other.
-    """
-    told = divergence.expected or ""
-    if " then " not in told:
-        following = _next_of_group(reference, alignment, divergence)
-        if following is not None:
-            return [following]
-        told = divergence.got or ""
-    names = list(dict.fromkeys(told.replace(" + ", " then ").split(" then ")))
-    pairings = [
-        _pairing(reference, alignment.walks, divergence.body, name, divergence.expected_event, None)
-        for name in names[:2]
-    ]
-    if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
-        return []
-    return [DecidingNumber("order", pairings[0], pairings[1])]
-
-
-def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> DecidingNumber | None:
-    """The order of the first of several instants taken as one and of the one after it, to which it leads."""
-    group = next((g for g in instants(alignment.walks) if divergence.expected_event in g.mine), None)
-    if group is None or len(group.mine) < 2:
-        return None
-    first = reference.events[group.mine[0]]
-    met = {name for pair in first.impulses for name in pair if name in alignment.walks}
-    for event in group.mine[1:]:
-        pair = next((p for p in reference.events[event].impulses if met & {*p}), None)
-        if pair is not None:
-            earlier = next(p for p in first.impulses if {*p} & {*pair})
-            return DecidingNumber(
-                "order",
-                _at_event(reference, alignment, earlier, first.index),
-                _at_event(reference, alignment, pair, event),
-            )
-    return None
-
-
-def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event: int) -> Pairing:
-    """A contact of an event of the reference, each of the two as its last event before left it."""
-    anchors: dict[str, int | None] = {}
-    for name in pair:
-        if name in alignment.walks:
-            anchors[name] = max((m for m in _own_events(reference, name) if m < event), default=None)
-    return Pairing(pair.first, pair.second, anchors)
-
-
 # -- how one run has it
 
 
@@ -248,6 +138,7 @@ class RunReader:
         self.places = {str(name): k if k < count else k + more for k, name in enumerate(run.scene.ids)}
         self._parts = {str(run.scene.ids[place]): (place, parts) for place, parts in parts_of(run.scene).items()}
         self._walls = {str(wall.id) for wall in run.scene.walls}
+        self.pockets = {str(pocket.id): k for k, pocket in enumerate(run.scene.pockets)}
         self._rounds_to = rounds_to
         self.turned_after, self._until = turned_after, until
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
@@ -336,14 +227,16 @@ class RunReader:
         return self._numbers[key]
 
     def _relative(self, pairing: Pairing, bits: int, end: int | None = None) -> Relative | None:
-        """t, d, v and R of two circles at the later of their flights' times; or of a circle and an end."""
-        if end is not None:
+        """t, d, v and R of two circles at the later of their flights' times; or of a circle and an end, or a pocket."""
+        pocket = self.pockets.get(pairing.partner)
+        if end is not None or pocket is not None:
             flight = self.numbers(pairing, pairing.body, bits)
             if flight is None:
                 return None
-            (t, x, y, vx, vy), bodies = flight, self.things(bits).bodies
-            there = bodies[end].flight
-            return t, there.x - x, there.y - y, -vx, -vy, bodies[self.places[pairing.body]].r + bodies[end].r
+            (t, x, y, vx, vy), things = flight, self.things(bits)
+            other = things.bodies[end] if end is not None else things.pockets[pocket or 0]
+            there, reach = other.flight, things.reach(things.bodies[self.places[pairing.body]], other)
+            return t, there.x - x, there.y - y, -vx, -vy, reach
         one, other = self.numbers(pairing, pairing.body, bits), self.numbers(pairing, pairing.partner, bits)
         if one is None or other is None:
             return None
@@ -620,6 +513,14 @@ class RunReader:
             apart = apart_at(own, resting(there))
             return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), circle.r + there.r)
         names = pairing.body, pairing.partner
+        if pairing.partner in self.pockets:
+            hole = self.run.scene.pockets[self.pockets[pairing.partner]]
+            own = self.flight(pairing.body, pairing.anchors[pairing.body], turned=self._turned(pairing))
+            flight = exact_flight(own, gravity)
+            if flight is None or self._rounds_to is not None:
+                return False
+            apart = apart_at(flight, (ZERO, hole.x, hole.y, ZERO, ZERO))
+            return is_zero(formula, *(apart[:2] if formula is pair_gap else apart), hole.r)
         flights = [self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names]
         exact = [own for own in (exact_flight(flight, gravity) for flight in flights) if own is not None]
         if len(exact) < 2:
@@ -645,8 +546,10 @@ def decides_by_speed(reader: RunReader, pairing: Pairing) -> bool:
 
 
 def _is_on_peg(reader: RunReader, pairing: Pairing) -> bool:
-    """Whether one of the two falls and the other is a circle that stands."""
+    """Whether one of the two falls and the other is a circle that stands, or a pocket."""
     pegs, places = reader.scene.pegs, reader.places
+    if pairing.partner in reader.pockets:
+        return reader.scene.gravity is not None
     return bool(pegs) and (places[pairing.body] in pegs) is not (places[pairing.partner] in pegs)
 
 
@@ -655,13 +558,14 @@ def _fall_of(reader: RunReader, pairing: Pairing, bits: int) -> tuple[arb, Round
 
     Of a pairing of which `_is_on_peg` holds.
     """
-    names = (pairing.body, pairing.partner)
-    faller, peg = names if reader.places[names[1]] in reader.scene.pegs else names[::-1]
+    names, pocket = (pairing.body, pairing.partner), reader.pockets.get(pairing.partner)
+    faller, peg = names if pocket is not None or reader.places[names[1]] in reader.scene.pegs else names[::-1]
     row = reader.numbers(pairing, faller, bits)
     if row is None:
         return None
     things = reader.things(bits)
-    return row[0], fall_onto(things, reader.places[faller], row, things.bodies[reader.places[peg]])
+    stands = things.bodies[reader.places[peg]] if pocket is None else things.pockets[pocket]
+    return row[0], fall_onto(things, reader.places[faller], row, stands)
 
 
 def _thing_fall(reader: RunReader, pairing: Pairing, bits: int) -> ThingFall | None:

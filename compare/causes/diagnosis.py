@@ -189,6 +189,7 @@ class Margin:
             earlier of the two events.
         growth: bits an event by which a small error grows along the exact run up to there; None if not known.
         cut: whether the user's seconds were over before all of this was measured.
+        entry: the circle and the pocket, where it is whether, or when, the one's centre comes to the other's rim.
     """
 
     gap: Bounds | None = None
@@ -198,6 +199,7 @@ class Margin:
     error: float | None = None
     growth: float | None = None
     cut: bool = False
+    entry: tuple[str, str] | None = None
 
     @property
     def ratio(self) -> float | None:

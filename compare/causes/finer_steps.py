@@ -12,8 +12,8 @@ from ..alignment.walk import REPEATED
 from ..audit.passages import passes_between
 from ..foreign.guard import finer_of, firmer_of
 from ..study import finer_by, series_steps
-from .decision import decisions
 from .diagnosis import CauseName, Experiment
+from .laboratory import decisions
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

@@ -151,7 +151,7 @@ def fall_onto(state: ReplayState[arb], k: int, row: Row, peg: Body[arb]) -> Roun
     assert state.falling is not None
     (_, x, y, vx, vy), (hx, hy, _) = risen(state.falling, row), state.falling
     px, py, *_ = peg.flight
-    return RoundFall(px - x, py - y, -vx, -vy, hx, hy, state.bodies[k].r + peg.r)
+    return RoundFall(px - x, py - y, -vx, -vy, hx, hy, state.reach(state.bodies[k], peg))
 
 
 def _real_zeros(c: Sequence[arb]) -> list[float]:

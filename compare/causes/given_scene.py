@@ -17,7 +17,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import SegmentFace, sides_of
-from ...scenarios.things import Arc, Circle, Polygon, Segment
+from ...scenarios.things import Arc, Circle, Pocket, Polygon, Segment
 from ..alignment.instants import DOUBLE_BITS
 from .free_flights import round_wait, row_of
 
@@ -103,7 +103,8 @@ def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
         )
         for a in scene.arcs
     ]  # fmt: skip
-    others: dict[str, Any] = {"segments": segments, "polygons": polygons, "arcs": arcs}
+    pockets = [Pocket(*(nearest(value, bits) for value in (p.x, p.y, p.r)), id=p.id) for p in scene.pockets]
+    others: dict[str, Any] = {"segments": segments, "polygons": polygons, "arcs": arcs, "pockets": pockets}
     if scene.gravity is not None:
         others["gravity"] = tuple(nearest(part, bits) for part in scene.gravity)
     if not scene.elastic:
@@ -141,9 +142,9 @@ class RoundedState(ReplayState[arb]):
             body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
             if isinstance(circle.m, Quantity):
                 body.w = 1 / self._near(circle.m)
-        for side, body in zip(scene.arc_sides, self.arcs, strict=True):
-            body.r = self._near(side.r)
-            body.flight = self._still_at(self._near(side.x), self._near(side.y))
+        for thing, body in zip((*scene.arc_sides, *scene.pockets), (*self.arcs, *self.pockets), strict=True):
+            body.r = self._near(thing.r)
+            body.flight = self._still_at(self._near(thing.x), self._near(thing.y))
         if scene.gravity is not None:
             hx, hy = (self._near(part) / 2 for part in scene.gravity)
             self.falling = Gravity(hx, hy, self.bends)
@@ -216,7 +217,7 @@ class RoundedState(ReplayState[arb]):
             x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
             body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
             body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
-        for mine, one, two in zip(made.arcs, self.arcs, other.arcs, strict=True):
+        for mine, one, two in zip(*((*state.arcs, *state.pockets) for state in (made, self, other)), strict=True):
             x, y = (a + share * (b - a) for a, b in zip(one.flight[:2], two.flight[:2], strict=True))
             mine.flight = self._still_at(x, y)
             mine.r = one.r + share * (two.r - one.r)

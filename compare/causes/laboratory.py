@@ -3,33 +3,214 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span
-from ..alignment.instants import DOUBLE_BITS, Kind
+from ..alignment.instants import DOUBLE_BITS, Kind, instants
 from ..audit.residuals import allowances
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
-from .decision import DecidingNumber, Pairing, RunReader, answer, decides_by_speed, decisions
+from .decision import DecidingNumber, Pairing, RunReader, answer, decides_by_speed
 from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed
 from .given_scene import rounded
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ...scenarios.trajectory import Contact, OnProgress, Trajectory
+    from ..alignment.align import Alignment
+    from ..alignment.instants import Divergence
+    from ..alignment.walk import Walk
     from ..candidate import Candidate
     from ..study import Study
     from .budget import Account
     from .diagnosis import Diagnosis
+
+
+# -- what was decided
+
+
+def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[DecidingNumber]:
+    """What may have been decided otherwise at the first divergence, likeliest first.
+
+    Of the meeting that one run has and the one that the other has instead, the earlier: whatever comes after it, its
+    being there or not has changed the history.
+    """
+    divergence = alignment.divergence
+    assert divergence is not None
+    if divergence.kind is Kind.TIE:
+        return _of_tie(reference, candidate, alignment, divergence)
+    if taken := takings(reference, candidate, alignment):
+        return [decision for one in taken for decision in one.decisions()]
+    mine, theirs = _met_in_one(reference, alignment, divergence)
+    return _of_two((mine, divergence.expected_time or 0.0), (theirs, divergence.got_time or 0.0))
+
+
+def _met_in_one(
+    reference: Trajectory, alignment: Alignment, divergence: Divergence
+) -> tuple[Pairing | None, Pairing | None]:
+    """The meeting that the reference has at a divergence, and the one that the other run has."""
+    walks, body = alignment.walks, divergence.body
+    expected = got = None
+    if divergence.expected is not None:
+        expected = _pairing(reference, walks, body, divergence.expected, divergence.expected_event, None)
+    if divergence.got is not None and divergence.candidate_event is not None:
+        got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
+    return expected, got
+
+
+class Taking(NamedTuple):
+    """A pocket takes a circle in one run that has a meeting, from the same flight on, in the other.
+
+    Attributes:
+        entry, meeting: what the one run has, and what the other.
+        entered, met: when.
+        of_reference: whether it is the reference that takes it.
+    """
+
+    entry: Pairing
+    meeting: Pairing
+    entered: float
+    met: float
+    of_reference: bool
+
+    def decisions(self) -> list[DecidingNumber]:
+        """As `decisions`."""
+        mine, theirs = (self.entry, self.entered), (self.meeting, self.met)
+        return _of_two(*((mine, theirs) if self.of_reference else (theirs, mine)))
+
+
+def takings(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[Taking]:
+    """The entries that one run has in place of what the other has at the first divergence, the earliest first."""
+    divergence, found = alignment.divergence, list[Taking]()
+    if divergence is None or divergence.kind is Kind.TIE or not reference.scene.capture:
+        return found
+    expected, got = _met_in_one(reference, alignment, divergence)
+    times = divergence.expected_time or 0.0, divergence.got_time or 0.0
+    for meeting, (met, other), run in ((expected, times, candidate), (got, times[::-1], reference)):
+        if meeting is None:
+            continue
+        for name, anchor in meeting.anchors.items():
+            pairs, of_reference = alignment.walks[name].pairs, run is reference
+            theirs = max((c for m, c in pairs if m == anchor), default=None)
+            after = anchor if of_reference else theirs
+            entry = next((entry for entry in run.pocketings if entry.circle == name), None)
+            if entry is None or (after is None) is not (anchor is None) or _has_more(run, name, after):
+                continue
+            time, meets = float(entry.time), expected if of_reference else got
+            if meets is None or time <= other:  # else what the body meets before has been decided
+                entered = Pairing(name, entry.pocket, {name: anchor})
+                found.append(Taking(entered, meeting, time, met, of_reference))
+    return sorted(found, key=lambda one: min(one.entered, one.met))
+
+
+def _has_more(run: Trajectory, name: str, after: int | None) -> bool:
+    """Whether a circle meets anything after an event; None: the start."""
+    return any(e > (-1 if after is None else after) for e in _own_events(run, name))
+
+
+def _of_two(mine: tuple[Pairing | None, float], theirs: tuple[Pairing | None, float]) -> list[DecidingNumber]:
+    """What may have been decided where the reference has one meeting and the other run another, if any."""
+    (expected, _), (got, _), hits = mine, theirs, (theirs, mine)
+    found: list[DecidingNumber] = []
+    for (pairing, _), (rival, instead) in sorted(zip(hits, hits[::-1], strict=True), key=lambda both: both[0][1]):
+        if pairing is not None:
+            found.append(DecidingNumber("hit", pairing, None, rival, instead))
+    if expected is not None and got is not None:
+        found.append(DecidingNumber("order", expected, got))
+    return found
+
+
+def _pairing(
+    reference: Trajectory, walks: Mapping[str, Walk], body: str, partner: str, event: int | None, theirs: int | None
+) -> Pairing | None:
+    """Both as their last matched meetings before an event of either run left them."""
+    anchors: dict[str, int | None] = {}
+    for name in (body, partner):
+        if name not in walks:
+            continue
+        pairs = walks[name].pairs
+        if event is not None and name != body:
+            before = [m for m in _own_events(reference, name) if m < event]
+            anchors[name] = before[-1] if before else None
+            continue
+        known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
+        if name == body:
+            known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
+        elif theirs is not None and _parted_before(walks[name], theirs):
+            return None
+        anchors[name] = max(known, default=None)
+    return Pairing(body, partner, anchors)
+
+
+def _parted_before(walked: Walk, theirs: int) -> bool:
+    return walked.mismatch is not None and walked.mismatch.theirs is not None and walked.mismatch.theirs < theirs
+
+
+def _own_events(run: Trajectory, name: str) -> list[int]:
+    return [e.index for e in run.events if any(name in pair for pair in e.impulses)]
+
+
+def _of_tie(
+    reference: Trajectory, candidate: Trajectory, alignment: Alignment, divergence: Divergence
+) -> list[DecidingNumber]:
+    """The order of the first two partners that the body meets at the instant, or in the instants taken as one.
+
+    Where it meets but one of them, the first two of several instants taken as one, of which one leads to the other.
+    """
+    told = divergence.expected or ""
+    if " then " not in told:
+        following = _next_of_group(reference, alignment, divergence)
+        if following is not None:
+            return [following]
+        told = divergence.got or ""
+    names = list(dict.fromkeys(told.replace(" + ", " then ").split(" then ")))
+    pairings = [
+        _pairing(reference, alignment.walks, divergence.body, name, divergence.expected_event, None)
+        for name in names[:2]
+    ]
+    if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
+        return []
+    return [DecidingNumber("order", pairings[0], pairings[1])]
+
+
+def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> DecidingNumber | None:
+    """The order of the first of several instants taken as one and of the one after it, to which it leads."""
+    group = next((g for g in instants(alignment.walks) if divergence.expected_event in g.mine), None)
+    if group is None or len(group.mine) < 2:
+        return None
+    first = reference.events[group.mine[0]]
+    met = {name for pair in first.impulses for name in pair if name in alignment.walks}
+    for event in group.mine[1:]:
+        pair = next((p for p in reference.events[event].impulses if met & {*p}), None)
+        if pair is not None:
+            earlier = next(p for p in first.impulses if {*p} & {*pair})
+            return DecidingNumber(
+                "order",
+                _at_event(reference, alignment, earlier, first.index),
+                _at_event(reference, alignment, pair, event),
+            )
+    return None
+
+
+def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event: int) -> Pairing:
+    """A contact of an event of the reference, each of the two as its last event before left it."""
+    anchors: dict[str, int | None] = {}
+    for name in pair:
+        if name in alignment.walks:
+            anchors[name] = max((m for m in _own_events(reference, name) if m < event), default=None)
+    return Pairing(pair.first, pair.second, anchors)
+
+
+# -- what experiments need
 
 
 Answer = TypeVar("Answer")
@@ -44,6 +225,7 @@ class Laboratory:
         decision: what was decided; None where no contact could be named.
         truth, own: the reference and the candidate at it.
         margin, got: the number that decides, in each.
+        taken: the entries into pockets that one of the two runs alone has in place of a meeting.
         first_time, last_time: when the first and the last of the meetings in question come, in either run.
         account: what the displacement is made of, once it is known.
         displacement: it, with what the decision itself is rounded by.
@@ -62,6 +244,8 @@ class Laboratory:
         turned = self.reference.reversal
         self._rounds_to = self.bits if judged.rounds_input else None
         times = [t for t in (divergence.time, divergence.expected_time, divergence.got_time) if t is not None]
+        self.taken = takings(self.reference, candidate.trajectory, candidate.alignment)
+        times += [time for one in self.taken for time in (one.entered, one.met)]
         self.first_time, self.last_time = min(times), max(times)
         self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
         self.truth = RunReader(self.reference, turned_after=self.turned)
@@ -275,7 +459,9 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
         gap = distance = (0.0, 0.0)
     error = lab.tried(lambda: _error(lab), None)
     growth = lab.tried(lambda: error_growth(lab.reference, divergence.expected_event), None)
-    return Margin(gap, distance, speed, ulps, error, growth, cut=lab.study.watch.over)
+    entry = next((p for p in lab.pairings if any(p == one.entry for one in lab.taken)), None)
+    named = None if entry is None else (entry.body, entry.partner)
+    return Margin(gap, distance, speed, ulps, error, growth, lab.study.watch.over, named)
 
 
 def _second_gap(lab: Laboratory) -> Bounds | None:
@@ -295,7 +481,8 @@ def _second_gap(lab: Laboratory) -> Bounds | None:
 
 def _error(lab: Laboratory) -> float | None:
     """The engine's position error at the earlier of the two events, over the circles in question."""
-    run, reference, time = lab.candidate.trajectory, lab.reference, lab.divergence.time
+    run, reference = lab.candidate.trajectory, lab.reference
+    time = lab.first_time if lab.taken else lab.divergence.time  # what a pocket has taken does not fly on
     last = min(float(run.final_time), float(reference.final_time), time)
     if not last > 0:
         return 0.0 if lab.divergence.time == 0 else None

@@ -26,11 +26,12 @@ from .sentences import (
     all_of,
     counted,
     ending_phrase,
+    entry_words,
     growth_phrase,
     head_phrase,
     headline,
+    hit_words,
     listed,
-    middle,
     off,
     tied,
     until_phrase,
@@ -287,13 +288,11 @@ def _margin_words(candidate: Candidate) -> str:
     margin, name = candidate.margin, candidate.engine
     if margin is None or margin.error is None:
         return ""
-    error = f"{name} was {off(margin.error)} off by then"
-    if not margin.error:
-        error = f"{name}'s places were off by {off(0.0)}"
+    error = f"{name} was {off(margin.error)} off by then" if margin.error else f"{name}'s places were off by {off(0.0)}"
+    if margin.gap == (0.0, 0.0):
+        return f"The two fall on exactly one instant; {error}."
     if margin.gap is not None:
-        if margin.gap == (0.0, 0.0):
-            return f"The two fall on exactly one instant; {error}."
-        return f"The two are {about(margin.gap)} apart in time; {error}."
+        return f"{'Contact and entry' if margin.entry else 'The two'} are {about(margin.gap)} apart in time; {error}."
     if margin.speed is not None:
         return f"The exact run {wall_words(margin.speed)}; {error}."
     if margin.distance is None:
@@ -302,8 +301,9 @@ def _margin_words(candidate: Candidate) -> str:
         return f"The exact run touches without depth; {error}."
     if margin.distance[0] <= 0 <= margin.distance[1]:
         return f"The exact run passes within {about(margin.distance)} of a touch; {error}."
-    kind = "hits with penetration depth" if middle(margin.distance) < 0 else "misses by"
-    return f"The exact run {kind} {about(margin.distance)}; {error}."
+    if margin.entry:
+        return f"In the exact run {entry_words(margin.entry, margin.distance)}; {error}."
+    return f"The exact run {hit_words(margin.distance)}; {error}."
 
 
 def _growth_words(candidate: Candidate) -> str:

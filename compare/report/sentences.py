@@ -269,6 +269,26 @@ def until_phrase(candidate: Candidate) -> str | None:
     return f"up to t = {candidate.until:.9g}, where its {'record' if recorded else 'run'} ends"
 
 
+def entry_words(entry: tuple[str, str], distance: tuple[float, float]) -> str:
+    """How far the centre of a circle passes the rim of a pocket, and on which side.
+
+    >>> entry_words(("b1", "hole"), (-0.5, -0.5))
+    'the centre of b1 passes 0.5 inside the rim of hole'
+    """
+    circle, pocket = entry
+    side = "inside" if middle(distance) < 0 else "outside"
+    return f"the centre of {circle} passes {about(distance)} {side} the rim of {pocket}"
+
+
+def hit_words(distance: tuple[float, float]) -> str:
+    """How deep two hit each other, or by how much they miss.
+
+    >>> hit_words((-0.5, -0.5)), hit_words((2.0, 2.0))
+    ('hits with penetration depth 0.5', 'misses by 2')
+    """
+    return f"{'hits with penetration depth' if middle(distance) < 0 else 'misses by'} {about(distance)}"
+
+
 def margin_phrase(candidate: Candidate) -> str | None:
     """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin
@@ -291,7 +311,10 @@ def margin_phrase(candidate: Candidate) -> str | None:
             parts.append(f"in the exact motion it is {about(margin.distance)} from a touch")
         else:
             kind = "the penetration depth is" if away < 0 else "the gap is"
-            parts.append(f"in the exact motion {kind} {about(margin.distance)}")
+            passes = f"{kind} {about(margin.distance)}"
+            if margin.entry is not None:
+                passes = entry_words(margin.entry, margin.distance)
+            parts.append(f"in the exact motion {passes}")
     elif margin.speed is not None:
         parts.append(f"the exact motion {wall_words(margin.speed)}")
     if margin.error is not None:

@@ -13,7 +13,8 @@ from ...exact.replay.contact import Touch
 from ...exact.simulation.policies import Ask, pushing_contacts
 from ..alignment.align import UNKNOWING, Span, align
 from ..alignment.instants import Kind
-from ..causes.decision import RunReader, decisions
+from ..causes.decision import RunReader
+from ..causes.laboratory import decisions
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..orders.guided import Guided

@@ -1,10 +1,10 @@
-"""Scenes under gravity that are drawn from a seed: in boxes, among pegs and edges, and with what comes to rest."""
+"""Scenes drawn from a seed, most under gravity: in boxes, among pegs and edges, with what rests, and with pockets."""
 
 from __future__ import annotations
 
 from random import Random
 
-from truebreak.scenarios import Arc, Circle, Polygon, Scene, Segment, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Scene, Segment, Wall
 
 
 def fallen(seed: int) -> Scene:
@@ -68,6 +68,23 @@ def edged(seed: int) -> Scene:
         gravity=draw.choice(((0, -1), (0, "-1/3"), ("1/7", -3))), restitution=draw.choice((1, "9/10", "3/4")),
         name=f"edged {seed}",
     )  # fmt: skip
+
+
+def pocketed(seed: int) -> Scene:
+    """Four discs in a box, with gravity or without, and two pockets near its floor that take them out of play."""
+    draw = Random(f"pocketed {seed}")
+    discs = [
+        Circle(
+            f"{2 + 5 * k}", f"{draw.randint(12, 18)}", f"{draw.randint(10, 90)}/200",
+            f"{draw.randint(-9, 9)}/3", f"{draw.randint(-9, 9)}/4", m=draw.randint(1, 3),
+        )
+        for k in range(4)
+    ]  # fmt: skip
+    pockets = [Pocket(draw.randint(3, 17), draw.randint(1, 8), f"{draw.randint(20, 60)}/40") for _ in range(2)]
+    walls = [Wall(0, 0, 20, 0), Wall(0, 0, 0, 20), Wall(20, 0, 20, 20), Wall(0, 20, 20, 20)]
+    pull = draw.choice((None, None, (0, -2)))
+    e = 1 if pull is None else draw.choice((1, 1, "9/10"))
+    return Scene(discs, walls, pockets=pockets, capture=True, gravity=pull, restitution=e, name=f"pocketed {seed}")
 
 
 def settled(seed: int) -> Scene:

@@ -320,7 +320,8 @@ class Steps(RecordedEngine):
     """An engine of steps of its own: all fly, then whatever overlaps and comes nearer is pushed.
 
     With a number of iterations, each brings half of what is left of an impulse. It may push those that it has hit
-    apart, by a share of their overlap or by a length, and round places and speeds after each step.
+    apart, by a share of their overlap or by a length, and round places and speeds after each step. What has come into a
+    pocket that captures is pushed no more.
     """
 
     step: float = 1 / 64
@@ -331,7 +332,7 @@ class Steps(RecordedEngine):
     rounds: bool = False
     name = "steps"
     step_microseconds = 20.0  # what a step costs here: series of finer steps go as far as that allows
-    scene_keys = frozenset({"wall"})
+    scene_keys = frozenset({"wall", "pocket", "capture"})
 
     def firmer(self) -> Any:
         """Twice the iterations."""
@@ -348,7 +349,8 @@ class Steps(RecordedEngine):
             length = math.hypot(x1 - x0, y1 - y0)
             nx, ny = (y0 - y1) / length, (x1 - x0) / length
             walls.append([(x0, y0, *((nx, ny) if nx * (x - x0) + ny * (y - y0) > 0 else (-nx, -ny))) for x, y in p])
-        count, done = len(p), 0
+        pockets = [tuple(map(float, (q.x, q.y, q.r))) for q in scene.pockets if scene.capture]
+        count, done, gone = len(p), 0, set[int]()
         part = 1.0 if self.iterations is None else 1 - 0.5**self.iterations
         while recording.open:
             if done == MOST:
@@ -359,8 +361,10 @@ class Steps(RecordedEngine):
             for i in range(count):
                 p[i][0] += self.step * v[i][0]
                 p[i][1] += self.step * v[i][1]
-            for i in range(count):
-                for j in range(i + 1, count):
+            gone |= {i for i in range(count) for x, y, q in pockets if math.hypot(p[i][0] - x, p[i][1] - y) < q}
+            there = [i for i in range(count) if i not in gone]
+            for place, i in enumerate(there):
+                for j in there[place + 1 :]:
                     dx, dy = p[j][0] - p[i][0], p[j][1] - p[i][1]
                     near = dx * (v[j][0] - v[i][0]) + dy * (v[j][1] - v[i][1])
                     if dx * dx + dy * dy < (r[i] + r[j]) ** 2 and near < 0:

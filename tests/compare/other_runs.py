@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -178,11 +178,17 @@ class Runs:
         """What the exact engine does on the scene rounded to the engine's bits."""
         if self.engine.bits is None or not self.engine.rounds_input:
             return PASSES  # there is no rounding of the input
+        return REFUSED if self.given is None else self.does(OnRounded(self.engine.bits))
+
+    @cached_property
+    def given(self) -> Scene | None:
+        """The scene as the engine is given it; None where that is no scene."""
+        if self.engine.bits is None or not self.engine.rounds_input:
+            return self.scene
         try:
-            rounded_scene(self.scene, self.engine.bits)
+            return rounded_scene(self.scene, self.engine.bits)
         except SceneError:
-            return REFUSED
-        return self.does(OnRounded(self.engine.bits))
+            return None
 
     @cached_property
     def finer(self) -> list[tuple[float, str]]:
@@ -474,11 +480,14 @@ def comes_to(far: Outline, row: Sequence[Decimal], gravity: Any, radius: Decimal
     return None, float(high)
 
 
-def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
+def decisions(
+    scene: Scene, run: Trajectory, event: int, at: Divergence, entries: Iterable[tuple[str, str]] = ()
+) -> dict[str, Decimal]:
     """What may decide a divergence, in free flight from how the event before it leaves a run.
 
     The least gap of the body and each circle in question from the last contact of either on, the speed at which it
-    leaves each wall in question, and the time between its two meetings, where it has two.
+    leaves each wall in question, and the time between its two meetings, where it has two. The same of circles and the
+    rims of pockets, where one run alone has an entry.
     """
     rows = rows_after(run, event - 1)
     radii = {str(c.id): decimal(c.r) for c in scene.circles}
@@ -488,7 +497,9 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
     x, y, vx, vy = rows[at.body]
     fixed = {str(c.id) for c in scene.circles if c.fixed}
     outlines = outlines_of(scene) if scene.gravity is not None else {}
+    of: dict[str, Decimal] = {}
     for other in at.partners:
+        count = len(waits)
         if other in outlines:
             last = max((e.index for e in run.events[:event] for pair in e.impulses if at.body in pair), default=-1)
             began = decimal(run.events[last].time) if last >= 0 else Decimal(0)
@@ -553,6 +564,19 @@ def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict
             if square >= 0 and (rise < 0 or pull < 0):
                 root = square.sqrt()
                 waits.append(2 * gap / (root - rise) if rise < 0 else (-rise - root) / pull)
+        of.update({other: waits[-1]} if len(waits) > count else {})
     if len(waits) == 2:
         found["time between"] = waits[1] - waits[0]
+    for name, pocket in entries:
+        hole = next(p for p in scene.pockets if p.id == pocket)
+        last = max((e.index for e in run.events[:event] for pair in e.impulses if name in pair), default=-1)
+        began, now = (decimal(run.events[k].time) if k >= 0 else Decimal(0) for k in (last, event - 1))
+        gx, gy = (Decimal(0), Decimal(0)) if scene.gravity is None else map(decimal, scene.gravity)
+        place = (decimal(hole.x), decimal(hole.y))
+        least, wait = falls_by(rows_after(run, last)[name], place, (gx, gy), decimal(hole.r))
+        found[f"gap of {name} to {pocket}"] = least
+        if wait is not None:
+            found.update(
+                {f"time from {name} in {pocket} to {k}": late - (began + wait - now) for k, late in of.items()}
+            )
     return found

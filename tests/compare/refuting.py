@@ -1,6 +1,6 @@
 """Tries to refute the causes that a comparison names, by other runs; it shares no code with what names them.
 
-    python tests/compare/refuting.py placements racks catalogue survey falls rests [--json FILE]
+    python tests/compare/refuting.py placements racks catalogue survey falls rests pocketings [--json FILE]
 
 A cause is a claim about other runs. "Input rounding suffices" says that the exact engine on the rounded scene lacks,
 or gains, the same contact; "time step" says that a finer step passes the event; "law" that the steps do not keep the
@@ -22,7 +22,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from drawn_falls import edged, fallen, pegged, settled
+from drawn_falls import edged, fallen, pegged, pocketed, settled
 from other_runs import (
     PASSES,
     PAST,
@@ -52,7 +52,7 @@ from truebreak.scenarios import (
 # -- what is said of a divergence, in one vocabulary
 
 INPUT, FLIGHTS, IMPACTS = "input rounding", "arithmetic in flights", "arithmetic in impacts"
-ARITHMETIC = "arithmetic"
+ARITHMETIC, DECISION = "arithmetic", "arithmetic in the decision"
 LATENESS, OVERLAP, POSITIONS, INTEGRATOR = "lateness", "overlap", "position correction", "integrator"
 STEP, TUNNELLING, ITERATIONS = "time step", "tunnelling", "solver iterations"
 LAW, MISSED, PHANTOM, TIE = "collision law", "missed contact", "phantom contact", "tie"
@@ -336,6 +336,30 @@ def met(run: Trajectory) -> dict[str, list[str]]:
     return found
 
 
+def entered_in_one(runs: Runs) -> set[tuple[str, str]]:
+    """Who has entered which pocket by the divergence in one of the two runs alone, with no contact of its own since."""
+    if not runs.scene.capture:
+        return set()
+    last = 2 * max(t for t in (runs.at.time, runs.at.expected_time, runs.at.got_time) if t is not None)
+    reference, names = ExactEngine().run(runs.scene, until=last), {runs.at.body, *runs.at.partners}
+
+    def entered(run: Trajectory) -> set[tuple[str, str]]:
+        told: set[tuple[str, str]] = set()
+        for entry in run.pocketings:
+            since = sum(
+                entry.circle in pair for e in run.events if float(e.time) <= float(entry.time) for pair in e.impulses
+            )
+            if (
+                entry.circle in names
+                and float(entry.time) <= last
+                and since == _met(reference, runs.at.event, entry.circle)
+            ):
+                told.add((entry.circle, entry.pocket))
+        return told
+
+    return entered(reference) ^ entered(runs.candidate.trajectory)
+
+
 def _met(run: Trajectory, upto: int, name: str | None) -> int:
     """How many contacts a circle has before an event."""
     return sum(name in pair for event in run.events[:upto] for pair in event.impulses)
@@ -351,9 +375,11 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         reference = ExactEngine().run(runs.scene, events=max(at.event, 1))
         if len(reference.events) < at.event:
             return
-        exact = decisions(runs.scene, reference, at.event, at)
+        taken = entered_in_one(runs)
+        exact = decisions(runs.scene, reference, at.event, at, taken)
         if at.candidate_event is not None:
-            own = decisions(runs.scene, runs.candidate.trajectory, at.candidate_event, at)
+            given = runs.scene if not taken or runs.given is None else runs.given  # the rims as the engine has them
+            own = decisions(given, runs.candidate.trajectory, at.candidate_event, at, taken)
             walls = {str(wall.id) for wall in runs.scene.walls}  # which are where they were, whoever meets them
             moved = {
                 name
@@ -370,7 +396,9 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             }
             if runs.candidate.margin is not None and runs.candidate.margin.speed is None:
                 both = {key: by for key, by in both.items() if not key.startswith("speed")}  # a number of another kind
-            close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
+            decision = math.fsum(s.contribution or 0.0 for s in said.shares if s.kind == DECISION)
+            moves = said.displacement - (decision if taken else 0.0)  # what the states have
+            close = [key for key, by in both.items() if abs(abs(by) - abs(moves)) <= NEAR * abs(by)]
             left_out = any(f"gap to {name}" in exact and f"gap to {name}" in own for name in moved)
             things = {str(thing.id) for thing in (*runs.scene.segments, *runs.scene.polygons, *runs.scene.arcs)}
             left_out = left_out or any(  # how deep it would come in is not looked at
@@ -393,7 +421,7 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         for share in said.shares:
             if share.kind == INPUT and share.how == "tangent" and share.contribution and runs.engine.rounds_input:
                 moved = ExactEngine().run(rounded_scene(runs.scene, bits, SMALL), events=max(at.event, 1))
-                near = decisions(runs.scene, moved, at.event, at)
+                near = decisions(runs.scene, moved, at.event, at, taken)
                 slopes = {key: float((near[key] - exact[key]) / decimal(SMALL)) for key in told or both if key in near}
                 if slopes and all(abs(abs(by) - abs(share.contribution)) > FIRST * abs(by) for by in slopes.values()):
                     yield Refutation(INPUT, "tangent", f"{share.contribution!r} is said; nearby runs say {slopes}")
@@ -533,6 +561,16 @@ CATALOGUE = (
 BUILT_IN = ("double", "single", "quad", "rounded:bits=24", "rounded:bits=40", "interval", "pymunk", "pymunk:dt=1/1024")
 
 
+def pocketings() -> Iterator[Job]:
+    """Scenes with pockets that take circles out of play, with gravity and without, and the table with jaws."""
+    for seed in range(60):
+        for name in ("double", "single", "rounded:bits=12", "rounded:bits=16"):
+            yield Job(f"pocketed {seed}", pocketed(seed), name, 60)
+    for offset in ("0", "1/7"):
+        for name in ("double", "single", "rounded:bits=16"):
+            yield Job(f"bumper:rows=3,offset={offset}", catalogue.build(f"bumper:rows=3,offset={offset}"), name, 60)
+
+
 def every_scene() -> Iterator[Job]:
     """Every scene of the catalogue in every engine that is built in."""
     listed = {spec.partition(":")[0] for spec in CATALOGUE}
@@ -571,6 +609,7 @@ CAMPAIGNS: dict[str, Callable[[], Iterator[Job]]] = {
     "survey": surveyed,
     "falls": falls,
     "rests": rests,
+    "pocketings": pocketings,
 }
 
 

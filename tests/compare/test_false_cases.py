@@ -397,14 +397,15 @@ def test_a_changed_outcome_never_stands_beside_no_change() -> None:
 
 
 def test_an_entry_of_one_run_alone_is_no_matter_of_the_contact_after_it() -> None:
-    """Rounded to 6 bits a flight that passes a rim by a thousandth goes in: nothing decides about what comes then."""
+    """Rounded to 6 bits a flight that passes a rim by a thousandth goes in: that is decided, not what comes then."""
     ball, wall = Circle(0, "14/61", "1/4", vx=1, id="ball"), Wall(20, 0, 20, 1, id="wall")
     hole = Pocket(10, Quantity.of("14/61") + Quantity.of("1001/1000"), 1, id="hole")
     scene = Scene([ball], [wall], pockets=[hole], capture=True)
     found = compare(scene, [engine("rounded:bits=6")], until=30).candidates[0]
     assert found.verdict == "diverged"
     assert found.diagnosis is not None
-    assert found.diagnosis.name is CauseName.UNKNOWN
-    assert found.diagnosis.finding == (
-        "ball entered pocket hole in rounded only; causes of entries are not looked for yet"
-    )
+    assert found.diagnosis.name is CauseName.INPUT
+    assert found.margin is not None
+    assert found.margin.entry == ("ball", "hole")
+    assert found.margin.distance is not None
+    assert found.margin.distance[0] <= 0.001 <= found.margin.distance[1]
