@@ -86,43 +86,6 @@ class Engine(Protocol):
         ...
 
 
-def refuse_pegs(scene: Scene, who: str, remedy: str) -> None:
-    """Refuses a scene in which a circle stands under gravity, or a segment, polygon, arc or pocket is there.
-
-    Raises:
-        SceneError: naming what does not take it, the circle or the thing with ends, and what to do.
-
-    >>> from truebreak.scenarios import Circle
-    >>> scene = Scene([Circle(0, 9), Circle(0, 0, m="oo", id="peg")], gravity=(0, -1))
-    >>> refuse_pegs(scene, "tangent maps", "leave it out")
-    Traceback (most recent call last):
-      ...
-    truebreak.scenarios.errors.SceneError: circle 'peg' is fixed, under gravity, and tangent maps do not take that; \
-leave it out
-    """
-    for i in scene.pegs:
-        raise SceneError(f"circle {scene.ids[i]!r} is fixed, under gravity, and {who} do not take that; {remedy}")
-    refuse_ends(scene, who, remedy)
-
-
-def refuse_ends(scene: Scene, who: str, remedy: str) -> None:
-    """As `refuse_pegs`, of segments, polygons, arcs and pockets alone.
-
-    Raises:
-        SceneError: naming the thing with ends, or the round one.
-
-    >>> from truebreak.scenarios import Circle
-    >>> refuse_ends(Scene([Circle(0, 9), Circle(0, 0, m="oo")], gravity=(0, -1)), "square roots", "leave it out")
-    """
-    for kind, things in (("segment", scene.segments), ("polygon", scene.polygons)):
-        if things and scene.gravity is not None:
-            told = f"{kind} {things[0].id!r} has ends, which are round, under gravity"
-            raise SceneError(f"{told}, and {who} do not take that; {remedy}")
-    for kind, bows in (("arc", scene.arcs), ("pocket", scene.pockets)):
-        if bows and scene.gravity is not None:
-            raise SceneError(f"{kind} {bows[0].id!r} is round, under gravity, and {who} do not take that; {remedy}")
-
-
 def refuse_settled(scene: Scene, who: str) -> None:
     """Refuses a scene in which what comes to rest goes on so.
 

@@ -42,7 +42,7 @@ from ..laws.derivation import (
     y0,
     y1,
 )
-from .symbolic_sign import SymbolicUndecided, normal, root, sign
+from .symbolic_sign import SymbolicUndecided, above, normal, root, sign
 
 # -- The derived laws as SymPy gave them, evaluated at numbers: nothing rearranged, every filter decided.
 #
@@ -157,11 +157,12 @@ class Bar(Line):
 
     r: Any
 
-    def beside(self, a: Disc, time: Any) -> bool:
-        """Whether the foot of a circle's centre lies strictly between the ends, so much later."""
+    def beside(self, a: Disc, time: Any, g: tuple[Any, Any] = (Integer(0), Integer(0))) -> bool:
+        """Whether the foot of a circle's centre, which falls with g, lies strictly between the ends, so much later."""
         a = self.seen(a)
         ux, uy = self.x1 - self.x0, self.y1 - self.y0
-        foot = normal(ux * (a.x + a.vx * time - self.x0) + uy * (a.y + a.vy * time - self.y0))
+        x, y = (a.vx + g[0] * time / 2) * time, (a.vy + g[1] * time / 2) * time
+        foot = normal(ux * (a.x + x - self.x0) + uy * (a.y + y - self.y0))
         return sign(foot) > 0 and sign(normal(ux**2 + uy**2 - foot)) > 0
 
 
@@ -225,6 +226,9 @@ def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
     >>> fall_times(Disc(I(0), I(3), I(0), I(0), I(1), I(1)), floor, (I(0), I(-4)))
     [1, -1, sqrt(2), -sqrt(2)]
     """
+    if isinstance(b, Bar):
+        line = Line(b.x0, b.y0, b.x1, b.y1, ux=b.ux, uy=b.uy)
+        return [time for time in fall_times(replace(a, r=a.r + b.r), line, g) if b.beside(a, time, g)]
     ux, uy = b.x1 - b.x0, b.y1 - b.y0
     if sign(normal(ux * g[1] - uy * g[0])) == 0:
         return touch_times(a, b)
@@ -238,6 +242,38 @@ def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
         if sign(radicand) >= 0:
             found += [normal((-linear - way * root(radicand)) / (2 * square)) for way in (1, -1)]
     return found
+
+
+def direction(line: Line) -> tuple[Any, Any]:
+    """Along a wall, of length 1."""
+    ux, uy = line.x1 - line.x0, line.y1 - line.y0
+    length = root(normal(ux**2 + uy**2))
+    return normal(ux / length), normal(uy / length)
+
+
+def height(line: Line, disc: Disc) -> Any:
+    """The height of a circle's centre over a wall, below 0 on its other side."""
+    ux, uy = direction(line)
+    return normal(ux * (disc.y - line.y0) - uy * (disc.x - line.x0))
+
+
+def apart(line: Line, disc: Disc) -> Any:
+    """How far a circle's centre is from a wall, from a segment at least, or from the circle of an arc."""
+    if isinstance(line, Bow):
+        return abs(root(normal((disc.x - line.x) ** 2 + (disc.y - line.y) ** 2)) - line.r)
+    return abs(height(line, disc)) - (line.r if isinstance(line, Bar) else 0)
+
+
+def to_ends(line: Line, disc: Disc) -> Any:
+    """How far the foot of a circle's centre is from the nearer end of a segment, along it."""
+    (ux, uy), far = direction(line), root(normal((line.x1 - line.x0) ** 2 + (line.y1 - line.y0) ** 2))
+    foot = normal(ux * (disc.x - line.x0) + uy * (disc.y - line.y0))
+    return foot if sign(normal(2 * foot - far)) < 0 else normal(far - foot)
+
+
+def length(x: Any, y: Any) -> Any:
+    """A fraction at or above the length of a vector."""
+    return above(root(normal(x**2 + y**2)))
 
 
 def approach_sign(a: Disc, b: Disc | Line) -> int:
@@ -327,8 +363,8 @@ class Touching:
         discs: all circles of the scene, with the velocities as the instant comes.
         lines: all walls of the scene.
         pairs: the touching pairs, in scene order.
-        came: for a point and a wall: the circles as they were before the two touched, which alone tell on
-            which side of the wall the point is.
+        came: for a point and a wall: the circles as they were on the flight after which the two touch, which alone
+            tell on which side of the wall the point is.
     """
 
     discs: tuple[Disc, ...]

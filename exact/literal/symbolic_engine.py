@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Integer, Poly, Symbol
 
-from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_ends, refuse_settled
+from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_settled
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
@@ -41,10 +41,15 @@ from .symbolic_contacts import (
     Line,
     Touching,
     UnendingCollision,
+    apart,
     approach_sign,
     collide,
     coupled,
+    direction,
     fall_times,
+    height,
+    length,
+    to_ends,
     touch_times,
 )
 from .symbolic_sign import SymbolicUndecided, above, below, normal, quantity, root, sign, smallest
@@ -172,13 +177,14 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, a scene in which pockets capture circles, or one of segments
-                or polygons under gravity.
+            SceneError: for a limit that is not above zero, or a scene whose pockets capture circles, or have gravity.
         """
-        refuse_ends(scene, "square roots", "a fall onto one is a zero of a quartic: use exact, or leave gravity out")
         refuse_settled(scene, "engine 'sympy'")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
+        if scene.gravity is not None and scene.pockets:
+            told = f"pocket {scene.pockets[0].id!r} is round, under gravity"
+            raise SceneError(f"{told}, and square roots do not take that; use exact, or leave gravity out")
         return _Run(scene, *horizon(scene, until, events), progress).trajectory()
 
 
@@ -404,10 +410,11 @@ class _Run:
         self.plan["moves"] += 1
         self.discs = tuple(_flown(d, duration, self.g) for d in before)
         for pair, hit in self.hits.items():
-            if hit is not None and sign(hit - time) == 0:
+            if hit is not None and before[pair[0]].r == 0 and sign(hit - time) == 0:
                 number = pair[1] - len(self.discs)
                 line = self.lines[number] if number >= 0 else None
-                self.came[pair] = tuple(_beside(disc, line, duration) for disc in before)
+                halfway = (_flown(disc, duration / 2, self.g) for disc in before)  # both ends may be on one wall
+                self.came[pair] = tuple(_beside(disc, line, duration / 2) for disc in halfway)
         self.lines = tuple(line.moved(duration) for line in self.lines)
         self.now = time
         if self.progress is not None:
@@ -521,28 +528,35 @@ def _bow(arc: Arc) -> Bow:
 
 
 def _quartics(run: _Run) -> list[Indices]:
-    """The pairs of circles of which one falls and one is fixed."""
+    """The pairs of a circle that falls and something round: one that is fixed, an end, or an arc."""
     if run.scene.gravity is None:
         return []
-    return [pair for pair in run.pairs if pair[1] < len(run.discs) and any(run.discs[k].m is None for k in pair)]
+    n, discs = len(run.discs), run.discs
+    things = [(pair, isinstance(run.lines[pair[1] - n], Bow) if pair[1] >= n else None) for pair in run.pairs]
+    return [pair for pair, bow in things if (any(discs[k].m is None for k in pair) if bow is None else bow)]
 
 
 def _refuse_quartics(run: _Run, end: Any) -> None:
-    """Sees to it that no circle falls onto one that stands up to a time; None: ever.
+    """Sees to it that no circle falls onto something round up to a time; None: ever.
 
-    The square of their distance, less that of both radii, is a quartic of the time. Where its coefficients are no
-    fractions, fractions a little below them are taken, which make a polynomial below it; that this has no zero up
-    to the time is told by Sturm's theorem.
+    The square of their distance, less that of both radii, is a quartic of the time; within an arc, the other way
+    round, and all of its circle is taken for it. Where its coefficients are no fractions, fractions a little below
+    them are taken, which make a polynomial below it; that this has no zero up to the time is told by Sturm's theorem.
 
     Raises:
         SymbolicUndecided: where one may: when is a zero that square roots do not give.
     """
     gx, gy = run.g
+    n = len(run.discs)
     for pair in run.quartics:
-        i, j = pair if run.discs[pair[0]].m is not None else reversed(pair)
-        a, b = run.discs[i], run.discs[j]
-        x, y = _TIME * (a.vx + gx * _TIME / 2) + a.x - b.x, _TIME * (a.vy + gy * _TIME / 2) + a.y - b.y
-        gap: Any = Poly(x**2 + y**2 - (a.r + b.r) ** 2, _TIME)
+        i, j = pair if pair[1] >= n or run.discs[pair[0]].m is not None else reversed(pair)
+        a, bow = run.discs[i], run.lines[j - n] if j >= n else None
+        b = bow.disc if isinstance(bow, Bow) else run.discs[j]
+        vx, vy = a.vx - b.vx, a.vy - b.vy
+        x, y = _TIME * (vx + gx * _TIME / 2) + a.x - b.x, _TIME * (vy + gy * _TIME / 2) + a.y - b.y
+        within = bow is not None and sign(normal((a.x - b.x) ** 2 + (a.y - b.y) ** 2 - b.r**2)) < 0
+        reach = b.r - a.r if within else a.r + b.r
+        gap: Any = Poly((x**2 + y**2 - reach**2) * (-1 if within else 1), _TIME)
         low: Any = Poly([below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
         last = None if end is None else -below(run.now - end)
         if low.eval(0) <= 0 or low.count_roots(0, last):
@@ -618,19 +632,21 @@ class _Endings:
         movers: list[Any] = [disc for disc in self.run.discs if disc.m is not None]
         if len(movers) > 1 and run.scene.moving_walls:
             return False
-        pull, wait = _length(*run.g), above(wait)
+        pull, wait = length(*run.g), above(wait)
         energy = sum((above(d.m * (d.vx**2 + d.vy**2)) for d in movers), ZERO)
         swing = above(root(energy)) + pull * above(root(above(sum((d.m for d in movers), ZERO)))) * wait
         disc, line = run.discs[i], run.lines[own]
-        pace = _length(disc.vx - line.ux, disc.vy - line.uy) + _length(line.ux, line.uy)
+        pace = length(disc.vx - line.ux, disc.vy - line.uy) + length(line.ux, line.uy)
         way = (pace + pull * wait) * wait
         for j, other in enumerate(run.discs):
             its = ZERO if other.m is None else swing * above(1 / root(other.m)) * wait
             room = above(disc.r + other.r) + way + its
             if j != i and below((disc.x - other.x) ** 2 + (disc.y - other.y) ** 2) <= room**2:
                 return False
-        heights = ((line, abs(_height(line, disc))) for k, line in enumerate(run.lines) if k != own)
-        return all(below(h) > above(disc.r) + way + _length(line.ux, line.uy) * wait for line, h in heights)
+        if isinstance(line, Bar) and below(to_ends(line, disc)) <= way:
+            return False
+        others = ((other, apart(other, disc)) for k, other in enumerate(run.lines) if k != own)
+        return all(below(h) > above(disc.r) + way + length(line.ux, line.uy) * wait for line, h in others)
 
     def _squeezed(self, i: int, k: int) -> Stop | None:
         """Whether a circle that has bounced on a wall surely bounces between two that close until it has no room."""
@@ -648,10 +664,10 @@ class _Endings:
         """Whether, of those between two walls, none can meet another, or a third wall, by when they leave no room."""
         run, walls = self.run, [self.run.lines[wall] for wall in squeeze.walls]
         wait, own = above(squeeze.time.sympy() - run.now), run.discs[squeeze.circle]
-        ux, uy = _direction(walls[0])
-        sides = [sign(_height(line, own)) for line in walls]
+        ux, uy = direction(walls[0])
+        sides = [sign(height(line, own)) for line in walls]
         among = {
-            i: d for i, d in enumerate(run.discs) if d.m is None or [sign(_height(line, d)) for line in walls] == sides
+            i: d for i, d in enumerate(run.discs) if d.m is None or [sign(height(line, d)) for line in walls] == sides
         }
         movers = {i: disc for i, disc in among.items() if disc.m is not None}
         if any(self.closing[i].time < squeeze.time for i in movers):
@@ -661,16 +677,18 @@ class _Endings:
         drift |= {i: (above(abs(normal(ux * d.vx + uy * d.vy))) + fall) * wait for i, d in movers.items()}
         for i, j in combinations(among, 2):
             a, b = among[i], among[j]
-            apart = below(abs(normal(ux * (a.x - b.x) + uy * (a.y - b.y))))
-            if (i in movers or j in movers) and apart <= above(a.r + b.r) + drift[i] + drift[j]:
+            between = below(abs(normal(ux * (a.x - b.x) + uy * (a.y - b.y))))
+            if (i in movers or j in movers) and between <= above(a.r + b.r) + drift[i] + drift[j]:
                 return False
-        room = above(sum((abs(_height(line, own)) for line in walls), ZERO))
+        room = above(sum((abs(height(line, own)) for line in walls), ZERO))
         for number, line in enumerate(run.lines):
-            wx, wy = _direction(line)
-            along, across = above(abs(normal(ux * wy - uy * wx))), above(abs(normal(ux * wx + uy * wy)))
-            moved = room * across + _length(line.ux, line.uy) * wait
+            along = across = Integer(1)  # an arc is met in any direction
+            if not isinstance(line, Bow):
+                wx, wy = direction(line)
+                along, across = above(abs(normal(ux * wy - uy * wx))), above(abs(normal(ux * wx + uy * wy)))
+            moved = room * across + length(line.ux, line.uy) * wait
             if number not in squeeze.walls and any(
-                below(abs(_height(line, d))) <= above(d.r) + drift[i] * along + moved for i, d in movers.items()
+                below(apart(line, d)) <= above(d.r) + drift[i] * along + moved for i, d in movers.items()
             ):
                 return False
         return True
@@ -680,21 +698,3 @@ class _Endings:
         run.ending = squeeze.time.sympy()
         who, (one, other) = run.names[squeeze.circle], (run.names[count + wall] for wall in squeeze.walls)
         return _stop(StopReason.CRUSHED, f"{who} between {one} and {other} at {float(squeeze.time):.12g}")
-
-
-def _direction(line: Line) -> tuple[Any, Any]:
-    """Along a wall, of length 1."""
-    ux, uy = line.x1 - line.x0, line.y1 - line.y0
-    length = root(normal(ux**2 + uy**2))
-    return normal(ux / length), normal(uy / length)
-
-
-def _height(line: Line, disc: Disc) -> Any:
-    """The height of a circle's centre over a wall, below 0 on its other side."""
-    ux, uy = _direction(line)
-    return normal(ux * (disc.y - line.y0) - uy * (disc.x - line.x0))
-
-
-def _length(x: Any, y: Any) -> Any:
-    """A fraction at or above the length of a vector."""
-    return above(root(normal(x**2 + y**2)))
