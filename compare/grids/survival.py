@@ -92,15 +92,15 @@ def stored(rows: Iterable[Row]) -> Store:
     return store
 
 
-COUNTED = ("engine", "verdict", "event", "agreed", "predicted_low", "predicted_high", "changed")
-"""What summaries count of a row, beside its laws."""
+COUNTED = ("engine", "laws.kept", "verdict", "event", "agreed", "predicted_low", "predicted_high", "changed")
+"""What summaries count of a row."""
 
 COUNTS = f"""
-SELECT json_extract(row, {", ".join(f"'$.{key}'" for key in COUNTED)}), CASE WHEN audited THEN coalesce(kept, 2) END,
-    event IS NOT NULL AND by_exponent IS NOT NULL FROM rows NOT INDEXED
+SELECT json_extract(row, {", ".join(f"'$.{key}'" for key in COUNTED)}), json_type(row, '$.laws') IS NOT NULL,
+    json_extract(row, '$.by_exponent') IS NOT NULL FROM rows NOT INDEXED
 """
-"""It, row by row: each is read as JSON once, and counted here, as SQL would sort all rows to group them. The rows of a
-scene come in its engines' order, whichever scene is first."""
+"""It, row by row, and whether it was audited and has an exponent: each is read as JSON once, and counted here, as SQL
+would sort all rows to group them. The rows of a scene come in its engines' order, whichever scene is first."""
 
 MEANS = """
 SELECT avg(by_exponent), avg(at) FROM rows WHERE engine = ? AND event IS NOT NULL AND by_exponent IS NOT NULL
@@ -116,14 +116,15 @@ class _Counts:
     """What is counted of one engine's rows."""
 
     def __init__(self) -> None:
-        self.seen, self.verdicts, self.audits = Counter[tuple[int, bool]](), Counter[str](), Counter[int | None]()
+        self.seen, self.verdicts, self.audits = Counter[tuple[int, bool]](), Counter[str](), Counter[bool | None]()
         self.outcomes = self.changed = self.banded = self.inside = self.points = 0
 
     def add(
         self,
         count: int,
-        kept: int | None,
-        foreseen: int,
+        audited: int,
+        exponent: int,
+        kept: bool | None,
         verdict: str,
         event: int | None,
         agreed: int | None,
@@ -131,9 +132,10 @@ class _Counts:
         high: int | None,
         changed: list[str] | None,
     ) -> None:
-        """Adds so many rows that are alike in all of this; `kept` is 2 where that is not determined."""
+        """Adds so many rows that are alike in all of this; `kept` is None where that is not determined."""
         self.verdicts[verdict] += count
-        self.audits[kept] += count
+        if audited:
+            self.audits[kept] += count
         if verdict != "refused":
             self.seen[(agreed or 0) if event is None else event, event is not None] += count
         if changed is not None:
@@ -142,16 +144,16 @@ class _Counts:
         if event is not None and low is not None:
             self.banded += count
             self.inside += count * (low <= event and (high is None or event <= high))
-        self.points += count * foreseen
+        self.points += count * (exponent and event is not None)
 
 
 def summaries(rows: Iterable[Row]) -> list[Summary]:
     """A summary of each engine, in the order of the engines."""
     store = stored(rows)
     told: dict[str, _Counts] = {}
-    for (text, kept, foreseen), count in store.counted(COUNTS).items():
+    for (text, audited, exponent), count in store.counted(COUNTS).items():
         engine, *others = json.loads(text)
-        told.setdefault(engine, _Counts()).add(count, kept, foreseen, *others)
+        told.setdefault(engine, _Counts()).add(count, audited, exponent, *others)
     found: list[Summary] = []
     for engine, counts in told.items():
         law = None
@@ -168,7 +170,7 @@ def summaries(rows: Iterable[Row]) -> list[Summary]:
             (counts.inside, counts.banded),
             law,
             (changed, outcomes, *proportion(changed, outcomes)) if outcomes else None,
-            (counts.audits[1], counts.audits[0], counts.audits[2]),
+            (counts.audits[True], counts.audits[False], counts.audits[None]),
         ))  # fmt: skip
     return found
 
