@@ -203,7 +203,7 @@ def compare(
             instead += one.instead
             cut += one.cut
     permitted = None
-    if causes and told.stop.reason not in UNKNOWING and not scene.settle:  # nearby, nothing lies where it settled
+    if causes and told.stop.reason not in UNKNOWING:
         own = pattern_of(told)
         others = [
             (c, e.step is not None)

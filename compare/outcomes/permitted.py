@@ -16,6 +16,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...exact.numbers import ball
+from ...exact.replay.contact import Sides, is_flat, touching_at_start
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.things import Circle
@@ -297,7 +298,7 @@ def nearby_scenes(scene: Scene, work: int) -> Iterator[Scene]:
 
 
 def nearby(scene: Scene, seed: int) -> Scene:
-    """One nearby scene.
+    """One nearby scene; what lies on a level wall that carries it, or slides along it, does so there.
 
     Raises:
         SceneError: if its circles overlap.
@@ -306,11 +307,32 @@ def nearby(scene: Scene, seed: int) -> Scene:
     >>> nearby(Scene([Circle(0, 0, id="a")]), 1).circles[0].r.text()
     '49999999999999999999/50000000000000000000'
     """
-    draw = Random(seed)
+    draw, lying = Random(seed), _lying(scene)
     circles = []
-    for c in scene.circles:
+    for k, c in enumerate(scene.circles):
         moved = [NEARBY * draw.randint(-GRAIN, GRAIN) / GRAIN for _ in range(2)]
         x, y = (c.x, c.y) if c.fixed else (c.x + moved[0], c.y + moved[1])
+        if k in lying:
+            nx, ny = lying[k]
+            along = nx * moved[1] - ny * moved[0]
+            down = 0 if c.point else 2 * NEARBY
+            x, y = c.x - ny * along - nx * down, c.y + nx * along - ny * down
         r = c.r if c.point else c.r - 2 * NEARBY
         circles.append(Circle(x, y, r, c.vx, c.vy, m=c.m, id=c.id, point=c.point))
     return scene.with_changes(circles=circles, name=f"{scene.name}, nearby {seed}")
+
+
+def _lying(scene: Scene) -> dict[int, tuple[Quantity, Quantity]]:
+    """The circles that a level wall or face carries from the start, each with the way up from that, of length 1."""
+    found: dict[int, tuple[Quantity, Quantity]] = {}
+    seen = scene.surfaces
+    sides = Sides(seen)
+    for link in touching_at_start(seen) if scene.settle else ():
+        if not is_flat(link) or link.circle >= len(scene.circles):
+            continue
+        circle, (nx, ny) = scene.circles[link.circle], seen.walls[link.wall].normal
+        stays = (nx * circle.vx + ny * circle.vy).sign() == 0
+        if stays and sides.pull(link.circle, link.wall) < 0 and sides.level(link.wall):
+            length = (nx * nx + ny * ny).sqrt() * (-1 if sides.negative(link.circle, link.wall) else 1)
+            found.setdefault(link.circle, (nx / length, ny / length))
+    return found

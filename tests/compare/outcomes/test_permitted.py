@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from random import Random
 from typing import Any, TypeAlias
 
 import jsonschema
@@ -19,7 +20,7 @@ from truebreak.compare.report.schema import schema
 from truebreak.compare.report.sentences import pattern_phrase
 from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Scene, Segment, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 
 Velocities: TypeAlias = tuple[tuple[float, float], ...]
@@ -168,6 +169,77 @@ def test_nearby_is_near() -> None:
 def study(scene: Scene, **limits: Any) -> Study:
     truth = ExactEngine()
     return Study(scene, truth, truth.run(scene, **limits))
+
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+
+def sliders(seed: int) -> Scene:
+    """Two discs that slide on a floor, and meet one that lies there at once; a fourth lies farther on, perhaps."""
+    rng = Random(f"permitted {seed}")
+    d, v = rng.randint(1, 4), rng.choice(("1", "1/3", "2"))
+    masses = [rng.choice(("1", "2", "1/3", "3", "1/5")) for _ in range(4)]
+    circles = [
+        Circle(-2 - d, 1, vx=v, m=masses[0], id="l"),
+        Circle(0, 1, m=masses[1], id="m"),
+        Circle(2 + d, 1, vx=f"-{v}", m=masses[2], id="r"),
+    ]
+    circles += [Circle(rng.randint(9, 11), 1, m=masses[3], id="far")] if rng.random() < 0.5 else []
+    walls = [FLOOR, Wall(-9, 0, -9, 1, id="left"), Wall(14, 0, 14, 1, id="right")]
+    policy, e = rng.choice(("simultaneous", "sequential")), rng.choice(("1", "1", "1/2"))
+    return Scene(circles, walls, tie_policy=policy, restitution=e, gravity=(0, -10), settle=True)
+
+
+def without_gravity(scene: Scene) -> Scene:
+    """The same scene, in which nothing falls: what slides goes on as it would."""
+    return scene.with_changes(gravity=None, settle=False)
+
+
+def test_what_walls_carry_is_permitted_what_it_is_without_gravity() -> None:
+    """All that slides on one level is as without gravity: the orders, whether these are all, what nearby scenes do."""
+    several = witnessed = 0
+    for seed in range(14):
+        scene = sliders(seed)
+        told = [study(one, events=7) for one in (scene, without_gravity(scene))]
+        assert any(event.coupled for event in told[0].reference.events)
+        mine, plain = (permitted_patterns(one, wanted=[{}]) for one in told)
+        assert mine is not None and plain is not None
+        assert (mine.exact, mine.by_policy) == (plain.exact, plain.by_policy)
+        assert mine.complete and plain.complete and mine.followed == plain.followed
+        assert all(found in plain.orders for found in mine.orders) and len(mine.orders) == len(plain.orders)
+        several += len(mine.orders) > 1
+        for witness in mine.witnesses:
+            witnessed += 1
+            span = str(float(told[0].reference.final_time))
+            run = ExactEngine().run(without_gravity(witness.scene), until=span)
+            assert pattern(run) in (witness.pattern, pattern(ExactEngine().run(witness.scene, until=span)))
+    assert several and witnessed > 9
+
+
+def test_what_lies_lies_nearby() -> None:
+    """On floors and shelves, also aslant, and what slides: each is carried from the start, and parted from others."""
+    law: dict[str, Any] = {"restitution": "1/2", "settle": True}
+    shelf, slope = Segment(-3, 4, 3, 4, "shelf", "1/8"), Wall(0, 0, 4, 3, id="slope")
+    on_it = Circle("-3/5*sqrt(2)", "4/5*sqrt(2)", "sqrt(2)", id="a")
+    scenes = [
+        sliders(3),
+        Scene([Circle(1, "41/8", id="a"), *sliders(3).circles[:2]], [FLOOR], segments=[shelf], gravity=(0, -10), **law),
+        Scene([on_it, Circle(9, 90, vy=-1, id="b")], [slope], gravity=("3", "-4"), **law),
+    ]  # fmt: skip
+    leaves, under = Circle(9, 1, vy=3, id="leaves"), Wall(1, 0, 0, 0, id="turned round")
+    scenes.append(Scene([Circle(0, 1, id="a"), leaves], [under], gravity=(0, -10), **law))
+    assert not nearby(scenes[-1], 1).with_changes(circles=nearby(scenes[-1], 1).circles[1:]).touching
+    for scene in scenes:
+        lying = [(s.circle, s.wall) for s in ExactEngine().run(scene, events=1).settlings if s.time.text() == "0"]
+        assert lying
+        for seed in range(4):
+            other = nearby(scene, seed)
+            assert not other.touching or {j for _, j in other.touching} <= {*range(len(scene.circles), 99)}
+            run = ExactEngine().run(other, events=1)
+            assert [(s.circle, s.wall) for s in run.settlings if s.time.text() == "0"] == lying
+            for before, after in zip(scene.circles, other.circles, strict=True):
+                assert abs(float((after.x - before.x) / NEARBY)) < 4
+                assert abs(float((after.y - before.y) / NEARBY)) < 4
 
 
 def test_the_four_classes() -> None:
