@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, Type
 
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
-from .laws.formulas import face_along, fall_speed, sag, speed_change
+from .laws.formulas import arc_range, face_along, fall_speed, sag, speed_change
 from .numbers.ball import bits_in_use
 from .numbers.system import N, solve_positive
 from .replay.contact import AtArc, AtWall, Entry, Link, Round, Touch, is_flat
@@ -256,6 +256,16 @@ class Within(Plain):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} meet between its ends"
+
+
+class Onward(OfOne[AtArc]):
+    """Does a circle at the end of an arc go on into its range (positive), or out of it?"""
+
+    words = "whether {} comes into or leaves its range"
+
+    def value(self, state: ReplayState[N]) -> N:
+        pair, (nx, ny, _) = state.relation(self.link), arc_chord(state, self.link)
+        return arc_range(pair.vx, pair.vy, nx, ny, state.zero)
 
 
 class Discriminant(OfOne[Round]):

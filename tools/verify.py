@@ -135,7 +135,8 @@ def number(text):  # reads a sum of terms such as 3/4*r1*r2
         total += math.prod((Sum({k: 1}) for k in roots), start=Sum({frozenset(): Fraction(x)}))
     return total
 class Nearing:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `arms`: the rows of J
-    hollow = 0  # whether its speed is negative
+    hollow, bow = 0, ()  # whether its speed is negative; of an arc
+    once = cached_property(lambda m: -m.closing / m.speed)  # until both zeros, if they are one
     def __init__(self, d, v, reach, arms): self.d, self.v, self.reach, self.arms = d, v, reach, arms
     def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
         if not (again or m.hollow): return m.gap / (m.disc.sqrt() - m.closing)
@@ -151,11 +152,11 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
     foot = cached_property(lambda m: m.d[1] * m.place[0] - m.d[0] * m.place[1])  # from its start,
     far = cached_property(lambda m: m.square - m.foot)  # and from its end
     slide = cached_property(lambda m: m.d[1] * m.v[0] - m.d[0] * m.v[1])
-    def there(m, again):  # the sign of whether the foot is on it then
-        wait, lift = m.wait(again), m.d[1] * m.pull[0] - m.d[0] * m.pull[1]
+    def there(m, wait):  # the sign of whether the foot is on it then
+        lift = m.d[1] * m.pull[0] - m.d[0] * m.pull[1]
         foot = m.foot + (m.slide + lift * wait) * wait
         signs = {foot.sign(), (m.square - foot).sign()}
-        return -1 if signs & {-1, 0} else None if None in signs else 1
+        return -1 if -1 in signs else None if None in signs else min(signs)
 class Dropping(Nearing):  # of one that falls and a fixed one: further terms of the gap, s^3 and s^4
     bend = ()  # half of how fast v changes
     speed = cached_property(lambda m: Nearing.speed.func(m) + m.along(m.d))
@@ -166,7 +167,6 @@ class Dropping(Nearing):  # of one that falls and a fixed one: further terms of 
 class Ringing(Dropping):  # of one that falls and a rim: it may be left, and is not entered
     def tests(m, row): return [row, [-x for x in row], slope_of(m.row)]
 class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap is turned round
-    bow = ()
     def turn(m, x): return -x if m.hollow else x
     gap = cached_property(lambda m: m.turn(Nearing.gap.func(m)))
     closing = cached_property(lambda m: m.turn(Nearing.closing.func(m)))
@@ -177,8 +177,7 @@ class Bowing(Nearing):  # of a circle and a side of an arc: from within, the gap
     def beside(m, d, reach):  # d is the way to the middle, so long: the sign says whether within it
         p, q, r, edge = m.bow
         return -(p * d[0] + q * d[1]) * r - edge * reach
-    def there(m, again):  # whether that is within the range
-        wait = m.wait(again)
+    def there(m, wait):  # whether that is within the range
         return m.beside([x + v * wait for x, v in zip(m.d, m.v, strict=True)], m.reach).sign()
 class Arching(Bowing, Ringing):  # of one that falls and a side of an arc, where it is in its range
     speed = cached_property(lambda m: m.turn(Dropping.speed.func(m)))
@@ -345,8 +344,7 @@ class Space:
             spots = [(z + z, z + z + w, e + e) for z, w, e in to]
             kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
         r, s = self.at(*(self.things[k][4] for k in c))
-        charge(5_000)
-        room = 2 * (r.m + r.r + s.m + s.r)
+        room, _ = 2 * (r.m + r.r + s.m + s.r), charge(5_000)
         return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
                    for z, (low, high) in zip((u, v), kept[key], strict=True))
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
@@ -503,9 +501,8 @@ class KeptApart:
     def misses(self, c, age, last):  # as `clear`, of a side of an arc, or of a face where it falls
         other, start, hollow = self.other(c), self.ball.start(c), self.hollow(c)
         if start == age or other in self.parted or c in self.lasting: return charge(500)
-        bow, flat = c[1] in self.arcs, c[1] in self.faces and not self.slope(c)
+        bow, again, flat = (x := c[1] in self.arcs), c in self.parted, not (x or self.slope(c))
         if hollow and bow and other in self.met: return charge(500)  # it was outside up to now
-        again = c in self.parted  # from within alone
         for world in (self.few, self.ball):
             charge(30_000)
             m, later = world.meeting(c, start), age is not None and world.meeting(c, age)
@@ -517,8 +514,8 @@ class KeptApart:
             elif gap == -1 or closing == 1 or (closing == 0 and (gap == 1 or not flat)) or (
                     gap2 == 1 and (closing2 == -1 or (flat and gap == 1))): return  # convex
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
-            if (there := m.there(again) if hits else None) == -1: return
-        if hollow and not again and self.zero("disc", c, start): return  # it is never within
+            if (there := m.there(m.wait(again)) if hits else None) in (-1, -bow): return
+        if hollow and not again and self.aside(m, c, start) and self.zero("disc", c, start): return
         for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
             if self.zero(x, c, start): return
         if not (bow or hollow or flat) and self.zero("closing", c, start): return  # it rises
@@ -531,6 +528,9 @@ class KeptApart:
         done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
         refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
         raise Unsettled(f"whether {c} meet on the way")
+    def aside(self, m, c, t):  # whether a double zero is not at an end, where it leads in; or out
+        if m.speed.sign() == 0 or m.there(m.once): return True
+        return m.bow and m.beside(m.v, m.gap - m.gap).sign() == -1 and self.zero("closing", c, t)
     def across(self, c):  # at time 0: proves that a circle is not across an arc
         m, inner = self.ball.meeting(c, 0), self.other(c)
         sides = [x for x in (c, inner) if x in self.meets]

@@ -306,7 +306,7 @@ class Prover(Checker):
             if isinstance(m, Bowing) or (isinstance(m, Facing) and c[1] in self.faces):
                 again, gap, closing = bool(self.again(c)), m.gap.sign(), m.closing.sign()
                 ahead = closing == 1 or (gap == 1 and not again) if m.hollow else gap == 1 and closing == -1
-                if ahead and (again or m.disc.sign() == 1) and m.there(again) == 1:
+                if ahead and (again or m.disc.sign() == 1) and m.there(m.wait(again)) == 1:
                     return True
                 continue
             signs = [m.closing.sign(), m.disc.sign()]

@@ -77,6 +77,10 @@ def within_arc(state: Flights[N], link: AtArc, dx: N, dy: N) -> N:
 SHORT = 1e-30
 """Least end of the times at which zeros are looked for, though they may all lie well before it."""
 
+PARTS_A_BIT = 8
+"""Most parts of the times looked at for each bit at hand: a zero, also a double one, needs about two. Beside a fourfold
+one, as far as bits do not tell from it, each part would be looked at, and there may be 2 to a fourth of the bits."""
+
 Landing: TypeAlias = arb | Unclear | None
 """What is known of when a circle lands: when, reckoned from its clock; what it is not before; None: it does not."""
 
@@ -203,9 +207,10 @@ def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], b
         power *= top
         terms.append(value * arb(power))
     b = [sum((arb(w) * s for w, s in zip(row, terms, strict=False)), arb(0)) for row in EXACT_WEIGHTS[len(c) - 1]]
-    stack = [(fmpq(0), top, b, 0)]
+    stack, looked = [(fmpq(0), top, b, 0)], 0
     while stack:
         low, high, b, depth = stack.pop()
+        looked += 1
         signs = [sign_of(value) for value in b]
         if all(signs):
             changes = sum(one != other for one, other in pairwise(signs))
@@ -217,7 +222,7 @@ def falling_zeros(c: Sequence[arb], end: float, beyond: Callable[[fmpq, fmpq], b
                 continue
         if beyond(low, high):
             continue
-        if depth > most:
+        if depth > most or looked > PARTS_A_BIT * most:
             yield Unclear(float(low) * (1 - 2.0**-40))  # pyright: ignore[reportArgumentType]
             return
         for share in SPLITS:

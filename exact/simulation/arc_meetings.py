@@ -24,7 +24,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..numbers.system import M, Undecided
-from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Question, Within
+from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Onward, Question, Within
 from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round
 from ..replay.landings import arc_chord
 from ..replay.state import ReplayState
@@ -54,10 +54,10 @@ def arc_contact(link: AtArc, sign: Callable[[Question], int | None], final: bool
         None where a sign that is needed is not known.
 
     Raises:
-        Undecided: where the path touches the hollow side from beyond, right at its end.
+        Undecided: where the path touches the hollow side right at its end, and goes on along it.
     """
     disc = sign(Discriminant(link))
-    if disc == 0 and link.hollow and sign(Approach(link)) in (1, None) and sign(Within(link, graze=True)) in (0, None):
+    if disc == 0 and link.hollow and _may_go_along(link, sign):
         if not final:
             return None
         raise Undecided("a path touches the hollow side of an arc at its end, along it: what comes then is not decided")
@@ -79,6 +79,17 @@ def arc_contact(link: AtArc, sign: Callable[[Question], int | None], final: bool
     if within is not None and within <= 0:
         return -1
     return disc if known and within is not None else None
+
+
+def _may_go_along(link: AtArc, sign: Callable[[Question], int | None]) -> bool:
+    """Whether a path that touches the circle of a hollow side may do so at an end, and then go through the arc.
+
+    It has yet to come there; or it is there now, at the start or after an impulse along the arc, and goes into it.
+    """
+    approach = sign(Approach(link))
+    if approach == -1 or (approach != 1 and sign(Onward(link)) in (0, -1)):
+        return False
+    return sign(Within(link, graze=True)) in (0, None)
 
 
 class Predicting(Protocol[M]):

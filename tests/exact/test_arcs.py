@@ -9,6 +9,7 @@ from random import Random
 
 import edge_campaign
 import pytest
+import range_campaign
 import segment_referee
 from arc_referee import ArcReferee
 from arc_scenes import scene_of
@@ -390,6 +391,44 @@ def test_a_path_that_touches_a_hollow_arc_at_its_very_end_is_refused():
     assert AT_END in run.stop.message
     aside = ExactEngine().run(Scene([Circle("301/100", -4, r=1, vy="3/2", id="c")], arcs=[bow]), until=9)
     assert [event.contacts for event in aside.events][:1] == [(("c", "bow"),)]
+
+
+@pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine(), IntervalEngine()], ids=lambda engine: engine.name)
+def test_what_starts_along_a_hollow_arc_at_its_very_end_does_not_go_through_it(engine):
+    """At the start, or after an impulse that leaves it there: these were certified to go through the arc."""
+    bow, wall = Arc(0, 0, 5, 5, 0, -5, 0, id="bow"), Segment(5, 0, 5, -5, id="wall")
+    into, out = (Scene([Circle(4, 0, vy=vy, id="c")], arcs=[bow]) for vy in (1, -1))
+    assert AT_END in engine.run(into, until=9).stop.message
+    assert engine.run(out, until=9).stop.reason.name == "HORIZON"
+    onto = Scene([Circle(3, -1, vx=1, vy=1, id="c")], arcs=[bow], segments=[wall], restitution=0)
+    run = engine.run(onto, until=9)
+    assert [event.contacts for event in run.events] == [(("c", "wall"),)]
+    assert AT_END in run.stop.message
+    struck = Scene([Circle(4, 0, id="c"), Circle(5, -6, vx="-1/4", vy=1, id="d")], arcs=[bow])
+    run = engine.run(struck, until=9)
+    assert len(run.events) == 1
+    assert AT_END in run.stop.message
+
+
+WERE_WRONG = {"arc": (47, 329, 501), "tangent": (200, 227, 341, 983), "bows": (71, 717, 745, 779)}
+"""Of the scenes that `range_campaign` draws, those of which a run was certified through an arc."""
+
+
+@pytest.mark.parametrize("family", range_campaign.FAMILIES)
+def test_no_run_goes_through_what_begins_or_ends_where_it_is_touched(family):
+    drawn = [range_campaign.case_of(family, seed) for seed in (*range(24), *WERE_WRONG.get(family, ()))]
+    cases = [case for case in drawn if case is not None]
+    assert cases
+    for case in cases:
+        _, found = range_campaign.judged(case)
+        assert not found, case.words
+
+
+def test_what_goes_through_an_arc_is_seen(monkeypatch):
+    monkeypatch.setattr(arc_meetings, "_may_go_along", lambda *_: False)
+    case = range_campaign.case_of("arc", 501)
+    _, found = range_campaign.judged(case)
+    assert [text.partition(" from ")[0] for text in found] == ["disc0 in bow0"]
 
 
 def test_a_smooth_joint_pushes_once():

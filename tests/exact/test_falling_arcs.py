@@ -12,6 +12,7 @@ import segment_referee
 from arc_scenes import scene_of
 from bow_referee import BowReferee, NotForThis, TieMet
 from falling_campaign import FALLING
+from flint import arb
 from mpmath import mpf, workdps
 
 from truebreak.compare.shadowing.shadows import shadow
@@ -597,6 +598,24 @@ def test_pockets_that_take_nothing_change_neither_errors_nor_shadows() -> None:
     assert one is not None
     assert other is not None
     assert one.run_distance == other.run_distance
+
+
+def test_a_fourfold_zero_where_a_range_begins_is_not_looked_for_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc that falls as a circle is bent that begins there: near the zero parts are many."""
+    parted, asked = landings.parted, 0
+
+    def counted(b: list[arb], share: arb) -> tuple[list[arb], list[arb]]:
+        nonlocal asked
+        asked += 1
+        assert asked < 100_000
+        return parted(b, share)
+
+    monkeypatch.setattr(landings, "parted", counted)
+    disc = Circle("283/312", "-11/26", r=1, vx="5/78", vy="2/13", id="disc")
+    bow = Arc("-12/13", "5/13", 1, 0, 0, "-17/13", "-7/13", id="bow")
+    run = ExactEngine().run(Scene([disc], arcs=[bow], gravity=("-5/39", "-4/13")), until=2)
+    assert run.events == ()
+    assert run.stop.reason is StopReason.HORIZON
 
 
 @pytest.mark.parametrize("r", ["0", "1/4"])

@@ -248,7 +248,7 @@ export class Run {
     }
     const ends = c.face ? ['foot', 'far'] : ['within'];
     if (!ever && closingNow < 0 && ends.some(x => this.exactly(c, x)) && this.meetsNow(c)) return; // it is at its end
-    const grazes = hollow ? (again ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : slope > 0 ? ['closing'] : [];
+    const grazes = hollow ? (again || !this.aside(c, at, closing) ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : slope > 0 ? ['closing'] : [];
     for (const question of grazes) {
       if (at(question) === 0) return;
       try { return witness(this, question, c, what); } catch (e) {
@@ -268,6 +268,20 @@ export class Run {
     const concave = c.kind === 'arc' || this.scene.slope(c) < 0;
     const wait = concave ? A.div(A.neg(A.add(closing, again ? closing : A.sqrt(disc))), l.speed()) : A.div(l.gap(), A.sub(A.sqrt(disc), closing));
     return wait && (c.face ? l.beside(wait)[end] : l.after(wait));
+  }
+  /**
+   * A concave gap whose two zeros are one is never positive; but what it is of may begin just there, and be gone into without a fall. Is that one zero surely
+   * within its range, or out of it? Or at the end of an arc, at the start, on the way out?
+   */
+  aside(c, at, closing) {
+    if (at('speed') === 0) return true; // it rests
+    const signs = [0, 1].slice(c.face ? 0 : 1).map(k => this.sign((A, w) => {
+      if (w === 2) return null; // there is a division
+      const l = this.laws(c, A, w, true), wait = A.div(A.neg(l.closing()), l.speed());
+      return wait && (c.face ? l.beside(wait)[k] : l.after(wait));
+    }));
+    if (signs.some(s => s < 0) || signs.every(s => s > 0)) return true;
+    return c.kind === 'arc' && at('onward') < 0 && (closing ?? at('closing')) === 0;
   }
   /** Is a number of a contact zero now, as exact numbers tell? */
   exactly(c, name) {

@@ -323,6 +323,7 @@ export class Scene {
         speed: () => turn(pace),
         disc: () => A.sub(A.mul(pace, A.square(reach)), A.square(A.sub(A.mul(d[0], own[1]), A.mul(d[1], own[0])))),
         within: () => range(d, reach),
+        onward: () => range(own, A.zero),
         square,
         widely: length => range(d, length),
         after: wait => range(d.map((x, k) => A.add(x, A.mul(own[k], wait))), reach),

@@ -11,7 +11,7 @@ from typing import Any
 from certificate.forgeries_by_condition import bare, entries
 from certificate.forging import UPSIDE_DOWN, Told
 from certificate.segment_forgeries import bar
-from certificate.world_forgeries import BOW, DOWN, FLOOR, HAIR, QUIET, RING, STOPPED, Number, beside, no_image
+from certificate.world_forgeries import ASIDE, BOW, DOWN, FLOOR, HAIR, QUIET, RING, STOPPED, Number, beside, no_image
 
 # Numbers: circles, fixed ones among them, then the ends of segments, then walls, then both faces of each segment.
 
@@ -78,6 +78,12 @@ def in_a_segment(height: Number, **scene: Any) -> Told:
 def through_a_shelf() -> Told:
     """A disc falls through a segment, which is not told."""
     return dropped((2, 5, 0, 0), segments=SHELF, end=until("4"))
+
+
+def through_a_shelf_from_its_end() -> Told:
+    """A disc touches the end of a segment from above at its apex, and goes on through it."""
+    cert = dropped((-2, "1/2", 2, 1), gravity=["0", "-1"], segments=[bar(0, 0, 4, 0, 4)], end=until("3/2"))
+    return entries(cert, {}, {"exact": "1", "met": [[0, 1]]})
 
 
 def off_a_shelf_and_through_it() -> Told:
@@ -213,6 +219,7 @@ PEG_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = 
         [("refuse(ahead and there == 1 and (age is None or done), ", "refuse(0, "), ('raise Unsettled(f"whether {c} meet on the way")', "return")],
         ("if (ahead && there > 0 && (ever || done)) refute(", "if (ahead && there > 0) return; if (0) refute("), through_a_shelf,
     ),
+    "what grazes an end where a face begins may go into that": (ASIDE[0], ASIDE[1], through_a_shelf_from_its_end),
     "what is pulled to a face comes to it again": (
         ("if c in self.parted and not (self.hollow(c) or slides): ", "if c in self.parted: "), ("(!hollow && slope !== 0 && this.parted(c))", "this.parted(c)"), off_a_shelf_and_through_it,
     ),

@@ -225,7 +225,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ("refuse(ranged and not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_a_face,
     ),
     "a face that is in the way is met": (
-        ("return -1 if signs & {-1, 0} else None if None in signs else 1", "return -1"), ("if (near <= 0 || beyond <= 0) return;", "return;"), onto_a_face,
+        ("return -1 if -1 in signs else None if None in signs else min(signs)", "return -1"), ("if (near <= 0 || beyond <= 0) return;", "return;"), onto_a_face,
     ),
     "a face is not passed before its first end alone": (
         ("signs = {foot.sign(), (m.square - foot).sign()}", "signs = {-(foot.sign() or 0)}"), ("if (near <= 0 || beyond <= 0) return;", "if (near >= 0) return;"), onto_a_face,

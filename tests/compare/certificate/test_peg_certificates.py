@@ -181,7 +181,7 @@ FAULTS = {
         [("A.mul(A.mul(along(this.gravity.map(x => x[w])), this.half[w]), wait)", "A.zero")],
     ),
     "a face that is nowhere": (
-        [("return -1 if signs & {-1, 0} else None if None in signs else 1", "return -1")],
+        [("return -1 if -1 in signs else None if None in signs else min(signs)", "return -1")],
         [("if (reads.some(s => s < 0 || (s === 0 && c.face))) return;", "return;")],
     ),
     "the range of an arc as if nothing fell": (

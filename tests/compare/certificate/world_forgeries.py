@@ -89,6 +89,9 @@ def held_to_what_moves() -> Told:
     return entries(cert, {"met": [[0, 1]], "zeros": [["closing", [0, 1], 0]]})
 
 
+ASIDE = ("self.aside(m, c, start) and ", ""), ("again || !this.aside(c, at, closing)", "again")
+"""A concave gap that is zero once only, right at an end, from where on there is a range."""
+
 # -- arcs. Numbers: circles, then the ends of arcs, then the outside and the inside of each.
 
 BOW = {"id": "bow", "x": "0", "y": "0", "r": "5", "x0": "5", "y0": "0", "x1": "-5", "y1": "0"}
@@ -137,6 +140,11 @@ def across_an_arc() -> Told:
 def hardly_across_an_arc() -> Told:
     """The same, by very little."""
     return bowed([BOW], (0, f"6-1*r1+{HAIR[5:]}", 0, 1), roots=["2"], end=QUIET)
+
+
+def into_an_arc_from_its_end() -> Told:
+    """A disc in a bow touches its end, and flies along it: into the bow."""
+    return entries(bowed([BOW], (4, 0, 0, 1), end=HORIZON), {"met": [[0, 1]]})
 
 
 def with_an_arc(arc: Told, **values: Any) -> Told:
@@ -208,6 +216,9 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     ),
     "an arc is met within its range": (
         ("refuse(ranged and not self.within(c), ", "refuse(0, "), ("if (!this.within(c)) refute(", "if (0) refute("), beside_an_arc,
+    ),
+    "what flies along the inside of an arc at its end goes into it": (
+        ASIDE[0], ASIDE[1], into_an_arc_from_its_end,
     ),
     "whether an arc is met is decided": (
         ('raise Unsettled(f"whether {c} meet on the way")', "return"), ("    undecided(what);\n  }\n  /** Is the gap of a side", "  }\n  /** Is the gap of a side"), hardly_on_an_arc,
