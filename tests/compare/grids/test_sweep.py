@@ -190,6 +190,24 @@ def test_survival_is_that_of_a_known_law() -> None:
         assert step.low < step.share < step.high
 
 
+def test_a_summary_counts_what_was_audited_and_what_left_with_a_prediction() -> None:
+    """One kept, two broken, three not determined, four not audited; an exponent without a departure is no point."""
+    laws = [{"kept": kept, "finding": ""} for kept in (True, False, False, None, None, None)] + [None] * 4
+    rows = [
+        Row(k, "gas", "double", "diverged", agreed=3, event=3 + k, at=1.0 + k, by_exponent=2.0 + k, laws=each)
+        for k, each in enumerate(laws)
+    ]
+    rows += [
+        Row(10, "gas", "double", "agree", agreed=9, by_exponent=5.0),
+        Row(11, "gas", "double", "diverged", agreed=3, event=3, at=1.0),
+    ]
+    (told,) = summaries(rows)
+    assert told.laws == (1, 2, 3)
+    assert told.law is not None
+    assert (told.law.scenes, told.law.slope) == (10, pytest.approx(1.0))
+    assert told.verdicts == {"agree": 1, "diverged": 11}
+
+
 def test_survival_without_departures_is_whole() -> None:
     assert survival([(10, False), (20, False)]) == []
 
