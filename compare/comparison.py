@@ -438,8 +438,8 @@ def explained(
     motion = candidate.trajectory.motion
     if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
         new = "with gravity, for engines that add g dt before they move a circle"
-    if scene.moving_solid is not None:
-        new = f"in which {scene.moving_solid} moves"
+    if scene.moving_solid is not None and engine.step is not None:
+        new = f"in which {scene.moving_solid} moves, of engines of steps"
     if scene.other_walls:
         new = f"with a wall of kind {scene.other_walls[0].kind!r}"
     if scene.settle and engine.step is not None:

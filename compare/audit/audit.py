@@ -174,8 +174,8 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.settle and engine.step is not None:
         return Audit(None, "what walls carry is not audited yet in steps")
-    if run.scene.moving_solid is not None:
-        return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet")
+    if run.scene.moving_solid is not None and engine.step is not None:
+        return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet in steps")
     if run.scene.other_walls:
         return Audit(None, f"a wall of kind {run.scene.other_walls[0].kind!r} is not audited")
     if engine.step is not None and run.scene.restitution.sign() == 0:

@@ -225,15 +225,16 @@ def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | Non
     x, y, vx, vy = _as_fallen(leg, start, fall)
     dx, dy = (float(value.mid()) for value in _slid(stands, start, x, y))
     begun = RoundFall(dx, dy, stands.vx - vx, stands.vy - vy, float(fall.gx) / 2, float(fall.gy) / 2, wide)
-    since, now = 0.0, begun
+    since, now, turned = 0.0, begun, False
     overlaps = begun.gap() <= 0.0
     while True:
-        if overlaps and now.approach() >= 0.0:
+        leaves = turned or now.approach() >= 0.0  # where it is nearest, rounding has it come nearer or not
+        if overlaps and leaves:
             out = told_falling_zero([-c for c in now.polynomial(False)]) if now.gap() < 0.0 else 0.0
             if out is None:
                 return None
             since, now = since + out, now.after(out)
-        if not overlaps or now.approach() >= 0.0:
+        if not overlaps or leaves:
             wait = told_falling_zero(now.polynomial(overlaps))
             if wait is None or not start + since + wait < end:
                 return None
@@ -243,7 +244,7 @@ def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | Non
         if nearest is None:
             return None
         enter, time = start + since, min(start + since + nearest, end)
-        since, now, overlaps = since + nearest, now.after(nearest), True
+        since, now, overlaps, turned = since + nearest, now.after(nearest), True, True
         out = told_falling_zero([-c for c in now.polynomial(False)]) if now.gap() < 0.0 else 0.0
         leave = math.inf if out is None or not start < enter or not start + since + out < end else start + since + out
         found = _fallen_deep(laws, leg, stands, fall, start, time)
@@ -303,6 +304,7 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     end meets that first.
     """
     line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
+    drift, (leg, line) = line.drift, line.seen(leg)
     radius, start, end = laws.things[leg.circle].radius, leg.start, min(leg.end, 1e300)
     x, y, vx, vy = _as_fallen(leg, start, fall)
     nx, ny, gx, gy = (float(value) for value in (line.nx, line.ny, fall.gx, fall.gy))
@@ -325,7 +327,7 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
         return None
     foot, slide, bend = nx * -dy + ny * dx, nx * vy - ny * vx, (nx * gy - ny * gx) / 2
     along = foot + (slide + bend * wait) * wait
-    fast = math.hypot(vx + gx * wait, vy + gy * wait) + leg.speed
+    fast = math.hypot(vx + gx * wait, vy + gy * wait) + leg.speed + drift
     blur = max(CLOSE, ROOT_UNITS * laws.unit) * (sizes + 2 * fast * (start + wait)) + leg.apart + leg.turned * wait
     if not blur < along < line.length - blur:
         return None
@@ -340,7 +342,7 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     for moment in (start, time):
         px, py, ux, uy = _fallen(leg, moment, fall)
         depths.append(line.nx * (line.x - px) + line.ny * (line.y - py) - r)
-        fast = max(fast, math.hypot(float(ux.mid()), float(uy.mid())))
+        fast = max(fast, math.hypot(float(ux.mid()), float(uy.mid())) + drift)
     in_it = height > 0.0 and 0.0 < foot < line.length  # else it is beside the face, however far below its line
     deeper = ((depths[0].min(arb(0)) if in_it else arb(0)) - depths[1]).mid()
     size = size_of(deeper) if deeper > 0 else 0.0
@@ -504,7 +506,7 @@ def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
         return None
     if wall in laws.scene.faces:
         blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes(leg.start + max(0.0, gap) / closing) + leg.apart
-        end = min(end, _through(leg, line, height, closing, radius, blur))
+        end = min(end, _through(*laws.line(leg.circle, wall).seen(leg), height, closing, radius, blur))
     r = laws.things[leg.circle].r
     first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
     then = first - line.nears(leg.vx, leg.vy) * (arb(end) - leg.start)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
-    from .transcript import Fall, ReportedFlight, ReportedInstant, Transcript
+    from .transcript import Fall, Leg, ReportedFlight, ReportedInstant, Transcript
 
 AUDIT_BITS = 256
 """Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
@@ -135,6 +135,13 @@ class WallInBalls(NamedTuple):
             return self
         size = self.size + self.drift * abs(float(time.mid()))
         return self._replace(x=self.x + self.ux * time, y=self.y + self.uy * time, size=size)
+
+    def seen(self, leg: Leg) -> tuple[Leg, WallInBalls]:
+        """A flight as seen from it, and itself, which so stands where it is as the flight begins."""
+        if not self.drift:
+            return leg, self
+        still = self.at(arb(leg.start))._replace(ux=ZERO, uy=ZERO, drift=0.0)
+        return leg.seen_from(float(self.ux), float(self.uy)), still
 
     def nears(self, vx: arb | float, vy: arb | float) -> arb:
         """How fast something of a velocity comes nearer to it."""
@@ -343,7 +350,8 @@ class Laws:
         for k, (row, circle) in enumerate(zip(transcript.first(), self.scene.circles, strict=True)):
             if self.step is not None and self.moving[k] and row.time != 0.0:
                 continue
-            for ends in ((row.x, row.y, circle.x, circle.y), (row.vx, row.vy, circle.vx, circle.vy)):
+            ux, uy = circle.drift
+            for ends in ((row.x, row.y, circle.x, circle.y), (row.vx, row.vy, circle.vx + ux, circle.vy + uy)):
                 x, y = ends[0] - ball.constant(ends[2]), ends[1] - ball.constant(ends[3])
                 size = math.hypot(float(ends[2]), float(ends[3]))
                 yield Residual("start", (k,), length_of(x, y), 2 * self.unit * size * self.start + LEAST)

@@ -184,6 +184,14 @@ class Leg(NamedTuple):
         """Of the circle."""
         return math.hypot(self.vx, self.vy)
 
+    def seen_from(self, ux: float, uy: float) -> Leg:
+        """As seen from what moves with a velocity, and is where it is as the flight begins."""
+        late, x, y = self.t - self.start, abs(self.x), abs(self.y)
+        turned = self.turned + 2.0**-52 * (abs(self.vx) + abs(ux) + abs(self.vy) + abs(uy))  # its own rounding
+        apart = self.apart + 2.0**-52 * (x + y + (abs(ux) + abs(uy)) * abs(late))
+        x, y, vx, vy = self.x - ux * late, self.y - uy * late, self.vx - ux, self.vy - uy
+        return self._replace(x=x, y=y, vx=vx, vy=vy, apart=apart, turned=turned)
+
 
 def legs_of(k: int, row: Sequence[Sequence[float]], end: float, carried: Collection[int]) -> Iterator[Leg]:
     """The flights of a circle's row, up to an end."""
@@ -376,7 +384,13 @@ class Transcript:
         room += 0.0 if self._step is None else flight.speed * self._step
         turn = self._loose if self._step is None else TURNED
         with ball.precision(READ_BITS):
-            links = self._parts.pushing(i, j, x, y, flight.vx, flight.vy, push, times, room, turn)
+            vx, vy = flight.vx, flight.vy
+            for face in self._parts.things[j].faces[:1]:
+                thing, time = self.scene.walls[face], instant.t if told is None else told.t
+                if thing.moves:  # as seen from it
+                    ux, uy = (value.ball(READ_BITS) for value in (thing.vx, thing.vy))
+                    x, y, vx, vy = x - ux * time, y - uy * time, vx - ux, vy - uy
+            links = self._parts.pushing(i, j, x, y, vx, vy, push, times, room, turn)
         return [places_of(self.scene, link) for link in links]
 
     @cached_property
@@ -385,10 +399,11 @@ class Transcript:
             return PartsNear(self.run.scene, ball.BALLS)
 
     def _end(self, k: int) -> ReportedFlight:
-        """An end of a segment, which never moves."""
-        end, zero = self.scene.circles[k], arb(0)
-        x, y = (value.ball(READ_BITS) for value in (end.x, end.y))
-        return ReportedFlight(zero, x, y, zero, zero, 0.0, math.hypot(float(end.x), float(end.y)), 0.0, 0)
+        """An end of a segment, which stands, or flies straight with it."""
+        end = self.scene.circles[k]
+        x, y, vx, vy = (value.ball(READ_BITS) for value in (end.x, end.y, *end.drift))
+        place, speed = math.hypot(float(end.x), float(end.y)), math.hypot(*map(float, end.drift))
+        return ReportedFlight(arb(0), x, y, vx, vy, 0.0, place, speed, 0)
 
     def flights(self) -> Sequence[Sequence[Sequence[float]]]:
         """For each circle (t, x, y, vx, vy) of its flights as doubles, by ascending time.

@@ -34,7 +34,7 @@ from .free_flights import (
     Rows,
     added,
     bounce,
-    fall_onto,
+    fall_of_contact,
     fallen,
     falls_on,
     flown,
@@ -43,7 +43,6 @@ from .free_flights import (
     plus,
     risen,
     row_of,
-    standing,
 )
 from .given_scene import RoundedState
 
@@ -639,7 +638,7 @@ def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fal
         line = state.line(link.circle, link.wall)
         nx, ny, nn = line.nx, line.ny, line.nn
     else:
-        nx, ny, *_ = fall_onto(state, k, row, standing(state, cast("Round", link)))
+        nx, ny, *_ = fall_of_contact(state, cast("Round", link), row)
         nn = nx * nx + ny * ny
     restitution = arb(1) if state.share is None else 2 * state.share - 1
     more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, nx, ny) / nn

@@ -38,6 +38,7 @@ from .free_flights import (
     nearest_fall,
     resting,
     risen,
+    seen_from,
     sides_of,
     times_at,
     wall_margin,
@@ -322,7 +323,9 @@ class RunReader:
             return None
         if time is not None:
             flight = flown(flight, time)
-        _, x, y, vx, vy = risen(self.things(bits).falling, flight)
+        parts = self.parts_of(pairing)
+        pace = None if parts is None else _pace_of(self.things(bits), parts)
+        _, x, y, vx, vy = risen(self.things(bits).falling, seen_from(flight, pace))
         near = PartsNear(self.run.scene, ball.BALLS, self.things(bits))
         return near.part(self.places[pairing.body], self._parts[pairing.partner][0], x, y, vx, vy)
 
@@ -574,4 +577,10 @@ def _thing_fall(reader: RunReader, pairing: Pairing, bits: int) -> ThingFall | N
     row = None if parts is None or reader.scene.gravity is None else reader.numbers(pairing, pairing.body, bits)
     if row is None or parts is None:
         return None
-    return ThingFall(reader.things(bits), reader.places[pairing.body], row, parts)
+    things = reader.things(bits)
+    return ThingFall(things, reader.places[pairing.body], seen_from(row, _pace_of(things, parts)), parts)
+
+
+def _pace_of(things: RoundedState, parts: ThingParts) -> tuple[arb, arb] | None:
+    """The velocity of a thing that moves."""
+    return things.drifts.get(parts.faces[0]) if parts.faces else None

@@ -18,7 +18,7 @@ from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.surfaces import parts_of
-from ...scenarios.things import Circle, Wall
+from ...scenarios.things import Circle, Polygon, Segment, Wall
 from ...scenarios.trajectory import Event
 from ..alignment.align import Span, align
 from ..alignment.instants import Kind
@@ -363,7 +363,7 @@ class OwnState:
                 circles.append(Circle(*place, circle.r, *speed, m=circle.m, id=circle.id, point=circle.point))
         try:
             here = scene.with_changes(
-                circles=circles, walls=_moved(scene, Quantity.of(Fraction(last))),
+                circles=circles, **_moved(scene, Quantity.of(Fraction(last))),
                 until=None, events=None, reverse_at=None, reverse_after=None,
             )  # fmt: skip
         except SceneError:
@@ -423,14 +423,23 @@ def _at_last(scene: Scene, vx: float, vy: float, since: float) -> tuple[float, f
     return vx - gx * since, vy - gy * since
 
 
-def _moved(scene: Scene, time: Quantity) -> list[Wall]:
-    """The walls where they are at a time."""
-    return [
-        Wall(w.x0 + w.vx * time, w.y0 + w.vy * time, w.x1 + w.vx * time, w.y1 + w.vy * time, id=w.id, vx=w.vx, vy=w.vy)
-        if w.moves
-        else w
-        for w in scene.walls
-    ]
+def _moved(scene: Scene, time: Quantity) -> dict[str, list[Any]]:
+    """Walls, segments and polygons where they are at a time, by the key of a scene."""
+
+    def line(thing: Wall | Segment) -> Any:
+        if not thing.moves:
+            return thing
+        sx, sy = thing.vx * time, thing.vy * time
+        more = {"r": thing.r} if isinstance(thing, Segment) else {}
+        ends = thing.x0 + sx, thing.y0 + sy, thing.x1 + sx, thing.y1 + sy
+        return type(thing)(*ends, id=thing.id, vx=thing.vx, vy=thing.vy, **more)
+
+    def solid(thing: Polygon) -> Polygon:
+        points = [(x + thing.vx * time, y + thing.vy * time) for x, y in thing.points]
+        return Polygon(points, id=thing.id, r=thing.r, vx=thing.vx, vy=thing.vy) if thing.moves else thing
+
+    found = {"walls": list(map(line, scene.walls)), "segments": list(map(line, scene.segments))}
+    return {**found, "polygons": list(map(solid, scene.polygons))}
 
 
 def _near_contacts(lab: Laboratory) -> Sequence[Contact]:

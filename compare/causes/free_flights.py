@@ -78,6 +78,18 @@ def risen(falling: Gravity[arb] | None, row: FlightBalls) -> FlightBalls:
     return row if falling is None else fallen(falling._replace(hx=-falling.hx, hy=-falling.hy), row)
 
 
+def seen_from(row: FlightBalls, pace: tuple[arb, arb] | None) -> FlightBalls:
+    """A flight as seen from a thing that moves with a velocity, which so stands where it is at time 0; None: as it is.
+
+    >>> [float(number) for number in seen_from(tuple(map(arb, (2, 10, 0, 3, 0))), (arb(1), arb(-1)))]
+    [2.0, 8.0, 2.0, 2.0, 1.0]
+    """
+    if pace is None:
+        return row
+    (t, x, y, vx, vy), (ux, uy) = row, pace
+    return t, x - ux * t, y - uy * t, vx - ux, vy - uy
+
+
 def last_step(motion: SteppedFall, begin: float, until: float) -> float | None:
     """The end of the last step before a time, of those that a flight has had since it began; None if it had none.
 
@@ -280,12 +292,12 @@ NEAR_GRAZE = 2.0**-30
 
 
 class ThingFall(NamedTuple):
-    """A circle that falls, and something with faces, ends or sides of arcs that stands.
+    """A circle that falls, and something with faces, ends or sides of arcs that stands, or from which it is seen.
 
     Attributes:
         state: has gravity, and where all that stands is.
         k: the circle.
-        row: its flight, in the frame that falls.
+        row: its flight, in the frame that falls, as seen from what moves (`seen_from`).
         parts: of what stands.
     """
 
@@ -338,7 +350,7 @@ class ThingFall(NamedTuple):
         assert state.falling is not None
         line = state.line(self.k, face)
         offset = state.bodies[self.k].r * line.length
-        fall = fall_of(state.falling, (x, y, vx, vy, t), line, offset, state.drifts.get(face), state.zero)
+        fall = fall_of(state.falling, (x, y, vx, vy, t), line, offset, None, state.zero)
         return fall, state.sides.pull(self.k, face), line.length, middle(fall.gap + offset) < 0.0
 
     def _is_within(self, face: int, wait: arb) -> bool:
@@ -456,18 +468,25 @@ def standing(state: ReplayState[arb], link: Round) -> Body[arb]:
     return a if is_pair(link) and link.a in state.pegs else b
 
 
+def fall_of_contact(state: ReplayState[arb], link: Round, row: Row) -> RoundFall[arb]:
+    """As `fall_onto`, of a contact of which `falls_on` holds; of an end that moves, as seen from it."""
+    stands = standing(state, link)
+    pace = state.paces.get(stands.index) if is_pair(link) else None
+    return fall_onto(state, state.faller(link).index, seen_from(row, pace), stands)
+
+
 def round_wait(state: ReplayState[arb], link: Round, row: Row) -> arb | None:
     """How long until one that falls comes to such a contact; None if it does not, or if that is not known."""
     if is_arc(link):
         return _side_wait(state, link, row)
-    return fall_wait(fall_onto(state, state.faller(link).index, row, standing(state, link)))
+    return fall_wait(fall_of_contact(state, link, row))
 
 
 def _off_what_stands(state: ReplayState[arb], link: Round, rows: Mapping[int, Row], here: bool) -> Rows:
     """See `bounce`: of one that falls onto something round that stands."""
     k = state.faller(link).index
     t, x, y, vx, vy = rows[k]
-    fall = fall_onto(state, k, rows[k], standing(state, link))
+    fall = fall_of_contact(state, link, rows[k])
     wait = arb(0) if here else round_wait(state, link, rows[k])
     if wait is None:  # it does not come there
         wait = arb("nan")

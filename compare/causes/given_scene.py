@@ -150,6 +150,9 @@ class RoundedState(ReplayState[arb]):
             self.falling = Gravity(hx, hy, self.bends)
         for wall in self.drifts:
             self.drifts[wall] = self._near(scene.walls[wall].vx), self._near(scene.walls[wall].vy)
+        for end in self.paces:
+            ux, uy = scene.moving_ends[end].drift
+            self.paces[end] = self._near(ux), self._near(uy)
         if self.share is not None:
             self.share = (1 + self._near(scene.restitution)) / 2
 
@@ -210,8 +213,11 @@ class RoundedState(ReplayState[arb]):
             made.falling = Gravity(between(mine.hx, theirs.hx), between(mine.hy, theirs.hy), self.bends)
         if self.share is not None and other.share is not None:
             made.share = between(self.share, other.share)
-        for wall, (ux, uy) in self.drifts.items():
-            made.drifts[wall] = between(ux, other.drifts[wall][0]), between(uy, other.drifts[wall][1])
+        for told, mine, theirs in (
+            (made.drifts, self.drifts, other.drifts),
+            (made.paces, self.paces, other.paces),
+        ):
+            told.update({k: (between(ux, theirs[k][0]), between(uy, theirs[k][1])) for k, (ux, uy) in mine.items()})
         for k, body in made.bodies.items():
             one, two = self.bodies[k], other.bodies[k]
             x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))

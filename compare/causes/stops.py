@@ -259,6 +259,7 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
         if float(pair_approach(dx, dy, vx, vy)) < 0 and is_zero(pair_discriminant, dx, dy, vx, vy, reach):
             return f"{one} and {other} graze"
     whole = reference.scene.surfaces
+    falls = falls or reference.scene.moving_solid is not None  # whose ends and faces are where they move to
     for name, (*_, vx, vy) in flights.items():
         for wall in whole.walls:
             ux, uy = vx - wall.vx, vy - wall.vy

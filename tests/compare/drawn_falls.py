@@ -87,6 +87,33 @@ def pocketed(seed: int) -> Scene:
     return Scene(discs, walls, pockets=pockets, capture=True, gravity=pull, restitution=e, name=f"pocketed {seed}")
 
 
+def shifting(seed: int) -> Scene:
+    """Two discs in a box, with gravity or without, among a bar and a block that move, each its own way."""
+    draw = Random(f"shifting {seed}")
+
+    def some(low: int, high: int) -> str:
+        return f"{draw.randint(100 * low, 100 * high)}/100"
+
+    discs = [
+        Circle(f"{2 + 5 * k} + {some(0, 1)}", f"7 + {some(0, 1)}", "2/5", some(-1, 1), some(-1, 1), id=f"disc {k}")
+        for k in range(2)
+    ]
+    bar = Segment(
+        f"1 + {some(0, 1)}", f"4 + {some(0, 1)}", f"4 + {some(0, 1)}", f"4 + {some(0, 1)}", id="bar",
+        r=draw.choice((0, "1/8")), vx=f"{draw.randint(-9, 9)}/60", vy=f"{draw.randint(-9, 9)}/60",
+    )  # fmt: skip
+    block = Polygon(
+        [(6, 2), ("15/2", 2), ("15/2", f"2 + {some(1, 2)}"), (6, f"2 + {some(1, 2)}")], id="block",
+        vx=f"{draw.randint(-9, 9)}/60", vy=f"{draw.randint(-9, 9)}/90",
+    )  # fmt: skip
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(-1, 0, -1, 1, id="left"), Wall(10, 0, 10, 1, id="right"),
+             Wall(0, 10, 1, 10, id="top")]  # fmt: skip
+    e = draw.choice((1, 1, "9/10"))
+    pull = draw.choice((None, None, (0, "-1/3"), ("1/7", -1)))
+    return Scene(discs, walls, segments=[bar], polygons=[block], gravity=pull, restitution=e, until=9,
+                 name=f"shifting {seed}")  # fmt: skip
+
+
 def settled(seed: int) -> Scene:
     """Discs that lie on a floor between two walls, or slide along it, and some that fall onto them."""
     draw = Random(f"settled {seed}")

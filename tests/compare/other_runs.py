@@ -101,14 +101,21 @@ def rounded_scene(scene: Scene, bits: int, part: Fraction = Fraction(1)) -> Scen
         changes["gravity"] = tuple(map(number, scene.gravity))
     if not scene.elastic:
         changes["restitution"] = number(scene.restitution)
+    pace = ("r", "vx", "vy")
     if scene.segments:
         ends = ("x0", "y0", "x1", "y1")
         changes["segments"] = [
-            Segment(*(number(getattr(s, key)) for key in ends), id=s.id, r=number(s.r)) for s in scene.segments
+            Segment(
+                *(number(getattr(s, key)) for key in ends), id=s.id, **{key: number(getattr(s, key)) for key in pace}
+            )
+            for s in scene.segments
         ]
     if scene.polygons:
         changes["polygons"] = [
-            Polygon([(number(x), number(y)) for x, y in p.points], id=p.id, r=number(p.r)) for p in scene.polygons
+            Polygon(
+                [(number(x), number(y)) for x, y in p.points], id=p.id, **{key: number(getattr(p, key)) for key in pace}
+            )
+            for p in scene.polygons
         ]
     return scene.with_changes(circles=circles, walls=walls, pockets=pockets, **changes)
 
@@ -496,7 +503,10 @@ def decisions(
     waits: list[Decimal] = []
     x, y, vx, vy = rows[at.body]
     fixed = {str(c.id) for c in scene.circles if c.fixed}
-    outlines = outlines_of(scene) if scene.gravity is not None else {}
+    moving = {str(s.id): (s.vx, s.vy) for s in (*scene.segments, *scene.polygons) if s.moves}
+    outlines = outlines_of(scene)
+    if scene.gravity is None:
+        outlines = {name: far for name, far in outlines.items() if name in moving}
     of: dict[str, Decimal] = {}
     for other in at.partners:
         count = len(waits)
@@ -504,7 +514,10 @@ def decisions(
             last = max((e.index for e in run.events[:event] for pair in e.impulses if at.body in pair), default=-1)
             began = decimal(run.events[last].time) if last >= 0 else Decimal(0)
             now = decimal(run.events[event - 1].time) if event else Decimal(0)
-            low, late = comes_to(outlines[other], rows_after(run, last)[at.body], scene.gravity, radii[at.body])
+            px, py, pvx, pvy = rows_after(run, last)[at.body]
+            ux, uy = map(decimal, moving.get(other, (0, 0)))  # as seen from what moves
+            row = px - ux * began, py - uy * began, pvx - ux, pvy - uy
+            low, late = comes_to(outlines[other], row, scene.gravity or (0, 0), radii[at.body])
             if late is not None:
                 waits.append(began + Decimal(late) - now)
             elif low is not None:
