@@ -395,7 +395,7 @@ def gap(solid: Solid, r: float, t: Any, x: Any, y: Any) -> Doubles:
 def _moments(run: Trajectory) -> Doubles:
     """Times to look at, many between any two events, and close to them."""
     end = float(run.final_time)
-    marks = sorted({0.0, *(min(float(event.time), end) for event in run.events), end})
+    marks = sorted({0.0, *(min(float(known.time), end) for known in (*run.events, *run.pocketings)), end})
     steps = np.concatenate([np.linspace(0, 1, FINE), 2.0 ** -np.arange(2, 20), 1 - 2.0 ** -np.arange(2, 20)])
     parts = [low + (high - low) * steps for low, high in pairwise(marks)]
     found = np.unique(np.concatenate([np.zeros(0), *parts]))
