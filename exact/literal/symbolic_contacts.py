@@ -196,6 +196,25 @@ class Bow(Line):
         turn = sign(normal(ux * wy - uy * wx))
         return (after and before) if turn > 0 else (after or before) if turn < 0 else after
 
+    def refuse_along(self, a: Disc, times: Sequence[Any]) -> None:
+        """Sees to it that a circle does not touch the inside in passing right at an end, and goes into the arc there.
+
+        Args:
+            a: the circle.
+            times: when it touches the inside of all the circle.
+
+        Raises:
+            SymbolicUndecided: if it may.
+        """
+        if self.full or len(times) < 2 or sign(normal(times[0] - times[1])) or sign(times[0]) < 0:
+            return
+        dx, dy = a.x + a.vx * times[0] - self.x, a.y + a.vy * times[0] - self.y
+        for x, y, way in ((self.x0, self.y0, 1), (self.x1, self.y1, -1)):
+            ux, uy = x - self.x, y - self.y
+            at_end = sign(normal(ux * dy - uy * dx)) == 0 and sign(normal(ux * dx + uy * dy)) > 0
+            if at_end and (sign(times[0]) or way * sign(normal(ux * a.vy - uy * a.vx)) > 0):
+                raise SymbolicUndecided("a path touches the hollow side of an arc at its end, along it")
+
 
 def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     """All real times from now at which two things would just touch, not ordered, negative ones too.
@@ -208,8 +227,11 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
         line = Line(b.x0, b.y0, b.x1, b.y1, ux=b.ux, uy=b.uy)
         return [time for time in touch_times(replace(a, r=a.r + b.r), line) if b.beside(a, time)]
     if isinstance(b, Bow):
-        sides = (a, replace(a, r=-a.r)) if sign(normal(b.r - a.r)) > 0 else (a,)
-        return [time for side in sides for time in touch_times(side, b.disc) if b.beside(a, time)]
+        found, within = touch_times(a, b.disc), sign(normal(b.r - a.r)) > 0
+        if within:
+            b.refuse_along(a, inner := touch_times(replace(a, r=-a.r), b.disc))
+            found += inner
+        return [time for time in found if b.beside(a, time)]
     if isinstance(b, Line):
         a = b.seen(a)
     found = [
