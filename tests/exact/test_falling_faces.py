@@ -12,7 +12,6 @@ from face_referee import FaceReferee, NotForThis, TieMet
 from mpmath import mpf, workdps
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.simulation import arc_meetings
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Circle, Polygon, Scene, SceneError, Segment, Trajectory, Wall
@@ -294,13 +293,6 @@ def test_two_bits_may_leave_it_open_and_are_never_wrong() -> None:
     for bits in (256, 300, 1000):
         run = ExactEngine(max_bits=bits).run(scene, events=12)
         assert [e.contacts for e in run.events] == [e.contacts for e in sharp.events[: len(run.events)]]
-
-
-def test_the_engine_without_faces_that_fall_refuses_by_one_line() -> None:
-    scene = Scene([Circle(0, 6)], segments=[BAR], gravity=(0, -10))
-    with pytest.raises(SceneError, match=r"segment 'bar' has ends, .* under gravity, and .* do not take that") as said:
-        SymbolicEngine().run(scene)
-    assert "\n" not in str(said.value)
 
 
 def test_no_run_is_turned_back_where_something_has_ends() -> None:
