@@ -92,10 +92,9 @@ def check_arcs(
             if circle.r == arc.r and _fits(circle, arc):
                 told = f"circle {circle.id!r}: r = {circle.r.brief()} is that of arc {arc.id!r}"
                 raise SceneError(f"{told}, which it fits all along, with no one normal; change one of them")
-            part = _touched(circle, arc)
-            if part is not None:
-                outer.append((i, k))
-                inner.append((i, 2 * k + part, False) if isinstance(part, int) else (i, places[part], True))
+            parts = _touched(circle, arc)
+            outer += [(i, k)] * bool(parts)
+            inner += ((i, 2 * k + x, False) if isinstance(x, int) else (i, places[x], True) for x in parts)
     return outer, inner
 
 
@@ -107,8 +106,8 @@ def _fits(circle: Circle, arc: Arc) -> bool:
     return (circle.x, circle.y) == (arc.x, arc.y) or (not arc.full and arc.chord[2].sign() >= 0)
 
 
-def _touched(circle: Circle, arc: Arc) -> int | Point | None:
-    """The side that a circle touches, 0 or 1 for the hollow one, or the end; None where they are apart.
+def _touched(circle: Circle, arc: Arc) -> list[int | Point]:
+    """The side that a circle touches, 0 or 1 for the hollow one, or the end, or both ends of a small opening.
 
     Raises:
         SceneError: where they overlap.
@@ -116,18 +115,20 @@ def _touched(circle: Circle, arc: Arc) -> int | Point | None:
     dx, dy = circle.x - arc.x, circle.y - arc.y
     square = dx * dx + dy * dy
     away = square.sqrt()
-    part: int | Point
+    parts: list[int | Point]
     nx, ny, h = arc.chord
     if arc.full or (away.sign() > 0 and (nx * dx + ny * dy - h * away).sign() > 0):
         gap = away - arc.r
-        part, distance = (0, gap) if gap.sign() > 0 else (1, -gap)
+        parts = [int(gap.sign() <= 0)]
+        distance = abs(gap)
     elif away.sign() == 0:
-        part, distance = 1, arc.r
+        parts = [1]
+        distance = arc.r
     else:
-        near = [((circle.x - x) * (circle.x - x) + (circle.y - y) * (circle.y - y), (x, y)) for x, y in arc.ends]
-        first, second = near
-        nearest = first if (second[0] - first[0]).sign() >= 0 else second
-        part, distance = nearest[1], nearest[0].sqrt()
+        squares = [(circle.x - x) * (circle.x - x) + (circle.y - y) * (circle.y - y) for x, y in arc.ends]
+        nearer = (squares[1] - squares[0]).sign()  # 0 where both ends are as near
+        parts = [end for end, sign in zip(arc.ends, (nearer, -nearer), strict=True) if sign >= 0]
+        distance = squares[nearer < 0].sqrt()
     if distance.sign() == 0:
         raise SceneError(f"circle {circle.id!r}: its centre lies on arc {arc.id!r}; move it to one side")
     apart = distance - circle.r
@@ -135,7 +136,7 @@ def _touched(circle: Circle, arc: Arc) -> int | Point | None:
         overlap = shown_amount(-apart)
         told = f"circle {circle.id!r}: lies across arc {arc.id!r}, by {overlap} at time 0"
         raise SceneError(f"{told}; move it, or reduce r")
-    return part if apart.sign() == 0 else None
+    return parts if apart.sign() == 0 else []
 
 
 def _overlap(a: Arc, b: Arc) -> bool:

@@ -435,10 +435,11 @@ def wrong(run: Trajectory) -> list[str]:
     for w in scene.walls:
         for k, c in free:
             nx, ny = (float(part) for part in w.normal)
+            there = times <= gone.get(str(c.id), np.inf)  # what a pocket has taken stands, whatever goes over it
             height = (rows[:, k, 0] - float(w.x0) - float(w.vx) * times) * nx + (
                 rows[:, k, 1] - float(w.y0) - float(w.vy) * times
             ) * ny
-            if height.min() < -CLOSE and height.max() > CLOSE:
+            if there.any() and height[there].min() < -CLOSE and height[there].max() > CLOSE:
                 found.append(f"{c.id} on both sides of {w.id}")
     return [*found, *_listed(run, things), *_rest(run, things)]
 
@@ -501,8 +502,8 @@ def _listed(run: Trajectory, things: list[Solid]) -> Iterator[str]:
                 apart = float(gap(solid, r, time, now[k, 0], now[k, 1]))
                 h = 1e-6
                 wx, wy = vx - solid.pace[0], vy - solid.pace[1]
-                fore = float(gap(solid, r, time, now[k, 0] - wx * h, now[k, 1] - wy * h))
-                closing.append((apart - fore) / h)
+                fore, aft = (float(gap(solid, r, time, now[k, 0] + wx * way, now[k, 1] + wy * way)) for way in (-h, h))
+                closing.append(min(apart - fore, aft - apart) / h)  # between two ends they differ
             if abs(apart) > CLOSE:
                 yield f"{one} and {other} {apart:.2g} apart at {time:.6f}"
         if closing and not settled and min(closing) > 1e-4:

@@ -145,12 +145,13 @@ class PartsNear(Generic[N]):
         dx, dy = map(_double, push)
         strength = hypot(dx, dy)
         ways = [(_double(part.nx) * dx + _double(part.ny) * dy, part) for part in parts]
+        off = [abs(_double(p.nx) * dy - _double(p.ny) * dx) / (strength or 1.0) if w > 0.0 else inf for w, p in ways]
         links = [part.link for way, part in ways if way > 0.0]
+        if count > 1 and len(links) == 1 and min(off) > ONE_WAY:  # two normals at a right angle or more: it is of both
+            links = [part.link for part in parts]
         links = links[:count] if count > 1 or self.things[thing].convex else links  # the nearest ones
-        if strength > 0.0 and count == 1:
-            off = [abs(_double(p.nx) * dy - _double(p.ny) * dx) / strength if w > 0.0 else inf for w, p in ways]
-            if min(off) <= ONE_WAY:  # of several, the nearest
-                return [next(part.link for part, by in zip(parts, off, strict=True) if by <= min(off) + turn)]
+        if strength > 0.0 and count == 1 and min(off) <= ONE_WAY:  # of several, the nearest
+            return [next(part.link for part, by in zip(parts, off, strict=True) if by <= min(off) + turn)]
         links = links or [nearest.link]
         return [*links, *(links[0] for _ in range(count - len(links)))]
 

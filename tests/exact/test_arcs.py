@@ -413,8 +413,18 @@ def test_what_starts_along_a_hollow_arc_at_its_very_end_does_not_go_through_it(e
     assert AT_END in run.stop.message
 
 
-WERE_WRONG = {"arc": (47, 329, 501), "tangent": (200, 227, 341, 983), "bows": (71, 717, 745, 779)}
-"""Of the scenes that `range_campaign` draws, those of which a run was certified through an arc."""
+@pytest.mark.parametrize(("vx", "vy", "pushes"), [(3, -1, 1), (0, -1, 2), (-1, 0, 2), (3, 1, 0)])
+@pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine(), SymbolicEngine()], ids=lambda engine: engine.name)
+def test_a_disc_in_the_opening_of_an_arc_touches_both_ends_at_the_start(engine, vx, vy, pushes):
+    """The second of the two was left out of what touches; a run in which it was approached ended as a defect."""
+    bow = Arc("-1/2", 0, "1/2", "-1/5", "2/5", 0, 0, id="bow")
+    run = engine.run(Scene([Circle(0, "1/4", "1/4", vx=vx, vy=vy, id="d")], arcs=[bow]), until=2, events=1)
+    assert [event.contacts for event in run.events] == [(("d", "bow"),) * pushes] * bool(pushes)
+    assert [float(event.time) for event in run.events] == [0.0] * bool(pushes)
+
+
+WERE_WRONG = {"arc": (47, 329, 501, 2348), "tangent": (200, 227, 341, 983), "bows": (71, 717, 745, 779)}
+"""Of the scenes that `range_campaign` draws, those of which a run went through an arc, or ended as a defect."""
 
 
 @pytest.mark.parametrize("family", range_campaign.FAMILIES)

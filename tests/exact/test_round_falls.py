@@ -93,7 +93,7 @@ def test_the_campaign_counts_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setitem(WAYS, "doubles", by_samples)
     counts = campaign(0, 130)
     assert counts["doubles: WRONG"] > 0 == sum(counts[f"{way}: WRONG"] for way in WAYS if way != "doubles")
-    assert counts["Newton: fewer than 200 bits of 300"] == 0
+    assert counts["Newton: fewer than 180 bits of 300"] == 0
 
 
 def test_none_is_wrong_where_the_zeros_are_known(monkeypatch: pytest.MonkeyPatch) -> None:

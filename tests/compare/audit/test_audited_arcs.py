@@ -11,10 +11,10 @@ from arc_scenes import falls_to_arcs, scene_of
 from edge_campaign import scene_of as drawn_of
 from guise_campaign import GUISED
 
-from truebreak.compare import engine
+from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, SceneError, Wall, catalogue
 
 SCENES = [scene for seed in range(120) if (scene := scene_of(seed)) is not None and scene.elastic]
 UNTIL, EVENTS = 20, 30
@@ -178,3 +178,22 @@ def test_what_comes_after_all_is_turned_back_at_one_double_is_no_part_of_the_tur
     assert run.reversal is not None
     assert sum(float(event.time) == float(run.reversal.time) for event in run.events) > run.reversal.after - 1
     assert audit_run(run, engine("quad")).kept
+
+
+@pytest.mark.parametrize("name", ["double", "interval", "single"])
+@pytest.mark.parametrize("thing", ["arc", "polygon"])
+def test_two_ends_of_one_thing_that_push_at_once_are_both_seen(name: str, thing: str) -> None:
+    """Their normals are at more than a right angle, and the one that pushes less seems to pull."""
+    nook = [(0, 0), (0, -1), (-2, -1), (-2, 1), ("-1/5", 1), ("-1/5", "2/5"), (-1, "2/5"), (-1, 0)]
+    solid: dict[str, Any] = (
+        {"arcs": [Arc("-1/2", 0, "1/2", "-1/5", "2/5", 0, 0, id="a")]}
+        if thing == "arc"
+        else {"polygons": [Polygon(nook, "a")]}
+    )
+    for vx in (0, "-1/3", "1/9"):
+        disc = Circle(0, "1/4", "1/4", vx=vx, vy=-1, id="d")
+        found = compare(Scene([disc], **solid), [name], until=4)
+        assert found.reference.events[0].contacts == (("d", "a"), ("d", "a"))
+        laws = found.candidates[0].laws
+        assert laws is not None
+        assert laws.kept
