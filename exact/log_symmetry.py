@@ -578,12 +578,12 @@ def _exactly(scene: Scene, wanted: Iterable[Likely]) -> Iterator[Symmetry]:
 
 def _all_apart(image: Callable[[int], int | None], count: int) -> tuple[int, ...] | None:
     """The images of so many things, if each has one of its own; the first without one is the last looked at."""
-    found: list[int] = []
+    found: dict[int, None] = {}
     for k in range(count):
         at = image(k)
         if at is None or at in found:
             return None
-        found.append(at)
+        found[at] = None
     return tuple(found)
 
 

@@ -225,7 +225,7 @@ class Laboratory:
         decision: what was decided; None where no contact could be named.
         truth, own: the reference and the candidate at it.
         margin, got: the number that decides, in each.
-        taken: the entries into pockets that one of the two runs alone has in place of a meeting.
+        taken: the entries into pockets that only one of the two runs has, in place of a meeting.
         first_time, last_time: when the first and the last of the meetings in question come, in either run.
         account: what the displacement is made of, once it is known.
         displacement: it, with what the decision itself is rounded by.

@@ -177,7 +177,7 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, or a scene whose pockets capture circles, or have gravity.
+            SceneError: for a limit that is not above zero, pockets that capture circles, or pockets under gravity.
         """
         refuse_settled(scene, "engine 'sympy'")
         if scene.capture:
