@@ -6,7 +6,8 @@ import math
 from bisect import bisect_right
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple, SupportsFloat, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -54,6 +55,10 @@ class DoubleMotion:
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
             rows.append((x + vx * (t - t0), y + vy * (t - t0), vx, vy))
         return rows
+
+    def flown_from(self, place: int, number: int, time: float) -> DoubleRow:
+        """A circle at a time after one of its knots, both by their places."""
+        return self.flown(place, self.knots[place][number], time)
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same for many times at once.
@@ -108,12 +113,12 @@ class FallingMotion(DoubleMotion):
         """See `DoubleMotion.state`."""
         t = float(time)
         self._check(t)
-        rows: list[DoubleRow] = []
-        for i, row in enumerate(self.knots):
-            k = bisect_right(row, t, key=_time) - 1
-            straight = k in self.carried.get(i, ())
-            rows.append(DoubleMotion.flown(self, i, row[k], t) if straight else self.flown(i, row[k], t))
-        return rows
+        return [self.flown_from(i, bisect_right(row, t, key=_time) - 1, t) for i, row in enumerate(self.knots)]
+
+    def flown_from(self, place: int, number: int, time: float) -> DoubleRow:
+        """See `DoubleMotion.flown_from`."""
+        flown = DoubleMotion.flown if number in self.carried.get(place, ()) else FallingMotion.flown
+        return flown(self, place, self.knots[place][number], time)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""
@@ -200,8 +205,7 @@ class EventMotion(DoubleMotion):
         [(2.0, 0.0, -1.0, 0.0)]
         """
         time, counts = self.left[event]
-        last = enumerate(zip(self.knots, counts, strict=True))
-        return [self.flown(k, knots[count - 1], time) for k, (knots, count) in last]
+        return [self.flown_from(k, count - 1, time) for k, count in enumerate(counts)]
 
 
 @dataclass(frozen=True)
@@ -222,6 +226,59 @@ class SteppedEvents(EventMotion, SteppedFall):
     >>> motion.after(0)
     [(1.0, 5.0, 1.0, -4.0)]
     """
+
+
+class StepFall(NamedTuple):
+    """How an engine of steps falls: see `SteppedFall`."""
+
+    ahead: float
+    early: float
+
+
+FALLS_FEWEST = 3
+"""Flights by which the way in which an engine falls is known."""
+
+
+def step_fall(
+    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
+) -> StepFall | None:
+    """How an engine of steps falls, by the states that it reports; None where they do not agree.
+
+    Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
+    One that moves first is taken for pymunk's like.
+
+    Args:
+        room: by how much a place may be off.
+
+    >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
+    >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
+    >>> step_fall([told], (0.0, -4.0), 0.5, (), 1e-12)
+    StepFall(ahead=1.0, early=0.0)
+    """
+    (gx, gy), found = gravity, list[tuple[float, float]]()
+    square = gx * gx + gy * gy
+    for k, row in enumerate(knots):
+        for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
+            span = after - t
+            size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
+            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
+                continue
+            dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
+            unit = square * step * span
+            found.append((0.5 + (dx * gx + dy * gy) / unit, 2 * room * size * math.sqrt(square) / unit))
+    if len(found) < FALLS_FEWEST:
+        return None
+    ahead = sorted(value for value, _ in found)[len(found) // 2]
+    if not -NEAR_AHEAD <= ahead <= 1.0 + NEAR_AHEAD:
+        return None
+    if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
+        return None
+    ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
+    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
+
+
+NEAR_AHEAD = 2.0**-12
+"""How near two flights have to agree on the way in which an engine falls."""
 
 
 def _time(knot: DoubleKnot) -> float:

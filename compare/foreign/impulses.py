@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb, arb_mat
 
+from ...exact.replay.contact import Sides
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
 from ...scenarios.lazy import Later, kept
@@ -290,6 +291,77 @@ class Impacts:
             return all(n.x * gx + n.y * gy >= 0.0 for (_, j), n in normals.items() if j >= self.count)
         near = self._near
         return near is None or not any(near.comes_to(i, j, *rows[i]) for i in range(self.count) for j in near.things)
+
+
+class Shelf(NamedTuple):
+    """A line that can carry a circle.
+
+    Attributes:
+        place: of the wall, segment or polygon in `scene.ids`.
+        x, y: a point of it; of a face, where it begins.
+        nx, ny: of length 1, to the circle.
+        ux, uy: of length 1, along it, from its first point to its second.
+        length: of a face; infinite of a wall.
+    """
+
+    place: int
+    x: float
+    y: float
+    nx: float
+    ny: float
+    ux: float
+    uy: float
+    length: float
+
+
+class Supports:
+    """The walls and faces that can carry the circles of a scene: those across gravity, to which that pulls them.
+
+    >>> from truebreak.scenarios import Circle, Scene, Wall
+    >>> scene = Scene([Circle(0, 3)], [Wall(0, 0, 1, 0), Wall(0, -9, 1, -8)], gravity=(0, -1), settle=True)
+    >>> supports = Supports(scene)
+    >>> [supports.under(0, (5.0, 1.0, 2.0, vy), 2.0**-40, 2.0**-50) for vy in (0.0, 0.5)]
+    [1, None]
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        whole, count = scene.surfaces, len(scene.circles)
+        self._radii = [float(c.r) for c in scene.circles]
+        self.shelves: list[list[Shelf]] = [[] for _ in scene.circles]
+        if not scene.settle:
+            return
+        sides = Sides(whole)
+        owners = {wall: place for place, parts in parts_of(scene).items() for wall in parts.faces}
+        for w in filter(sides.level, range(len(whole.walls))):
+            wall = whole.walls[w]
+            x0, y0, x1, y1 = (float(v) for v in (wall.x0, wall.y0, wall.x1, wall.y1))
+            length, place = math.hypot(x1 - x0, y1 - y0), owners.get(w, count + w)
+            for k in range(count):
+                if sides.pull(k, w) < 0:
+                    sign = -1.0 if sides.negative(k, w) else 1.0
+                    ux, uy = (x1 - x0) / length, (y1 - y0) / length
+                    ends = length if w in whole.faces else math.inf
+                    self.shelves[k].append(Shelf(place, x0, y0, -sign * uy, sign * ux, ux, uy, ends))
+
+    def under(self, k: int, row: Row, share: float, still: float, flown: float = 0.0) -> int | None:
+        """The place of what a circle lies on or slides along; None where it neither touches such a thing nor stays.
+
+        Args:
+            share: by what share of themselves places may be off.
+            still: a speed across the line that is no more than rounding.
+            flown: a way, by a share of which places may be off, too.
+        """
+        x, y, vx, vy = row
+        for place, x0, y0, nx, ny, ux, uy, length in self.shelves[k]:
+            size = abs(x) + abs(y) + abs(x0) + abs(y0) + self._radii[k] + flown
+            foot, off = ux * (x - x0) + uy * (y - y0), nx * (x - x0) + ny * (y - y0) - self._radii[k]
+            if (
+                (math.isinf(length) or 0.0 < foot < length)
+                and abs(off) <= share * size
+                and abs(nx * vx + ny * vy) <= still
+            ):
+                return place
+        return None
 
 
 def _normal(part: NearestPart[float]) -> Normal:

@@ -100,7 +100,7 @@ MOST_BYTES = 64 * 1024 * 1024
 MOST_LINE = 1 << 20
 """Characters of one line: the states of 10,000 circles."""
 
-KEYS = frozenset({"time", "contact", "contacts", "states", "end", "quiet"})
+KEYS = frozenset({"time", "contact", "contacts", "states", "carried", "end", "quiet"})
 
 BESIDE = frozenset({"step", "hash", "input"})
 """Keys of the log format that a judge has no use for (docs/log-format.md)."""
@@ -121,9 +121,10 @@ def read_log(
     """The recording that a log is: `.csv` files are CSV, all others JSON lines.
 
     A line of JSON has a `time` and a `contact` of two ids; or `contacts`, several of one instant; perhaps with
-    `states`, x, y, vx, vy by circle, as the event leaves them. A line with states alone tells where circles are. The
-    last may be an `end`, perhaps with `"quiet": true`: nothing is left to happen. Of the log format of
-    `truebreak diff`, headers, outlines, steps, hashes, inputs and free fields are passed over.
+    `states`, x, y, vx, vy by circle, as the event leaves them, and with `carried`, the wall by circle of those that
+    walls carry from then on. A line with states alone says where circles are. The last may be an `end`, perhaps with
+    `"quiet": true`: nothing is left to happen. Headers, outlines, steps, hashes, inputs and free fields
+    of the log format of `truebreak diff` are passed over.
 
     Args:
         name: of the engine, for reports; by default the path.
@@ -171,16 +172,18 @@ def _take(recording: Recording, line: dict[str, Any], where: str) -> bool:
         raise EngineError(f"{where}: has no time; write the time of the event, or of the end")
     if "contact" in line and "contacts" in line:
         raise EngineError(f"{where}: has contact and contacts; keep one")
-    states = line.get("states")
+    states, carried = line.get("states"), line.get("carried")
+    if "carried" in line and carried is None:
+        raise EngineError(f'{where}: carried = None; must be walls by the ids of circles, as in {{"a": "floor"}}')
     if "contact" in line:
-        recording.hit(line["time"], *_pair(line["contact"], where), states)
+        recording.hit(line["time"], *_pair(line["contact"], where), states, carried)
     elif "contacts" in line:
         pairs = line["contacts"]
         if not isinstance(pairs, list) or not pairs:
             raise EngineError(f"{where}: contacts = {str(pairs)[:60]}; must be a list of pairs of ids")
-        recording.hits(line["time"], [_pair(pair, where) for pair in pairs], states)
-    elif states is not None:
-        recording.state(line["time"], states)
+        recording.hits(line["time"], [_pair(pair, where) for pair in pairs], states, carried)
+    elif states is not None or carried is not None:
+        recording.state(line["time"], states or {}, carried)
     else:
         raise EngineError(f"{where}: has neither a contact nor states; say what happens at that time")
     return False
@@ -309,8 +312,8 @@ class LogEngine(Unchangeable):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but those that it lacks."""
-        return ALL_KEYS - {"settle", "wall kinds"} - self.lacks
+        """All but those that it lacks; of one that goes by steps it is not known what walls carry."""
+        return ALL_KEYS - ({"wall kinds"} if self.step is None else {"settle", "wall kinds"}) - self.lacks
 
     @property
     def last(self) -> Trajectory:

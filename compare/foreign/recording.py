@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...floating.knots import (
@@ -13,15 +12,28 @@ from ...floating.knots import (
     EventMotion,
     FallingEvents,
     FallingMotion,
+    StepFall,
     SteppedEvents,
     SteppedFall,
+    step_fall,
 )
 from ...floating.pocket_entries import entries, last_entry
 from ...scenarios.numbers.precision import Double
 from ...scenarios.settings import positive_count, positive_time
-from ...scenarios.trajectory import Contact, Event, Progress, Reversal, Stop, StopReason, Tie, TieProof, Trajectory
+from ...scenarios.trajectory import (
+    Contact,
+    Event,
+    Progress,
+    Reversal,
+    Settling,
+    Stop,
+    StopReason,
+    Tie,
+    TieProof,
+    Trajectory,
+)
 from ..validation import EngineError, checked_event, checked_number, falls
-from .impulses import Impacts, Indices, Row
+from .impulses import Impacts, Indices, Row, Supports
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Quantity, QuantityLike
@@ -30,59 +42,6 @@ if TYPE_CHECKING:
 
 MOST_EVENTS = 1_000_000
 """Events of one recording: a few hundred megabytes."""
-
-
-class StepFall(NamedTuple):
-    """How an engine of steps falls: see `SteppedFall`."""
-
-    ahead: float
-    early: float
-
-
-FALLS_FEWEST = 3
-"""Flights by which the way in which an engine falls is known."""
-
-
-def step_fall(
-    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
-) -> StepFall | None:
-    """How an engine of steps falls, by the states that it reports; None where they do not agree.
-
-    Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
-    One that moves first is taken for pymunk's like.
-
-    Args:
-        room: by how much a place may be off.
-
-    >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
-    >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
-    >>> step_fall([told], (0.0, -4.0), 0.5, (), 1e-12)
-    StepFall(ahead=1.0, early=0.0)
-    """
-    (gx, gy), found = gravity, list[tuple[float, float]]()
-    square = gx * gx + gy * gy
-    for k, row in enumerate(knots):
-        for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
-            span = after - t
-            size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
-            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
-                continue
-            dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
-            unit = square * step * span
-            found.append((0.5 + (dx * gx + dy * gy) / unit, 2 * room * size * math.sqrt(square) / unit))
-    if len(found) < FALLS_FEWEST:
-        return None
-    ahead = sorted(value for value, _ in found)[len(found) // 2]
-    if not -NEAR_AHEAD <= ahead <= 1.0 + NEAR_AHEAD:
-        return None
-    if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
-        return None
-    ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
-    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
-
-
-NEAR_AHEAD = 2.0**-12
-"""How near two flights have to agree on the way in which an engine falls."""
 
 
 class Steps(NamedTuple):
@@ -107,6 +66,7 @@ class RunSoFar:
         knots: for each circle, from when on it flies straight, from where and how fast.
         left: for each event its time, and how many knots each circle has once it is over.
         reckoned: the events that came without states.
+        carried: for each circle the knots from which on a wall carries it, by their place, with the place of the wall.
     """
 
     def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], steps: Steps) -> None:
@@ -117,6 +77,7 @@ class RunSoFar:
         self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
         self.left: list[tuple[float, tuple[int, ...]]] = []
         self.reckoned: set[int] = set()
+        self.carried: list[dict[int, int]] = [{} for _ in rows]
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
 
@@ -152,11 +113,30 @@ class RunSoFar:
         self._links.append(list(links))
         self._coupled.append(len(links) > 1 and self._impacts.coupled(sorted(links), rows, now))
 
-    def fly(self, now: float, rows: Mapping[int, Row]) -> None:
-        """Circles fly on from a time as told."""
+    def fly(self, now: float, rows: Mapping[int, Row], carried: Mapping[int, int] | None = None) -> None:
+        """Circles fly on from a time as told; `carried` by which walls, by their places in `scene.ids`."""
         for k, row in rows.items():
             if self._impacts.moves(k):
+                if carried is not None and k in carried:
+                    self.carried[k][len(self.knots[k])] = carried[k]
                 self.knots[k].append((now, *row))
+
+    def support(self, k: int) -> int | None:
+        """The place of the wall that carries a circle now; None where it falls."""
+        return self.carried[k].get(len(self.knots[k]) - 1)
+
+    def settlings(self, knots: Sequence[Sequence[DoubleKnot]]) -> tuple[Settling, ...]:
+        """Where walls begin to carry circles, as far as these knots go; not at an instant at which they let go."""
+        found: list[tuple[float, int, int]] = []
+        for k, (row, carried) in enumerate(zip(knots, self.carried, strict=True)):
+            last = {knot[0]: carried.get(place) for place, knot in enumerate(row)} if carried else {}
+            found += [
+                (time, k, wall)
+                for before, (time, wall) in zip([None, *last.values()], last.items(), strict=False)
+                if wall is not None and before is None
+            ]
+        ids = self.scene.ids
+        return tuple(Settling(ids[k], ids[wall], Double(time)) for time, k, wall in sorted(found))
 
     def leave(self, now: float) -> None:
         """The last event, if it is of this time, is over."""
@@ -165,7 +145,11 @@ class RunSoFar:
 
     def rows(self, now: float) -> list[Row]:
         """Where every circle is by its last flight."""
-        return [self._way.flown(k, row[-1], now) for k, row in enumerate(self.knots)]
+        straight = DoubleMotion(())
+        return [
+            (self._way if self.support(k) is None else straight).flown(k, row[-1], now)
+            for k, row in enumerate(self.knots)
+        ]
 
     def rounds(self, now: float) -> float:
         """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
@@ -199,7 +183,10 @@ class RunSoFar:
                 FLIGHT * scale if bits is None else max(FLIGHT, 4.0 * 2.0**-bits) * scale,
             )
         if fall is None or step is None:
-            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, left=left, reckoned=reckoned)
+            carried = {
+                k: frozenset(n for n in told if n < len(knots[k])) for k, told in enumerate(self.carried) if told
+            }
+            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, carried, left=left, reckoned=reckoned)
         return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 
@@ -219,7 +206,7 @@ class Reports:
 
     def __init__(self, scene: Scene, where: str) -> None:
         self.where = where
-        self._ids = scene.ids
+        self._ids, self._settle = scene.ids, scene.settle
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._circles = [str(circle.id) for circle in scene.circles]
 
@@ -278,6 +265,27 @@ class Reports:
                 self._number(f"{label}vx", vx),
                 self._number(f"{label}vy", vy),
             )
+        return found
+
+    def carried(self, told: Any) -> dict[int, int]:
+        """Who is carried by what, by places.
+
+        Raises:
+            EngineError: for what names no circle, or no wall, segment or polygon, and in scenes without `settle`.
+        """
+        if not self._settle:
+            raise EngineError(f"{self.where}: carried: the scene has no settle = true; leave it out, or add that")
+        if not isinstance(told, Mapping):
+            raise EngineError(f"{self.where}: carried = {str(told)[:60]}; must be walls by the ids of circles")
+        found: dict[int, int] = {}
+        for name, wall in told.items():
+            place, under = self._places.get(name, len(self._circles)), self._places.get(wall, -1)
+            if place >= len(self._circles):
+                raise EngineError(f"{self.where}: carried has {name!r}, which is no circle of the scene; use its ids")
+            if under < len(self._circles):
+                told = f"{name!r} = {str(wall)[:60]!r}; must be the id of a wall, segment or polygon"
+                raise EngineError(f"{self.where}: carried: {told}")
+            found[place] = under
         return found
 
     def check_all(self, wanted: set[int], given: Mapping[int, Row]) -> None:
@@ -345,6 +353,9 @@ class Recording:
         progress: called with how far the run is.
         fall: how an engine of steps falls, where that is known; otherwise it is told by its states.
 
+    In a scene with `settle` a circle that walls carry flies straight. Where a report does not say which are carried,
+    each is that touches a wall across gravity, and has no speed across it but for rounding.
+
     Attributes:
         reckoned: whether a hit came without states, so that places were reckoned from times.
         notes: what reports are to say of it.
@@ -384,6 +395,10 @@ class Recording:
         self._course = RunSoFar(scene, self._impacts, rows, Steps(bits, step, fall))
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
         self._now, self._end, self._steps = 0.0, 0.0, 0
+        self._supports = Supports(scene)
+        self._unit = 4.0 * 2.0 ** -(53 if bits is None else bits)
+        if carried := self._carried_by(0.0, dict(enumerate(rows)), rows):
+            self._course.fly(0.0, {k: rows[k] for k in carried}, carried)
         self._budget: str | None = None
         self._quiet = self._reported = self._closed = False
 
@@ -408,19 +423,25 @@ class Recording:
         """x, y, vx, vy of every circle at the last time reported; at first the scene's, in the engine's bits."""
         return self._course.rows(self._now)
 
-    def hit(self, time: float, a: str, b: str, states: States | None = None) -> None:
+    def hit(
+        self, time: float, a: str, b: str, states: States | None = None, carried: Mapping[str, str] | None = None
+    ) -> None:
         """Two circles, or a circle and a wall, collide.
 
         Args:
             a, b: ids, in any order.
             states: x, y, vx, vy of circles as the collision leaves them; each that moves must be among them.
+            carried: those of them that a wall carries from then on, with the wall; None: their states say it.
 
         Raises:
             EngineError: for an unknown id, a time that is not finite or goes back, a state that is not finite.
         """
-        self.hits(time, [(a, b)], states)
+        self.hits(time, [(a, b)], states, carried)
 
-    def hits(self, time: float, pairs: Sequence[tuple[str, str]], states: States | None = None) -> None:
+    def hits(
+        self, time: float, pairs: Sequence[tuple[str, str]], states: States | None = None,
+        carried: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         """Several contacts collide at one instant, together; otherwise as `hit`."""
         now = self._reports.time(time, self._now, self.bits)
         contacts = [self._reports.contact(pair) for pair in pairs]
@@ -440,16 +461,18 @@ class Recording:
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
         self._course.add(self.where, now, links, rows, self.step is not None)
+        supports = None if carried is None else self._reports.carried(carried)
         if given is None:
-            self._bounce(now, links, rows)
+            self._bounce(now, links, rows, supports)
         else:
-            self._course.fly(now, given)
+            given = {k: rows[k] for k in supports or ()} | given
+            self._course.fly(now, given, self._carried_by(now, given, rows, supports))
         self._leave(now)
         self._reported = True
         self._turn_after()
         self._tell()
 
-    def state(self, time: float, states: States) -> None:
+    def state(self, time: float, states: States, carried: Mapping[str, str] | None = None) -> None:
         """Where circles are at a time, and how fast they go; for an engine of steps, after each step.
 
         Where a velocity has changed since the last state, and no hit was reported, the contacts are inferred: of the
@@ -474,13 +497,16 @@ class Recording:
         if changed and not self._reported:
             links = self._inferred(now, way, rows, before)
             self._course.add(self.where, now, links, rows, self.step is not None)
+        supports = None if carried is None else self._reports.carried(carried)
+        under = self._carried_by(now, given, before, supports)
         off = [
             k
             for k, by in enumerate(turned)
             if by > (0.0 if stands else small)
             or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > share * self._scale
+            or ((k in given or k in under) and under.get(k) != self._course.support(k))
         ]
-        self._course.fly(now, {k: rows[k] for k in off})
+        self._course.fly(now, {k: rows[k] for k in off}, under)
         self._leave(now)
         self._steps += 1
         happened = bool(changed) or self._reported or self._steps == 1
@@ -550,6 +576,7 @@ class Recording:
             reversal=turned,
             pocketings=entries(self.scene, motion, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
+            settlings=self._course.settlings(knots),
         )
 
     # -- what is made of it
@@ -572,11 +599,33 @@ class Recording:
             return Stop(StopReason.BUDGET, f"{StopReason.BUDGET.value}: {self._budget}")
         return Stop(StopReason.HORIZON, f"{RECORD_ENDS} {end!r}")
 
-    def _bounce(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
-        """Has the laws say how a hit without states leaves the circles."""
+    def _carried_by(
+        self, now: float, left: Mapping[int, Row], rows: Sequence[Row], told: Mapping[int, int] | None = None
+    ) -> Mapping[int, int]:
+        """Which circles walls carry from a report on: as told, or those that lie on a wall by their states.
+
+        Args:
+            left: how the report leaves circles.
+            rows: all of them, as they come to it.
+        """
+        if told is not None or not self.scene.settle:
+            return told or {}
+        fastest = max(math.hypot(*row[2:]) for row in [*rows, *left.values()])
+        found = {
+            k: self._supports.under(k, row, max(FLIGHT, self._unit), self._unit * fastest, fastest * now)
+            for k, row in left.items()
+        }
+        return {k: wall for k, wall in found.items() if wall is not None and self._impacts.moves(k)}
+
+    def _bounce(
+        self, now: float, links: Sequence[Indices], rows: Sequence[Row], supports: Mapping[int, int] | None
+    ) -> None:
+        """Has the laws say how a hit without states leaves the circles, also by the walls that carry them."""
         self.reckoned = True
         self._course.reckoned.add(len(self._course) - 1)
-        after = self._impacts.bounce(links, rows, now)
+        hit = {k for link in links for k in link if self._impacts.moves(k)}
+        under = {k: wall for k in sorted(hit) if (wall := self._course.support(k)) is not None}
+        after = self._impacts.bounce([*links, *(u for u in under.items() if u not in links)], rows, now)
         if after is None:
             if not self.notes:
                 self.notes.append(
@@ -585,7 +634,8 @@ class Recording:
                     "where circles are is not known; report states"
                 )
             return
-        self._course.fly(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
+        left = {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]}
+        self._course.fly(now, left, self._carried_by(now, left, rows, supports))
 
     def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Indices]:
         """The contacts of the last `way` of time."""

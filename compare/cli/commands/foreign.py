@@ -23,6 +23,7 @@ LOG is JSON lines, one event a line; or CSV, if its name ends in .csv:
   {{"time": 1.25, "contact": ["a", "b"]}}
   {{"time": 2.5, "contact": ["b", "w1"], "states": {{"b": [7.0, 0.5, -1, 0]}}}}
   {{"time": 3.0, "contacts": [["a", "b"], ["b", "c"]]}}  at one instant
+  {{"time": 4.5, "states": {{...}}, "carried": {{"c": "w1"}}}}  what walls carry
   {{"end": 290.7}}                                     nothing happened up to it
   {{"end": 290.7, "quiet": true}}                      nor will ever anything
 \b

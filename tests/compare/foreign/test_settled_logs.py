@@ -1,0 +1,235 @@
+"""Logs of scenes in which walls carry what comes to rest: true ones pass, and planted faults are found."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pytest
+from settle_campaign import drawn
+
+from truebreak.compare import compare, engine
+from truebreak.compare.audit.audit import Audit, audit_run
+from truebreak.compare.cli import main
+from truebreak.compare.foreign import LogEngine, Recording
+from truebreak.compare.foreign.impulses import Supports
+from truebreak.compare.logdiff.lawful import lawful_runs
+from truebreak.compare.validation import EngineError
+from truebreak.scenarios import Circle, Scene, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios.files import dump_json
+
+FLOOR = Wall(0, 0, 1, 0, id="floor")
+
+Lines: TypeAlias = "list[dict[str, Any]]"
+
+
+def lines_of(run: Trajectory, *, states: bool = True, carried: bool = False) -> Lines:
+    """The log of a run: its impulses, states of the circles that move, and which of them walls carry."""
+    found: Lines = []
+    walls = {s.circle: s.wall for s in run.settlings}
+    for event in run.events:
+        line: dict[str, Any] = {"time": float(event.time), "contacts": [list(pair) for pair in event.impulses]}
+        left = [c for c in run.after(event.index).circles if not run.scene.circles[run.scene.ids.index(c.id)].fixed]
+        if states:
+            line["states"] = {c.id: [float(v) for v in (c.x, c.y, c.vx, c.vy)] for c in left}
+        if carried:
+            rests = [c.id for c in left if run.motion.carries(run.scene.ids.index(c.id), event.time)]  # type: ignore[attr-defined]
+            line["carried"] = {name: walls[name] for name in rests}
+        found.append(line)
+    return [*found, {"end": float(run.final_time)}]
+
+
+def logged(lines: Lines, scene: Scene, path: Path, bits: int = 53) -> LogEngine:
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return LogEngine.of(path, scene, bits=bits)
+
+
+def settled(run: Trajectory) -> list[tuple[str, str, float]]:
+    return [(s.circle, s.wall, float(s.time)) for s in run.settlings]
+
+
+@pytest.mark.parametrize("told", [{}, {"carried": True}, {"states": False}], ids=["states", "carried", "times alone"])
+def test_logs_of_an_engine_that_keeps_the_law(told: Mapping[str, bool], tmp_path: Path) -> None:
+    """Discs settle, slide, are struck and carried again; by times alone, where they are follows from the laws."""
+    count = 0
+    for scene in filter(None, [*map(drawn, range(14)), catalogue.build("landing"), catalogue.build("struck")]):
+        run = engine("double").run(scene, until=12, events=16)
+        log = logged(lines_of(run, **told), scene, tmp_path / "log.jsonl")
+        found = compare(scene, [log], until=float(run.final_time)).candidates[0]
+        assert found.verdict in ("agree", "unsettled"), scene
+        assert found.laws is not None
+        assert found.laws.kept is (None if run.events and not told.get("states", True) else True), found.laws.sentence
+        assert [row[:2] for row in settled(log.last)] == [row[:2] for row in settled(run)]
+        assert [row[2] for row in settled(log.last)] == pytest.approx([row[2] for row in settled(run)], abs=1e-12)
+        for event in log.last.events:
+            for mine, theirs in zip(log.last.after(event.index).circles, run.after(event.index).circles, strict=True):
+                assert (mine.x, mine.y) == pytest.approx((float(theirs.x), float(theirs.y)), abs=1e-9)
+        count += len(run.settlings)
+    assert count > 15
+
+
+def test_single_precision_has_its_own_rounding(tmp_path: Path) -> None:
+    run = engine("single").run(catalogue.build("landing"))
+    log = logged(lines_of(run), run.scene, tmp_path / "log.jsonl", bits=24)
+    assert audit_run(log.last, log).kept
+    assert settled(log.last) == settled(run)
+
+
+def test_a_floor_aslant_carries(tmp_path: Path) -> None:
+    """Its states are rounded, and so is the speed across it that they have."""
+    discs = [Circle(0, 4, vx=1, vy=1, id="a"), Circle(9, "27/4 + 5/4", id="b")]
+    scene = Scene(discs, [Wall(0, 0, 4, 3, id="floor")], gravity=(3, -4), restitution=0, settle=True)
+    run = engine("double").run(scene, until=9)
+    log = logged(lines_of(run), scene, tmp_path / "log.jsonl")
+    assert settled(log.last) == settled(run)[:2]  # which has both let go and carried again as they collide
+    assert audit_run(log.last, log).kept
+
+
+def test_a_platform_carries_by_its_own_name(tmp_path: Path) -> None:
+    shelf = Segment(-1, 0, 1, 0, r="1/4", id="shelf")
+    scene = Scene([Circle(0, 4, id="a")], segments=[shelf], gravity=(0, -2), restitution=0, settle=True)
+    run = engine("double").run(scene, until=9)
+    log = logged(lines_of(run), scene, tmp_path / "log.jsonl")
+    assert [row[:2] for row in settled(log.last)] == [("a", "shelf")] == [row[:2] for row in settled(run)]
+    assert audit_run(log.last, log).kept
+    under = [Supports(scene).under(0, (x, 1.25, 0.0, 0.0), 2.0**-40, 0.0) for x in (-1.5, -0.5, 0.5, 1.5)]
+    assert under == [None, 1, 1, None], "beyond its ends nothing is carried"
+
+
+def test_a_ceiling_carries_nothing() -> None:
+    hangs = Scene([Circle(0, 1, id="a")], [Wall(0, 2, 1, 2, id="ceiling")], gravity=(0, -2), settle=True)
+    recording = Recording(hangs)
+    recording.end(1.0)
+    run = recording.trajectory()
+    assert not run.settlings
+    assert run.at(1)["a"].y == 0.0
+
+
+# -- planted faults
+
+SLIDES = Scene([Circle(0, 3, vx=1, id="a"), Circle(9, 1, id="b")], [FLOOR], gravity=(0, -2), restitution=0, settle=True)
+
+
+def changed(tmp_path: Path, change: Callable[[Lines], Any], scene: Scene = SLIDES) -> Audit:
+    lines = lines_of(engine("double").run(scene, until=12), carried=True)
+    change(lines)
+    log = logged(lines, scene, tmp_path / "log.jsonl")
+    return audit_run(log.last, log)
+
+
+def at_landing(column: int, by: float) -> Callable[[Lines], Any]:
+    def change(lines: Lines) -> None:
+        lines[0]["states"]["a"][column] += by
+
+    return change
+
+
+FAULTS: dict[str, tuple[Callable[[Lines], Any], set[str]]] = {
+    "nothing": (lambda _: None, set()),
+    "hovers": (at_landing(1, 1e-9), {"flight", "gap", "support"}),
+    "is in the floor": (at_landing(1, -1e-9), {"flight", "gap", "support"}),
+    "sinks": (at_landing(3, -1e-6), {"impulse", "support"}),
+    "rises": (at_landing(3, 1e-6), {"impulse", "support"}),
+    "is braked": (at_landing(2, -0.5), {"impulse"}),
+    "is never carried": (lambda lines: lines[0].update(carried={}), {"depth"}),
+    "is carried in the air": (
+        lambda lines: lines.insert(0, {"time": 0.5, "states": {}, "carried": {"a": "floor"}}),
+        {"support"},
+    ),
+    "passes the other": (lambda lines: lines.__delitem__(slice(1, len(lines) - 1)), {"depth"}),
+}
+
+
+@pytest.mark.parametrize("what", FAULTS)
+def test_a_fault_of_a_log_is_found(what: str, tmp_path: Path) -> None:
+    change, kinds = FAULTS[what]
+    found = changed(tmp_path, change)
+    assert found.kept is not bool(kinds), found.sentence
+    assert {v.kind for v in found.violations} >= kinds, found.violations
+
+
+def test_by_times_alone_what_falls_on_one_that_lies_is_met_beside_its_floor(tmp_path: Path) -> None:
+    """The one that lies is pushed against its wall within the instant, whether or not the log says so."""
+    discs = [Circle(0, 1, id="lies"), Circle("1/2", 6, id="falls")]
+    scene = Scene(discs, [FLOOR], gravity=(0, -2), restitution="1/2", settle=True)
+    run = engine("double").run(scene, until=3, events=1)
+    lines = [{"time": float(run.events[0].time), "contact": ["lies", "falls"]}]
+    rows = logged(lines, scene, tmp_path / "log.jsonl").last.after(0)
+    for mine, theirs in zip(rows.circles, run.after(0).circles, strict=True):
+        assert (mine.vx, mine.vy) == pytest.approx((float(theirs.vx), float(theirs.vy)), abs=1e-12)
+    assert float(rows["lies"].vy) >= 0.0
+
+
+def test_a_line_may_say_it_of_a_circle_without_states() -> None:
+    recording = Recording(SLIDES)
+    recording.hit(2.0**0.5, "a", "floor", {"a": (2.0**0.5, 1.0, 1.0, 0.0)}, {"a": "floor", "b": "floor"})
+    recording.end(2.0)
+    knots = recording.trajectory().motion.carried  # type: ignore[attr-defined]
+    assert knots == {0: frozenset({1}), 1: frozenset({1, 2})}
+
+
+# -- what is asked, and what is refused
+
+
+def test_judge_audits_such_a_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene, log = tmp_path / "scene.json", tmp_path / "log.jsonl"
+    scene.write_text(dump_json(SLIDES))
+    run = engine("double").run(SLIDES, until=12)
+    logged(lines_of(run), SLIDES, log)
+    with pytest.raises(SystemExit) as ended:
+        main(["judge", str(scene), str(log)])
+    assert ended.value.code == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "settled: b on floor at time 0, a on floor at time 1.41421356; the same in" in said
+    lines = lines_of(run, carried=True)
+    lines[0]["states"]["a"][1] += 1e-6
+    logged(lines, SLIDES, log)
+    with pytest.raises(SystemExit) as ended:
+        main(["judge", str(scene), str(log)])
+    assert ended.value.code == 1
+    assert "does not keep the law" in " ".join(capsys.readouterr().out.split())
+
+
+def test_diff_audits_both(tmp_path: Path) -> None:
+    run = engine("double").run(SLIDES, until=12)
+    logged(lines_of(run), SLIDES, tmp_path / "a.jsonl")
+    lines = lines_of(run, carried=True)
+    at_landing(1, 1e-6)(lines)
+    logged(lines, SLIDES, tmp_path / "b.jsonl")
+    found = lawful_runs(tmp_path / "a.jsonl", tmp_path / "b.jsonl", SLIDES)
+    assert [told.kept for told in found.audits] == [True, False]
+
+
+def test_a_log_of_steps_does_not_say_what_is_carried() -> None:
+    recording = Recording(SLIDES, step=1 / 8)
+    recording.end(1.0)
+    found = compare(SLIDES, [LogEngine(recording, step=1 / 8)], until=1).candidates[0]
+    assert found.unable
+    assert "settle" in found.trajectory.stop.message
+
+
+@pytest.mark.parametrize(
+    ("carried", "words"),
+    [
+        ({"c": "floor"}, "carried has 'c', which is no circle of the scene; use its ids"),
+        ({"a": "b"}, "carried: 'a' = 'b'; must be the id of a wall, segment or polygon"),
+        ({"a": 3}, "carried: 'a' = '3'; must be the id of a wall, segment or polygon"),
+        (["a"], "carried = ['a']; must be walls by the ids of circles"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_carried_is_refused(carried: Any, words: str) -> None:
+    recording = Recording(SLIDES)
+    with pytest.raises(EngineError) as refused:
+        recording.state(1.0, {"a": (1.0, 2.0, 1.0, -2.0)}, carried)
+    assert words in str(refused.value)
+
+
+def test_without_settle_nothing_is_carried(tmp_path: Path) -> None:
+    with pytest.raises(
+        EngineError, match=r"line 1: carried: the scene has no settle = true; leave it out, or add that"
+    ):
+        logged([{"time": 1, "carried": {"a": "floor"}}], SLIDES.with_changes(settle=False), tmp_path / "log.jsonl")
+    with pytest.raises(EngineError, match="carried = None; must be walls by the ids of circles"):
+        logged([{"time": 1, "carried": None}], SLIDES, tmp_path / "log.jsonl")
