@@ -1,7 +1,8 @@
-"""The first falling zero of a polynomial by Sturm's chains in fractions: shares no code or method with truebreak."""
+"""The falling zeros of a polynomial by Sturm's chains in fractions: shares no code or method with truebreak."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd, lcm
@@ -78,9 +79,14 @@ def changes(chain: list[list[int]], t: Fraction) -> int:
 
 def first_fall(c: Poly, width: Fraction) -> tuple[Fraction, Fraction] | None:
     """Where a polynomial, positive at 0, first falls through zero, to a width; None where it never does."""
+    return next(falls(c, width), None)
+
+
+def falls(c: Poly, width: Fraction) -> Iterator[tuple[Fraction, Fraction]]:
+    """Where a polynomial, not zero at 0, falls through zero, each time to a width."""
     p = trimmed(c)
     if len(p) < 2:
-        return None
+        return
     q = whole(p)
     chain, top = chain_of(q), 1 + max(abs(x / p[-1]) for x in p[:-1])
     stack = [(Fraction(0), top, changes(chain, Fraction(0)), changes(chain, top))]
@@ -95,12 +101,13 @@ def first_fall(c: Poly, width: Fraction) -> tuple[Fraction, Fraction] | None:
                 middle = (low + high) / 2
                 sign = sign_at(q, middle)
                 if sign == 0:
-                    return middle - width / 4, middle + width / 4
+                    low, high = middle - width / 4, middle + width / 4
+                    break
                 low, high = (middle, high) if sign > 0 else (low, middle)
-            return low, high
+            yield low, high
+            continue
         middle, share = (low + high) / 2, Fraction(1, 3)
         while sign_at(q, middle) == 0:
             middle, share = low + (high - low) * share, share / 2
         here = changes(chain, middle)
         stack += [(middle, high, here, after), (low, middle, before, here)]
-    return None

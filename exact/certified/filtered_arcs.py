@@ -9,13 +9,16 @@ from typing import NamedTuple, TypeAlias, TypeGuard
 
 from flint import arb
 
+from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
+from ..compiled import Doubles, predictions
 from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
-from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_flat, name_of
+from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_arc, is_flat, is_pair, name_of
 from ..replay.landings import Landing, landing, passes
 from ..replay.refinable import RefinableState
+from ..replay.round_falls import DEEPEST, MOST_PARTS, Started, halves, sharpened_in_doubles, started
 from ..replay.state import ReplayState
 from ..simulation.arc_meetings import ArcSides, Predicting, face_contact, fall_to_face, predict_falls
 from ..simulation.prediction import ArrivalQueue
@@ -30,7 +33,7 @@ from .filtered import (
     DoubleFilter,
     FilteredPredictor,
 )
-from .filtered_falls import FallingPredictor
+from .filtered_falls import FallingPredictor, SeenFlight, as_times, seen_from, time_left
 
 
 class FloatArc(NamedTuple):
@@ -171,6 +174,90 @@ class ShortArcSides(ArcSides[arb]):
         return FloatArc(link.arc, x, y, reach, nx, ny, edge, norm, self.scene.arc_sides[link.arc].full)
 
 
+# -- Arcs, and rims of pockets, as a circle that falls comes to them: see landings.py for which zero is a meeting.
+#
+# The gap is that of a circle that stands, with the bounds of filtered_falls.py; within R it is taken negatively. So
+# many seconds s after the clock the circle is e + w s + h s^2 from the middle; as far as |R| away from it, it is within
+# the range where n.(e + w s + h s^2) > n.e |R|. That is off by what e is, and s times what w is; by 2u of h s^2, of n
+# and of the edge, and at most 12 roundings of the sizes of all these; and between two times from what it is in their
+# middle by half of their distance, times |n| (|w| + 2 |h| s). All is taken twice.
+
+
+class FallenSide(NamedTuple):
+    """A side of an arc as circles of one radius meet it that fall, in doubles, or a rim: which it is, whether it goes
+    all around, its middle, R, half of gravity, and as `FloatArc` has it the normal of its chord, n.e |R|, and the
+    normal's 1-norm, infinite where doubles do not tell all that."""
+
+    side: int
+    full: bool
+    x: float
+    y: float
+    reach: float
+    hx: float
+    hy: float
+    nx: float
+    ny: float
+    edge: float
+    norm: float
+
+
+def within_in_doubles(seen: SeenFlight, side: FallenSide, low: float, high: float) -> bool | None:
+    """Whether a circle, as far away as a side is, is within its range at all of some times; False: at none; or None."""
+    if side.full:
+        return True
+    _, _, _, _, _, hx, hy, nx, ny, edge, norm = side
+    s, spread = 0.5 * (low + high), 0.5 * (high - low) + 4 * UNIT * high
+    x, y = seen.ex + (seen.ux + hx * s) * s, seen.ey + (seen.uy + hy * s) * s
+    found = nx * x + ny * y - edge
+    off = norm * (seen.off_e + high * seen.off_v)
+    off += norm * (seen.fast + seen.off_v + 2.0 * seen.pull * high) * spread
+    off += 32 * UNIT * (norm * (seen.near + (seen.fast + seen.pull * high) * high) + abs(edge))
+    off *= 2.0
+    return True if found > off else False if found < -off else None
+
+
+def side_in_doubles(flight: Doubles, side: FallenSide, until: float, stood: bool) -> tuple[float, float] | bool:
+    """When a circle falls onto a side of an arc, or through a rim; as `peg_in_doubles`."""
+    if predictions is not None:
+        return predictions.onto_side(flight, side, until, stood)
+    end = time_left(flight, until)
+    if end <= 0.0:
+        return False
+    if side.norm == inf:
+        return True
+    seen = seen_from(flight, *side[2:7])
+    c, off = seen.c, seen.off
+    if side.reach < 0.0:
+        c = tuple(-value for value in c)
+    if stood:
+        c, off = c[1:], off[1:]
+    if not (all(map(isfinite, c)) and all(map(isfinite, off))):
+        return True
+    begun = started(c, off, end)
+    if not isinstance(begun, Started):
+        return begun is not None
+    stack, parts = [(0.0, begun.top, begun.b, 0)], 0
+    while stack:
+        low, high, b, depth = stack.pop()
+        above = int(b[0] > 0.0)
+        changes = begun.changes(b, depth, 1 if above else -1)
+        if changes == 0 or (changes == 1 and not above):
+            continue
+        if changes == 1:
+            zero = sharpened_in_doubles(c, off, low, high)
+            within = within_in_doubles(seen, side, float(zero.low), float(zero.high))
+            if within is False:
+                continue
+            return as_times(flight, zero) if within else True
+        if within_in_doubles(seen, side, low, high) is False:
+            continue
+        parts += 1
+        if depth >= DEEPEST or parts > MOST_PARTS:
+            return True
+        stack += halves(low, high, b, depth)
+    return False
+
+
 class ArcPredictor(FallingPredictor):
     """Predictions in doubles, then in short balls, of scenes with arcs. See `FilteredPredictor`."""
 
@@ -189,12 +276,23 @@ class ArcPredictor(FallingPredictor):
 class PegPredictor(FallingPredictor):
     """Predictions of scenes in which something round stands under gravity. See `FilteredPredictor`."""
 
+    def __init__(
+        self,
+        scene: Scene,
+        refinable: RefinableState,
+        queue: ArrivalQueue[arb],
+        plan: Counter[str],
+        unsure: Callable[[Link], None],
+    ) -> None:
+        super().__init__(scene, refinable, queue, plan, unsure)
+        self._sides: dict[tuple[int, int, bool], FallenSide] = {}
+
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`; in one go where what stands at gap zero as flights begin is what was pushed."""
         pegs, on_peg = self.scene.pegs, self.state.on_peg
         known = {link for link in standing if on_peg(link)}
         plain = self.state.pegs == pegs and not pegs.intersection(a.index for a in moved)
-        if plain and all(self._stood(a) == {link for link in known if a.index in link} for a in moved):
+        if plain and all(self._stood(a) == {link for link in known if a.index in link.circles} for a in moved):
             super().predict(moved, standing, gone)
         else:
             self.at_length(moved, standing, gone)
@@ -206,7 +304,7 @@ class PegPredictor(FallingPredictor):
 
     def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `FilteredPredictor.at_length`."""
-        self.few = self.arcs is None and not self.state.pockets
+        self.few = not self.state.pockets
         predict_falls(self, moved, standing, gone, self._walls_of)
 
     def face(self, a: Body[arb], wall: int, standing: Collection[Link]) -> None:
@@ -261,11 +359,20 @@ class PegPredictor(FallingPredictor):
     def land(self, a: Body[arb], link: Round, standing: Collection[Link]) -> None:
         """See `Predictor.land`."""
         state = self.refinable.balls
-        if link in standing and not state.stood(link):
+        stood = state.stood(link)
+        if link in standing and not stood:
             raise Undecided(
                 f"{name_of(self.scene, link)} touch at one instant with other contacts, and not by an impulse of their "
                 "own: what comes then, under gravity, is not decided"
             )
+        if a.f is not None and not is_pair(link):
+            times = side_in_doubles(a.f, self._side(a, link), a.until, stood)
+            if not isinstance(times, bool):
+                self._land_at(a, link, *times, None)
+                return
+            if not times:
+                return
+            self.plan["unclear in doubles"] += 1
         self.prepare()
         flight = a.flight
         end = inf if a.until == inf else (a.until - ball.double_bounds(flight.instant)[0]) * (1 + 2.0**-40)
@@ -273,13 +380,47 @@ class PegPredictor(FallingPredictor):
             return
         found = landing(state, link, end)
         if isinstance(found, arb):
-            low, high = self.bounds(time := flight.t + found)
-            if low <= a.until:
-                self.queue.push(low, high, time, link)
-                a.until = min(a.until, high) if link.pushes else a.until
+            time = flight.t + found
+            self._land_at(a, link, *self.bounds(time), time)
         elif found is not None:
             self.plan["unclear in doubles"] += 1
             self.unsure(link)
+
+    def _land_at(self, a: Body[arb], link: Round, low: float, high: float, time: arb | None) -> None:
+        """Queues a landing between two times, which ends a flight where it pushes."""
+        if low <= a.until:
+            self.queue.push(low, high, time, link)
+            a.until = min(a.until, high) if link.pushes else a.until
+
+    def _side(self, a: Body[arb], link: AtArc | Entry) -> FallenSide:
+        """A side of an arc, or a rim, as a circle meets it that falls."""
+        key = (a.kind, link.arc, True) if is_arc(link) else (a.kind, link.pocket, False)
+        found = self._sides.get(key)
+        if found is None:
+            found = self._sides[key] = self._as_side(link)
+        return found
+
+    def _as_side(self, link: AtArc | Entry) -> FallenSide:
+        """The doubles of short balls; nothing is clear where these do not tell them to a few roundings."""
+        scene, g = self.scene, self.scene.gravity or (ZERO, ZERO)
+        half = g[0] / 2, g[1] / 2
+        if is_arc(link):
+            side = scene.arc_sides[link.arc]
+            reach = scene.circles[link.circle].r + side.r
+            exact = (side.x, side.y, reach, *half, side.nx, side.ny, side.h * abs(reach))
+            name, full = link.arc, side.full
+        else:
+            rim = scene.pockets[link.pocket]
+            exact, name, full = (rim.x, rim.y, rim.r, *half, ZERO, ZERO, ZERO), ~link.pocket, True
+        with ball.precision(QUICK_BITS):
+            numbers = [ball.constant(number) for number in exact]
+        doubles = [float(number) for number in numbers]
+        sharp = all(number.is_zero() or number.rel_accuracy_bits() > ACCURATE_BITS for number in numbers)
+        plain = all(number == 0.0 or TINY < abs(number) < BIG for number in doubles) and doubles[2] != 0.0
+        true = all((told == 0.0) == number.is_zero() for told, number in zip(doubles, numbers, strict=True))
+        norm = abs(doubles[5]) + abs(doubles[6]) if sharp and plain and true else inf
+        x, y, far, hx, hy, nx, ny, edge = doubles
+        return FallenSide(name, full, x, y, far, hx, hy, nx, ny, edge, norm)
 
     def in_full(self, link: Round) -> Landing:
         """When a circle falls onto something round that stands, in full balls; what is known of it."""

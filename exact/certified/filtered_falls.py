@@ -263,13 +263,42 @@ def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) ->
     """
     if predictions is not None:
         return predictions.onto_peg(flight, peg, until, stood)
-    x, y, vx, vy, t, late = flight
-    _, px, py, reach, hx, hy = peg
-    end = until - t + (late + 8 * UNIT * (until + t))
+    end = time_left(flight, until)
     if end <= 0.0:
         return False
-    if reach == inf:  # which drops out where they touch as the flight begins
+    if peg.reach == inf:  # which drops out where they touch as the flight begins
         return True
+    seen = seen_from(flight, *peg[1:])
+    found = falling_zero(seen.c[1:], seen.off[1:], end) if stood else falling_zero(seen.c, seen.off, end)
+    return as_times(flight, found) if isinstance(found, Isolated) else found is not None
+
+
+class SeenFlight(NamedTuple):
+    """A flight as something round sees it that stands, from the flight's clock on.
+
+    Attributes:
+        c, off: the gap as a polynomial of the time, and bounds of how far its coefficients are off.
+        ex, ey, ux, uy: where the circle is, and its velocity.
+        near, fast, pull: the 1-norms of these, and of half of gravity.
+        off_e, off_v: bounds of how far a component of the place, and of the velocity, is off.
+    """
+
+    c: Doubles
+    off: Doubles
+    ex: float
+    ey: float
+    ux: float
+    uy: float
+    near: float
+    fast: float
+    pull: float
+    off_e: float
+    off_v: float
+
+
+def seen_from(flight: Doubles, px: float, py: float, reach: float, hx: float, hy: float) -> SeenFlight:
+    """A flight in doubles, as seen from there; half of gravity is (hx, hy)."""
+    x, y, vx, vy, t, late = flight
     wx, wy = hx * t, hy * t
     ex, ey = x - px + wx * t, y - py + wy * t
     ux, uy = vx + 2.0 * wx, vy + 2.0 * wy
@@ -293,10 +322,19 @@ def peg_in_doubles(flight: Doubles, peg: FloatPeg, until: float, stood: bool) ->
         4.0 * pull * off_v + 16 * UNIT * fast * pull,
         16 * UNIT * pull * pull,
     )
-    found = falling_zero(c[1:], off[1:], end) if stood else falling_zero(c, off, end)
-    if not isinstance(found, Isolated):
-        return found is not None
-    low, high = cast("tuple[float, float]", found)
+    return SeenFlight(c, off, ex, ey, ux, uy, near, fast, pull, off_e, off_v)
+
+
+def time_left(flight: Doubles, until: float) -> float:
+    """What a flight can last for from its clock on, that ends by a time, or a little after."""
+    t, late = flight[4:]
+    return until - t + (late + 8 * UNIT * (until + t))
+
+
+def as_times(flight: Doubles, zero: Isolated) -> tuple[float, float] | bool:
+    """Bounds of a time, of what is reckoned from a flight's clock on; True where they are too far apart."""
+    t, late = flight[4:]
+    low, high = cast("tuple[float, float]", zero)
     if not high - low <= NARROW * high:
         return True
     low, high = t + low - (late + 8 * UNIT * (t + low)), t + high + (late + 8 * UNIT * (t + high))

@@ -56,6 +56,10 @@ class CompiledPredictions(Protocol):
         """`peg_in_doubles`."""
         ...
 
+    def onto_side(self, flight: Doubles, side: Any, until: float, stood: bool, /) -> tuple[float, float] | bool:
+        """`side_in_doubles`."""
+        ...
+
     def predict(
         self,
         moved: Sequence[Any],

@@ -190,7 +190,7 @@ static PyObject *faces(PyObject *self, PyObject *const *args, Py_ssize_t count)
     return meet_lines(face, args, count);
 }
 
-/* -- zeros of quartics: `falling_zero` and `peg_in_doubles` */
+/* -- zeros of quartics: `falling_zero`, `peg_in_doubles` and `side_in_doubles` */
 
 static int read_poly(PyObject *numbers, double *out)
 {
@@ -261,6 +261,27 @@ static PyObject *peg_met(PyObject *self, PyObject *const *args, Py_ssize_t count
     if (stood < 0 || read_doubles(args[0], FLIGHT, a) < 0 || read_peg(args[1], &peg) < 0 || read_double(args[2], &until) < 0)
         return NULL;
     int told = onto_peg(a, &peg, until, stood, &span);
+    return told == MEETS ? Py_BuildValue("(dd)", span.low, span.high) : PyBool_FromLong(told == UNCLEAR);
+}
+
+enum { SIDE = 11 }; /* of a `FallenSide`: which, whether it is full, and nine doubles */
+
+PyDoc_STRVAR(onto_side_doc, "onto_side(f, side, until, stood): as `side_in_doubles`.");
+
+static PyObject *side_met(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT], until, nine[9];
+    Span span;
+    if (count != 4 || !PyTuple_Check(args[1]) || PyTuple_GET_SIZE(args[1]) != SIDE) {
+        PyErr_SetString(PyExc_TypeError, "onto_side: a flight, a side of eleven, a time, and whether they touch");
+        return NULL;
+    }
+    int full = PyObject_IsTrue(PyTuple_GET_ITEM(args[1], 1)), stood = PyObject_IsTrue(args[3]);
+    if (full < 0 || stood < 0 || read_doubles(args[0], FLIGHT, a) < 0 || read_doubles(args[1], 9, nine) < 0
+        || read_double(args[2], &until) < 0)
+        return NULL;
+    Side side = {{nine[0], nine[1], nine[2], nine[3], nine[4]}, nine[5], nine[6], nine[7], nine[8], full};
+    int told = onto_side(a, &side, until, stood, &span);
     return told == MEETS ? Py_BuildValue("(dd)", span.low, span.high) : PyBool_FromLong(told == UNCLEAR);
 }
 
@@ -339,21 +360,30 @@ typedef struct {
     int falls; /* a wall that falls, where a contact that stands is none to leave out: see `fall` */
 } Entry;
 
+/* Whether a contact is with something of a kind. */
+static int is_named(PyObject *link, const char *kind)
+{
+    return PyTuple_GET_SIZE(link) == 3 && PyUnicode_Check(PyTuple_GET_ITEM(link, 2))
+        && PyUnicode_CompareWithASCIIString(PyTuple_GET_ITEM(link, 2), kind) == 0;
+}
+
 /* 1 if told, 0 if this is left to Python, -1 with an error set. */
 static int read_standing(PyObject *tuple, Standing *out, int *count)
 {
     if (!PyTuple_Check(tuple) || PyTuple_GET_SIZE(tuple) > MOST_STANDING)
         return 0;
-    *count = (int)PyTuple_GET_SIZE(tuple);
-    for (int k = 0; k < *count; k++) {
-        PyObject *link = PyTuple_GET_ITEM(tuple, k);
+    *count = 0;
+    for (Py_ssize_t n = 0; n < PyTuple_GET_SIZE(tuple); n++) {
+        PyObject *link = PyTuple_GET_ITEM(tuple, n);
         if (!PyTuple_Check(link))
             return 0;
         Py_ssize_t size = PyTuple_GET_SIZE(link);
-        int is_wall = size == 3 && PyUnicode_Check(PyTuple_GET_ITEM(link, 2))
-            && PyUnicode_CompareWithASCIIString(PyTuple_GET_ITEM(link, 2), "wall") == 0;
+        int is_wall = is_named(link, "wall"), k = *count;
+        if (is_named(link, "arc")) /* is looked at apart from all these: see `PegPredictor` */
+            continue;
         if (size != 2 && !is_wall)
             return 0;
+        ++*count;
         out[k].is_wall = is_wall;
         if (read_size(PyTuple_GET_ITEM(link, 0), &out[k].a) < 0 || read_size(PyTuple_GET_ITEM(link, 1), &out[k].b) < 0)
             return -1;
@@ -711,6 +741,7 @@ static PyMethodDef methods[] = {
     {"faces", (PyCFunction)(void (*)(void))faces, METH_FASTCALL, faces_doc},
     {"falling_zero", (PyCFunction)(void (*)(void))first_fall, METH_FASTCALL, falling_zero_doc},
     {"onto_peg", (PyCFunction)(void (*)(void))peg_met, METH_FASTCALL, onto_peg_doc},
+    {"onto_side", (PyCFunction)(void (*)(void))side_met, METH_FASTCALL, onto_side_doc},
     {"first", (PyCFunction)(void (*)(void))first, METH_FASTCALL, first_doc},
     {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},
     {"walls", (PyCFunction)(void (*)(void))walls, METH_FASTCALL, walls_doc},

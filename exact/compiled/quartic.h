@@ -1,5 +1,6 @@
 /* The first zero at which a quartic falls, in doubles: what `falling_zero` of round_falls.py does, which has the
- * derivation; and of a circle that falls onto one that stands: `peg_in_doubles` of filtered_falls.py. */
+ * derivation; of a circle that falls onto one that stands: `peg_in_doubles` of filtered_falls.py; and onto a side of an
+ * arc: `side_in_doubles` of filtered_arcs.py. */
 #ifndef TRUEBREAK_QUARTIC_H
 #define TRUEBREAK_QUARTIC_H
 
@@ -118,6 +119,71 @@ static Span sharpened(const Poly *p, double low, double high)
 /* An interval that is still to be looked at, with the Bernstein coefficients there. */
 typedef struct { double low, high, b[TERMS]; int depth; } Part;
 
+/* Begins with all times up to a polynomial's last falling zero, or an end: `started`. */
+static int started(const Poly *p, double end, Part *part, double *base, double *per)
+{
+    int degree = p->degree;
+    double last = last_zero(p);
+    if (last == 0.0)
+        return NONE;
+    if (!(last < end))
+        last = end;
+    if (!(LEAST < last && last < GREATEST))
+        return UNCLEAR;
+    double top = end_of(last), size = 0.0, slack = 0.0, power = 1.0, terms[TERMS];
+    for (int k = 0; k <= degree; k++) {
+        size += fabs(p->c[k]) * power;
+        slack += p->off[k] * power;
+        terms[k] = p->c[k] * power;
+        power *= top;
+    }
+    if (!(SMALLEST < size && size < 1 / SMALLEST))
+        return UNCLEAR;
+    *base = 1.01 * slack + 64 * UNIT * size;
+    *per = 8 * UNIT * size;
+    *part = (Part){0.0, top, {0.0}, 0};
+    for (int i = 0; i <= degree; i++) {
+        double sum = 0.0;
+        for (int j = 0; j <= i; j++)
+            sum += weights[degree][i][j] * terms[j];
+        part->b[i] = sum;
+    }
+    return MEETS;
+}
+
+/* Both halves of a part, the later one first. */
+static void halve(Part part, int degree, Part *halves)
+{
+    Part *right = &halves[0], *first = &halves[1];
+    for (int k = 0; k <= degree; k++) {
+        first->b[k] = part.b[0];
+        right->b[degree - k] = part.b[degree - k];
+        for (int m = 0; m < degree - k; m++)
+            part.b[m] = (part.b[m] + part.b[m + 1]) * 0.5;
+    }
+    first->low = part.low;
+    right->high = part.high;
+    first->high = right->low = 0.5 * (part.low + part.high);
+    right->depth = first->depth = part.depth + 1;
+}
+
+/* How often the signs of a part's coefficients change, after a first one; -1 where one of them is not certain. */
+static int changes_of(const Part *part, int degree, double doubt, int above)
+{
+    int changes = 0;
+    for (int k = 0; k <= degree; k++) {
+        if (part->b[k] > doubt) {
+            changes += !above;
+            above = 1;
+        } else if (part->b[k] < -doubt) {
+            changes += above;
+            above = 0;
+        } else
+            return -1;
+    }
+    return changes;
+}
+
 /* The first zero in (0, end], or a little beyond, at which a polynomial falls from above zero: MEETS; UNCLEAR: it is not
  * told, and none comes before `span->low`. */
 static int falling_zero(const Poly *p, double end, Span *span)
@@ -129,52 +195,18 @@ static int falling_zero(const Poly *p, double end, Span *span)
         plain = plain && isfinite(p->c[k]) && isfinite(p->off[k]);
     if (!plain)
         return UNCLEAR;
-    double last = last_zero(p);
-    if (last == 0.0)
-        return NONE;
-    if (!(last < end))
-        last = end;
-    if (!(LEAST < last && last < GREATEST))
-        return UNCLEAR;
-    double top = end_of(last), size = 0.0, slack = 0.0, power = 1.0;
     Part stack[DEEPEST + 2];
-    double terms[TERMS];
-    for (int k = 0; k <= degree; k++) {
-        size += fabs(p->c[k]) * power;
-        slack += p->off[k] * power;
-        terms[k] = p->c[k] * power;
-        power *= top;
-    }
-    if (!(SMALLEST < size && size < 1 / SMALLEST))
-        return UNCLEAR;
-    double base = 1.01 * slack + 64 * UNIT * size, per = 8 * UNIT * size;
-    stack[0].low = 0.0;
-    stack[0].high = top;
-    stack[0].depth = 0;
-    for (int i = 0; i <= degree; i++) {
-        double sum = 0.0;
-        for (int j = 0; j <= i; j++)
-            sum += weights[degree][i][j] * terms[j];
-        stack[0].b[i] = sum;
-    }
+    double base, per;
+    int told = started(p, end, stack, &base, &per);
+    if (told != MEETS)
+        return told;
     int left = 1, parts = 0;
     while (left > 0) {
         Part part = stack[--left];
-        double doubt = base + per * part.depth;
-        int changes = 0, sure = 1, above = 1;
-        for (int k = 0; k <= degree && sure; k++) {
-            if (part.b[k] > doubt) {
-                changes += !above;
-                above = 1;
-            } else if (part.b[k] < -doubt) {
-                changes += above;
-                above = 0;
-            } else
-                sure = 0;
-        }
-        if (sure && changes == 0)
+        int changes = changes_of(&part, degree, base + per * part.depth, 1);
+        if (changes == 0)
             continue;
-        if (sure && changes == 1) {
+        if (changes == 1) {
             *span = sharpened(p, part.low, part.high);
             return MEETS;
         }
@@ -183,19 +215,7 @@ static int falling_zero(const Poly *p, double end, Span *span)
             span->low = part.low;
             return UNCLEAR;
         }
-        double half = 0.5 * (part.low + part.high);
-        Part *right = &stack[left], *first = &stack[left + 1];
-        for (int k = 0; k <= degree; k++) {
-            first->b[k] = part.b[0];
-            right->b[degree - k] = part.b[degree - k];
-            for (int m = 0; m < degree - k; m++)
-                part.b[m] = (part.b[m] + part.b[m + 1]) * 0.5;
-        }
-        right->low = half;
-        right->high = part.high;
-        first->low = part.low;
-        first->high = half;
-        right->depth = first->depth = part.depth + 1;
+        halve(part, degree, &stack[left]);
         left += 2;
     }
     return NONE;
@@ -204,14 +224,12 @@ static int falling_zero(const Poly *p, double end, Span *span)
 /* A circle that stands, as one that falls meets it: `FloatPeg`. */
 typedef struct { double x, y, reach, hx, hy; } Peg;
 
-static int onto_peg(const double *a, const Peg *peg, double until, int stood, Span *span)
+/* A flight as something round sees it that stands, from the flight's clock on: the gap, and what it is made of. */
+typedef struct { Poly gap; double ex, ey, ux, uy, near, fast, pull, off_e, off_v; } Seen;
+
+static Seen seen_from(const double *a, const Peg *peg)
 {
     double x = a[X], y = a[Y], vx = a[VX], vy = a[VY], t = a[AT], late = a[LATE], hx = peg->hx, hy = peg->hy;
-    double end = until - t + (late + 8 * UNIT * (until + t));
-    if (end <= 0.0)
-        return NONE;
-    if (!isfinite(peg->reach)) /* which drops out where they touch as the flight begins */
-        return UNCLEAR;
     double wx = hx * t, wy = hy * t;
     double ex = x - peg->x + wx * t, ey = y - peg->y + wy * t;
     double ux = vx + 2.0 * wx, uy = vy + 2.0 * wy;
@@ -228,22 +246,111 @@ static int onto_peg(const double *a, const Peg *peg, double until, int stood, Sp
                4.0 * (off_e * (fast + off_v) + near * off_v) + 16 * UNIT * near * fast,
                4.0 * off_v * (fast + off_v) + 4.0 * pull * off_e + 16 * UNIT * (fast * fast + 2.0 * near * pull),
                4.0 * pull * off_v + 16 * UNIT * fast * pull, 16 * UNIT * pull * pull}};
-    if (stood) {
-        p.degree--;
-        for (int k = 0; k < DEGREE; k++) {
-            p.c[k] = p.c[k + 1];
-            p.off[k] = p.off[k + 1];
-        }
+    return (Seen){p, ex, ey, ux, uy, near, fast, pull, off_e, off_v};
+}
+
+/* Divides out the zero at 0. */
+static void divide_out(Poly *p)
+{
+    p->degree--;
+    for (int k = 0; k < DEGREE; k++) {
+        p->c[k] = p->c[k + 1];
+        p->off[k] = p->off[k + 1];
     }
-    int told = falling_zero(&p, end, span);
-    if (told != MEETS)
-        return told;
-    double low = span->low, high = span->high;
+}
+
+/* What a flight can last for. */
+static double left_of(const double *a, double until)
+{
+    return until - a[AT] + (a[LATE] + 8 * UNIT * (until + a[AT]));
+}
+
+/* From the clock on to times as they are. */
+static int as_times(const double *a, Span *span)
+{
+    double t = a[AT], late = a[LATE], low = span->low, high = span->high;
     if (!(high - low <= NARROW * high))
         return UNCLEAR;
     span->low = t + low - (late + 8 * UNIT * (t + low));
     span->high = t + high + (late + 8 * UNIT * (t + high));
     return isfinite(span->high) ? MEETS : UNCLEAR;
+}
+
+static int onto_peg(const double *a, const Peg *peg, double until, int stood, Span *span)
+{
+    double end = left_of(a, until);
+    if (end <= 0.0)
+        return NONE;
+    if (!isfinite(peg->reach)) /* which drops out where they touch as the flight begins */
+        return UNCLEAR;
+    Seen seen = seen_from(a, peg);
+    if (stood)
+        divide_out(&seen.gap);
+    int told = falling_zero(&seen.gap, end, span);
+    return told == MEETS ? as_times(a, span) : told;
+}
+
+/* A side of an arc, as a circle that falls meets it: `FallenSide`. */
+typedef struct { Peg about; double nx, ny, edge, norm; int full; } Side;
+
+/* Whether a circle at a side's distance is within its range, at all of some times: MEETS; at none: NONE. */
+static int within(const Seen *seen, const Side *side, double low, double high)
+{
+    if (side->full)
+        return MEETS;
+    double s = 0.5 * (low + high), spread = 0.5 * (high - low) + 4 * UNIT * high;
+    double x = seen->ex + (seen->ux + side->about.hx * s) * s, y = seen->ey + (seen->uy + side->about.hy * s) * s;
+    double found = side->nx * x + side->ny * y - side->edge;
+    double off = side->norm * (seen->off_e + high * seen->off_v);
+    off += side->norm * (seen->fast + seen->off_v + 2.0 * seen->pull * high) * spread;
+    off += 32 * UNIT * (side->norm * (seen->near + (seen->fast + seen->pull * high) * high) + fabs(side->edge));
+    off *= 2.0;
+    return found > off ? MEETS : found < -off ? NONE : UNCLEAR;
+}
+
+static int onto_side(const double *a, const Side *side, double until, int stood, Span *span)
+{
+    double end = left_of(a, until), base, per;
+    if (end <= 0.0)
+        return NONE;
+    if (!isfinite(side->norm))
+        return UNCLEAR;
+    Seen seen = seen_from(a, &side->about);
+    Poly *p = &seen.gap;
+    if (side->about.reach < 0.0)
+        for (int k = 0; k < TERMS; k++)
+            p->c[k] = -p->c[k];
+    if (stood)
+        divide_out(p);
+    int degree = p->degree, plain = 1;
+    for (int k = 0; k <= degree; k++)
+        plain = plain && isfinite(p->c[k]) && isfinite(p->off[k]);
+    Part stack[DEEPEST + 2];
+    int told = plain ? started(p, end, stack, &base, &per) : UNCLEAR;
+    if (told != MEETS)
+        return told;
+    int left = 1, parts = 0;
+    while (left > 0) {
+        Part part = stack[--left];
+        int above = part.b[0] > 0.0, changes = changes_of(&part, degree, base + per * part.depth, above);
+        if (changes == 0 || (changes == 1 && !above))
+            continue;
+        if (changes == 1) {
+            *span = sharpened(p, part.low, part.high);
+            int there = within(&seen, side, span->low, span->high);
+            if (there == NONE)
+                continue;
+            return there == MEETS ? as_times(a, span) : UNCLEAR;
+        }
+        if (within(&seen, side, part.low, part.high) == NONE)
+            continue;
+        parts++;
+        if (part.depth >= DEEPEST || parts > MOST_PARTS)
+            return UNCLEAR;
+        halve(part, degree, &stack[left]);
+        left += 2;
+    }
+    return NONE;
 }
 
 #endif

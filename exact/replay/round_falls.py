@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import frexp, inf, isfinite, ldexp
-from typing import Any, Generic, NamedTuple, NoReturn
+from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
 
@@ -124,19 +124,55 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     if predictions is not None:
         found = predictions.falling_zero(c, off, end)
         return Isolated(*found) if isinstance(found, tuple) else None if found is None else Unclear(found)
-    degree = len(c) - 1
     if not (c[0] > off[0] and all(map(isfinite, c)) and all(map(isfinite, off))):
         return Unclear(0.0)
+    begun = started(c, off, end)
+    if not isinstance(begun, Started):
+        return begun
+    stack, parts = [(0.0, begun.top, begun.b, 0)], 0
+    while stack:
+        low, high, b, depth = stack.pop()
+        changes = begun.changes(b, depth, 1)
+        if changes == 0:
+            continue
+        if changes == 1:
+            return sharpened_in_doubles(c, off, low, high)
+        parts += 1
+        if depth >= DEEPEST or parts > MOST_PARTS:
+            return Unclear(low)
+        stack += halves(low, high, b, depth)
+    return None
+
+
+Part: TypeAlias = tuple[float, float, list[float], int]
+"""Times from one to another, Bernstein coefficients there, and after how many halvings."""
+
+
+class Started(NamedTuple):
+    """All times that matter: their end, coefficients, and how far these are off; `per`: more for each halving."""
+
+    top: float
+    b: list[float]
+    base: float
+    per: float
+
+    def changes(self, b: list[float], depth: int, first: int) -> int | None:
+        """How often signs change, after a first one; None where one of them is not certain."""
+        off = self.base + self.per * depth
+        signs = [(x > off) - (x < -off) for x in b]
+        return None if 0 in signs else sum(one != other for one, other in pairwise((first, *signs)))
+
+
+def started(c: Sequence[float], off: Sequence[float], end: float) -> Started | Unclear | None:
+    """Where what looks for falling zeros begins; None: there are none."""
     last = last_zero(c, off)
     if last == 0.0:
         return None
-    if not last < end:
-        last = end
+    last = last if last < end else end
     if not LEAST < last < GREATEST:
         return Unclear(0.0)
-    top = bernstein_end(last)
+    top, power = bernstein_end(last), 1.0
     size = slack = 0.0
-    power = 1.0
     for value, error in zip(c, off, strict=True):
         size += abs(value) * power
         slack += error * power
@@ -146,31 +182,18 @@ def falling_zero(c: Sequence[float], off: Sequence[float], end: float = inf) -> 
     # A term c_j T^j is off by at most 5 roundings; a coefficient is a sum of at most five of them with weights of at
     # most 1, which are off by one, and as many roundings more: under 16 in all, of what `size` is. Each halving adds
     # at most as many as the degree, of numbers that are no larger. The bound allows four times that.
-    base, per = 1.01 * slack + 64 * UNIT * size, 8 * UNIT * size
-    stack = [(0.0, top, _bernstein(c, top), 0)]
-    parts = 0
-    while stack:
-        low, high, b, depth = stack.pop()
-        doubt = base + per * depth
-        signs = [(x > doubt) - (x < -doubt) for x in b]
-        changes = sum(one != other for one, other in pairwise((1, *signs)))
-        if 0 not in signs and changes < 2:
-            if changes:
-                return _sharpened(c, off, low, high)
-            continue
-        parts += 1
-        if depth >= DEEPEST or parts > MOST_PARTS:
-            return Unclear(low)
-        half = 0.5 * (low + high)
-        left, right = [b[0]], [b[-1]]
-        for _ in range(degree):
-            b = [(x + y) * 0.5 for x, y in pairwise(b)]
-            left.append(b[0])
-            right.append(b[-1])
-        right.reverse()
-        stack.append((half, high, right, depth + 1))
-        stack.append((low, half, left, depth + 1))
-    return None
+    return Started(top, _bernstein(c, top), 1.01 * slack + 64 * UNIT * size, 8 * UNIT * size)
+
+
+def halves(low: float, high: float, b: list[float], depth: int) -> tuple[Part, Part]:
+    """Both halves of a part, the later one first (de Casteljau)."""
+    half, left, right = 0.5 * (low + high), [b[0]], [b[-1]]
+    for _ in range(len(b) - 1):
+        b = [(x + y) * 0.5 for x, y in pairwise(b)]
+        left.append(b[0])
+        right.append(b[-1])
+    right.reverse()
+    return (half, high, right, depth + 1), (low, half, left, depth + 1)
 
 
 def last_zero(c: Sequence[float], off: Sequence[float]) -> float:
@@ -250,7 +273,7 @@ def _doubt(c: Sequence[float], off: Sequence[float], t: float) -> float:
     return 1.01 * found
 
 
-def _sharpened(c: Sequence[float], off: Sequence[float], low: float, high: float) -> Isolated:
+def sharpened_in_doubles(c: Sequence[float], off: Sequence[float], low: float, high: float) -> Isolated:
     """A shorter interval around the one zero of another, at whose ends the signs are certain, or which are its ends."""
     a, b = low, high
     t = 0.5 * (a + b)

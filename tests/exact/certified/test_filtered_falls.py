@@ -1,4 +1,4 @@
-"""Walls that fall, faces and pegs in doubles: what is said is true of every state that its doubles may stand for.
+"""Walls that fall, faces, pegs and arcs in doubles: what is said is true of every state that its doubles may stand for.
 
 Each double is given as far off as it may be, two units, one way or the other; signs and terms that are wrong are
 found: see the planted faults.
@@ -9,17 +9,18 @@ from __future__ import annotations
 import inspect
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction as Q
 from random import Random
 from typing import Any, NamedTuple
 
 import pytest
 from flint import arb
-from quartic_referee import first_fall
+from quartic_referee import falls, first_fall
 
-from truebreak.exact.certified import filtered_falls
-from truebreak.exact.certified.filtered_falls import FloatFall, FloatPeg, fall_in_doubles, peg_in_doubles
+from truebreak.exact.certified import filtered_arcs, filtered_falls
+from truebreak.exact.certified.filtered_arcs import FallenSide, side_in_doubles, within_in_doubles
+from truebreak.exact.certified.filtered_falls import FloatFall, FloatPeg, fall_in_doubles, peg_in_doubles, seen_from
 from truebreak.exact.replay.contact import Body, Flight
 
 U = Q(1, 2**53)
@@ -45,6 +46,10 @@ def some(rng: Random, most: int = 8) -> Q:
 def faint(rng: Random) -> Q:
     """Next to nothing, from what doubles do not tell to what they do."""
     return rng.choice([-1, 1]) * Q(1, 2 ** rng.randint(30, 60))
+
+
+WIDTH = Q(1, 2**110)
+"""How far zeros are told by the referee."""
 
 
 # -- Walls and faces.
@@ -234,7 +239,8 @@ class PegCase(NamedTuple):
         ]
 
 
-def drawn_peg(rng: Random) -> PegCase | None:
+def drawn_peg(rng: Random, outside: bool = True) -> PegCase | None:
+    """A case; often aimed, a graze, a touch, or after a contact."""
     c = PegCase(
         *(some(rng) for _ in range(4)),
         abs(some(rng)),
@@ -269,7 +275,7 @@ def drawn_peg(rng: Random) -> PegCase | None:
         px = c.x + c.vx * c.late + c.hx * t**2 - c.reach * ux
         c = c._replace(px=px, py=c.y + c.vy * c.late + c.hy * t**2 - c.reach * uy, stood=True)
     p = c.gap()
-    if c.reach <= 0 or (p[1] <= 0 if c.stood else p[0] <= 0):
+    if c.reach <= 0 or (outside and (p[1] <= 0 if c.stood else p[0] <= 0)):
         return None
     return c
 
@@ -311,21 +317,123 @@ def test_a_peg_that_the_flight_ends_before_is_none() -> None:
     body = Body(3, Flight(*[arb(0)] * 6), arb(1), arb(0))
     peg = FloatPeg(body, 0.0, 0.0, 1.0, 0.0, -0.5)
     low, high = peg_in_doubles((0.0, 3.0, 0.0, 0.0, 0.0, 0.0), peg, math.inf, False)
-    assert low < 2.0 < high < low + 1e-12
+    assert low < 2.0 < high < low + 1e-11
     assert peg_in_doubles((0.0, 3.0, 0.0, 0.0, 0.0, 0.0), peg, 1.0, False) is False
     assert peg_in_doubles((0.0, 3.0, 0.0, 0.0, 4.0, 0.0), peg, 3.5, False) is False
+
+
+# -- Sides of arcs, and rims.
+
+
+class SideCase(NamedTuple):
+    """As a `PegCase`, of a circle of which a part stands: where n.(e - edge) is above 0; e is from its middle."""
+
+    peg: PegCase
+    hollow: bool
+    full: bool
+    nx: Q
+    ny: Q
+    edge: Q
+
+    def gap(self) -> list[Q]:
+        """As it is divided out; positive where they are apart."""
+        p = self.peg.gap()[1:] if self.peg.stood else self.peg.gap()
+        return [-value for value in p] if self.hollow else p
+
+    def beyond(self, s: Q) -> Q:
+        """How far beyond the chord the circle is so long after the instant."""
+        c, t = self.peg, self.peg.t + self.peg.late
+        x = c.x + c.vx * (c.late + s) + c.hx * (t + s) ** 2 - c.px
+        y = c.y + c.vy * (c.late + s) + c.hy * (t + s) ** 2 - c.py
+        return self.nx * x + self.ny * y - self.edge
+
+
+def drawn_side(rng: Random) -> SideCase | None:
+    """A case; often at the end of the range."""
+    peg = drawn_peg(rng, outside=False)
+    if peg is None:
+        return None
+    if rng.random() < 0.2 and not peg.stood:  # from within
+        far = root(peg.gap()[0] + peg.reach**2, 200)
+        peg = peg._replace(reach=far * (1 + abs(some(rng, 1))))
+    thrown = rng.random() < 0.4 and not peg.stood
+    if thrown:  # up through the circle, from within or from below; and down again
+        t, h = peg.t, abs(peg.hx) + abs(peg.hy)
+        ux, uy = (-half / h * abs(some(rng, 9)) + some(rng, 1) * Q(1, 9) for half in (peg.hx, peg.hy))
+        below = rng.choice([Q(0), Q(5, 2)])
+        ex, ey = (half / h * peg.reach * below + some(rng, 1) * peg.reach * Q(1, 3) for half in (peg.hx, peg.hy))
+        peg = peg._replace(vx=ux - 2 * peg.hx * t, vy=uy - 2 * peg.hy * t)
+        px, py = peg.x + peg.vx * peg.late + peg.hx * t**2 - ex, peg.y + peg.vy * peg.late + peg.hy * t**2 - ey
+        peg = peg._replace(px=px, py=py)
+    case = SideCase(peg, rng.random() < 0.6, rng.random() < 0.2, some(rng), some(rng), Q(0))
+    case = case._replace(edge=some(rng, 1) * peg.reach * (abs(case.nx) + abs(case.ny)) * Q(2, 3))
+    found = [*falls(case.gap(), WIDTH)]
+    if found and rng.random() < 0.3:
+        low, _ = rng.choice(found)
+        case = case._replace(edge=case.edge + case.beyond(low) * (1 + faint(rng)))
+    return case if case.gap()[0] > 0 or (case.gap()[0] < 0 and not peg.stood) else None
+
+
+def judged_side(case: SideCase, rng: Random, fall: Callable[..., Any]) -> str:
+    """As `judged`."""
+    c = case.peg
+    x, y, vx, vy, t, px, py, reach, hx, hy = (off(rng, number) for number in (*c[:5], *c[6:11]))
+    nx, ny, edge = (off(rng, number) for number in case[3:])
+    late = float(abs(c.late)) * (1 + 2.0**-50)
+    side = FallenSide(3, case.full, px, py, -reach if case.hollow else reach, hx, hy, nx, ny, edge, abs(nx) + abs(ny))
+    told = fall((x, y, vx, vy, t, late), side, math.inf, c.stood)
+    if told is True:
+        return "unclear"
+    for low, high in falls(case.gap(), WIDTH):
+        place = case.beyond(low)
+        if not case.full and place * case.beyond(high) <= 0:
+            return "wrong"  # right at the end: not to be told
+        if case.full or place > 0:
+            begun = c.t + c.late
+            return "met" if told and Q(told[0]) <= begun + low and begun + high <= Q(told[1]) else "wrong"
+    return "none" if told is False else "wrong"
+
+
+def sides(seed: str, count: int) -> Iterator[tuple[SideCase, Random]]:
+    rng = Random(seed)
+    for _ in range(count):
+        case = drawn_side(rng)
+        if case is not None:
+            yield case, rng
+
+
+def test_what_is_said_of_sides_of_arcs_is_true() -> None:
+    found, later = Counter[str](), 0
+    for case, rng in sides("sides", 600):
+        told = judged_side(case, rng, side_in_doubles)
+        found[told] += 1
+        later += told == "met" and case.beyond(next(falls(case.gap(), WIDTH))[0]) < 0 and not case.full
+    assert found["wrong"] == 0
+    assert min(found["met"], found["none"]) > 100
+    assert later > 5  # at a second zero
+    assert found["unclear"] < 0.4 * found.total()
+
+
+def test_a_side_that_the_flight_ends_before_is_none() -> None:
+    """A ball in a bowl of reach 2 about (0, 0) that is thrown up out of it, and comes back at 2."""
+    bowl = FallenSide(3, False, 0.0, 0.0, -2.0, 0.0, -5.0, 0.0, -1.0, 0.0, 1.0)
+    flight = (1.0, 0.0, 0.0, 10.0, 0.0, 0.0)
+    low, high = side_in_doubles(flight, bowl, math.inf, False)
+    assert low < 1 + math.sqrt(1 + math.sqrt(3) / 5) < high < low + 1e-11
+    assert side_in_doubles(flight, bowl, 2.0, False) is False
+    assert side_in_doubles(flight, bowl._replace(full=True), 2.0, False)[1] < 1.0
 
 
 # -- Planted faults: the same functions with one thing changed.
 
 
-def spoiled(function: Callable[..., Any], right: str, wrong: str) -> Callable[..., Any]:
-    """A function of the filter with one piece of its text changed, in Python."""
-    text = inspect.getsource(function)
+def spoiled(functions: Sequence[Callable[..., Any]], right: str, wrong: str) -> Callable[..., Any]:
+    """The first of some functions of the filter, with one piece of the text of one of them changed, in Python."""
+    text = "\n\n".join(inspect.getsource(function) for function in functions)
     assert right in text
-    names = {**vars(filtered_falls), "predictions": None}
+    names = {**vars(filtered_falls), **vars(filtered_arcs), "predictions": None}
     exec(compile(f"from __future__ import annotations\n{text.replace(right, wrong, 1)}", "spoiled", "exec"), names)
-    return names[function.__name__]
+    return names[functions[0].__name__]
 
 
 FAULTS = [
@@ -349,7 +457,7 @@ FAULTS = [
 
 @pytest.mark.parametrize(("right", "wrong"), FAULTS)
 def test_a_planted_fault_in_walls_is_found(right: str, wrong: str) -> None:
-    fault = spoiled(fall_in_doubles, right, wrong)
+    fault = spoiled([fall_in_doubles], right, wrong)
     assert any(judged(case, rng, fault) == "wrong" for case, rng in cases("faults", 6_000))
 
 
@@ -366,5 +474,27 @@ PEG_FAULTS = [
 
 @pytest.mark.parametrize(("right", "wrong"), PEG_FAULTS)
 def test_a_planted_fault_in_pegs_is_found(right: str, wrong: str) -> None:
-    fault = spoiled(peg_in_doubles, right, wrong)
+    fault = spoiled([peg_in_doubles, seen_from], right, wrong)
     assert any(judged_peg(case, rng, fault) == "wrong" for case, rng in pegs("faults", 400))
+
+
+SIDE_FAULTS = [
+    ("if side.reach < 0.0", "if side.reach > 0.0"),
+    ("(seen.ux + hx * s) * s", "(seen.ux - hx * s) * s"),
+    ("nx * x + ny * y - edge", "nx * x + ny * y + edge"),
+    ("nx * x + ny * y - edge", "nx * x - ny * y - edge"),
+    ("if within is False:\n                continue", "if within is False:\n                return False"),
+    ("if changes == 0 or (changes == 1 and not above)", "if changes == 0 or (changes == 1 and above)"),
+    ("int(b[0] > 0.0)", "1"),
+    ("side, low, high) is False:\n            continue", "side, low, high) is not True:\n            continue"),
+    ("* spread\n", "* 0.1 * spread\n"),
+    ("found > off", "found > -off"),
+    ("0.5 * (high - low) + 4", "0.01 * (high - low) + 4"),
+    ("c, off = c[1:], off[1:]", "c, off = c[:-1], off[:-1]"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong"), SIDE_FAULTS)
+def test_a_planted_fault_in_sides_of_arcs_is_found(right: str, wrong: str) -> None:
+    fault = spoiled([side_in_doubles, within_in_doubles], right, wrong)
+    assert any(judged_side(case, rng, fault) == "wrong" for case, rng in sides("faults", 2_000))

@@ -11,8 +11,9 @@ from flint import arb
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import filtered as double_filter
-from truebreak.exact.certified import filtered_falls
+from truebreak.exact.certified import filtered_arcs, filtered_falls
 from truebreak.exact.certified.filtered import DoubleFilter, FilteredPredictor
+from truebreak.exact.certified.filtered_arcs import FallenSide, side_in_doubles
 from truebreak.exact.certified.filtered_falls import FloatFall, FloatPeg, falls_in_doubles, peg_in_doubles
 from truebreak.exact.compiled import predictions
 from truebreak.exact.replay import round_falls
@@ -29,7 +30,7 @@ SCALES = [(1.0, 1.0), (1e3, 1e-3), (1e45, 1e45), (1e-45, 1e-45), (1e45, 1e-45), 
 
 
 def in_python(patch: pytest.MonkeyPatch) -> None:
-    for place in (double_filter, filtered_falls, round_falls):
+    for place in (double_filter, filtered_arcs, filtered_falls, round_falls):
         patch.setattr(place, "predictions", None)
     patch.setattr(queue, "predictions", None)
 
@@ -152,6 +153,31 @@ def test_pegs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch:
     assert found["met"] > (12 if place < 1e45 or speed > 1.0 else -1)  # times beyond 10**60 are left to balls
 
 
+@pytest.mark.parametrize("place, speed", SCALES)
+def test_sides_of_arcs_are_told_in_the_same_bits(place: float, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng, found = Random(f"sides {place} {speed}"), Counter[object]()
+    for _ in range(ROWS):
+        _, (a, *_) = filtered(rng, place, speed, 3)
+        if a.f is None:
+            continue
+        x, y, *_ = flight(rng, place, speed, 0.0)
+        nx, ny, *_ = flight(rng, 1.0, 1.0, 0.0)
+        pull, reach = speed * speed / place, place * rng.choice([-1.0, 1.0]) * rng.uniform(0.0, 3.0)
+        half = pull * rng.choice([0.0, rng.uniform(-1.0, 1.0)]), -pull * rng.random()
+        norm = rng.choice([float("inf"), *[abs(nx) + abs(ny)] * 9])
+        edge = rng.uniform(-0.7, 0.7) * norm * abs(reach) if norm < float("inf") else 0.0
+        side = FallenSide(2, rng.random() < 0.3, x, y, reach, *half, nx, ny, edge, norm)
+        until = a.f[4] + place / speed * rng.choice([float("inf"), rng.random(), 0.0])
+        stood = rng.random() < 0.3
+        compiled = side_in_doubles(a.f, side, until, stood)
+        with monkeypatch.context() as patch:
+            in_python(patch)
+            assert repr(compiled) == repr(side_in_doubles(a.f, side, until, stood))
+        found[compiled if isinstance(compiled, bool) else "met"] += 1
+    assert min(found[True], found[False]) > 30
+    assert found["met"] > (12 if place < 1e45 or speed > 1.0 else -1)
+
+
 def polynomial(rng: Random) -> list[float]:
     """Coefficients, the constant one first and above zero; often with zeros that are all but one, at many scales."""
     degree, kind = rng.choice([2, 3, 4, 4, 4]), rng.random()
@@ -209,6 +235,7 @@ SCENES = {
     "gravity, oblique": (falling(OBLIQUE), 200),
     "gravity, segments": (falling(GAS, segments=BARS), 200),
     "gravity, pegs": (falling(GAS, circles=[*GAS.circles, *PEGS]), 200),
+    "gravity, arcs": (build("pinball-table").with_changes(events=None), 60),
     "moving": (Scene([Circle(1, 5, vx=1, vy="1/3"), Circle(5, 8, vy=-1, vx="2/7")], MOVING), 200),
     "moving, segments": (Scene([Circle(1, 5, vx=1, vy="1/3")], MOVING, segments=[FLOOR]), 100),
     "gas": (build("gas:n=10,seed=3"), 400),
@@ -293,6 +320,7 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
     assert told([]) is None
     assert told(bodies[:1], standing=[(0, 1)]) is None  # an iterable of another kind
     assert told(bodies[:1], standing=((0, 0, "pocket"),)) is None
+    assert told(bodies[:1], standing=((0, 0, "arc"), (0, 0, "pocket"))) is None
     assert told(bodies[:1], lines=[line._replace(size=float("inf"))]) is None
     bodies[0].f = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     assert told(bodies[:1]) is None
@@ -322,6 +350,10 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
         lambda c: c.onto_peg((1.0,) * 6, (1.0,) * 6, 1.0),
         lambda c: c.onto_peg((1.0,) * 6, (1.0,) * 5, 1.0, False),
         lambda c: c.onto_peg((1.0,) * 5, (1.0,) * 6, 1.0, False),
+        lambda c: c.onto_side((1.0,) * 6, (1.0,) * 11, 1.0),
+        lambda c: c.onto_side((1.0,) * 6, (1.0,) * 10, 1.0, False),
+        lambda c: c.onto_side((1.0,) * 5, (1.0,) * 11, 1.0, False),
+        lambda c: c.onto_side((1.0,) * 6, (1, True, "x", *(1.0,) * 8), 1.0, False),
         lambda c: c.predict([], [], [], [], [], (1.0,) * 5, (1.0, 1.0), (), [], 0, "none"),
         lambda c: c.predict([], [], [], [], (), (), (), []),
         lambda c: c.first([], {}),
