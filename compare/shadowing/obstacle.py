@@ -250,12 +250,14 @@ def margin(scene: Scene, record: OrbitRecord, contact: int) -> float | None:
     circles, time = scene.circles, record.times[contact]
     if j >= len(circles):
         return None
-    if scene.gravity is not None and not {i, j} <= record.flights.keys():  # what stands does not, in the frame
+    falls = scene.gravity is not None and any(part.sign() for part in scene.gravity)
+    if falls and not {i, j} <= record.flights.keys():  # what stands does not, in the frame
         return None
     rows: list[tuple[float, float, float, float]] = []
     for k in (i, j):
         if k not in record.flights:
-            rows.append((float(circles[k].x), float(circles[k].y), 0.0, 0.0))
+            ux, uy = map(float, circles[k].drift)
+            rows.append((float(circles[k].x) + ux * time, float(circles[k].y) + uy * time, ux, uy))
             continue
         turn = sum(k in link for link in record.links[:contact])
         t, x, y, vx, vy = in_the_frame(scene, record.flights[k][turn])

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb
 
-from ...exact.laws.formulas import fall_speed
 from ...exact.numbers import ball
+from ...exact.replay.ball_state import BallState
 from ...exact.replay.contact import Flight, Touch, is_arc, is_flat, places_of, touch_of
+from ...exact.replay.landings import landing
 from ...exact.replay.parts import PartsNear
-from ...exact.replay.state import Go, Kick, ReplayState
+from ...exact.replay.state import Go, Kick
 from ...floating.double import DOUBLES
 from ..tangent.growth import Displacements, unit_displacements
-from ..tangent.impacts import Impact, NoTangentMap, check_start, moving
+from ..tangent.impacts import Impact, NoTangentMap, check_start, moving, true_speed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,8 +114,14 @@ def _part(
         return link
     if j not in near.things:
         return i, len(inner.circles) + j - count
-    (*_, ux, uy), (_, x, y, vx, vy) = flights[i][-2:]
-    [part] = near.pushing(i, j, x, y, ux, uy, (vx - ux, vy - uy))[:1]
+    (since, *_, ux, uy), (time, x, y, vx, vy) = flights[i][-2:]
+    if scene.gravity is not None:
+        ux, uy = ux + float(scene.gravity[0]) * (time - since), uy + float(scene.gravity[1]) * (time - since)
+    push = vx - ux, vy - uy
+    for face in near.things[j].faces[:1]:  # as seen from what moves
+        wx, wy = float(inner.walls[face].vx), float(inner.walls[face].vy)
+        x, y, ux, uy = x - wx * time, y - wy * time, ux - wx, uy - wy
+    [part] = near.pushing(i, j, x, y, ux, uy, push)[:1]
     return places_of(inner, part)
 
 
@@ -147,17 +154,24 @@ class OrbitSegment:
     end: float
 
 
-def segments(record: OrbitRecord, events: int = 1) -> list[OrbitSegment]:
-    """One for so many events: nodes stand half-way between instants, the first at time 0, the last at the last instant.
+CLOSE = 2.0**-20
+"""Share of the mean time between contacts: no node stands between two that are closer, as on a board that is its own
+mirror image. Corrections may put a contact on the other side of a node, and onto a peg what falls is met ahead only."""
 
-    Nothing is lost where two instants are so close that a contact falls on the other side of a node: a state is then
-    flown back to it.
+
+def segments(record: OrbitRecord, events: int = 1) -> list[OrbitSegment]:
+    """One for so many events, or more: nodes stand half-way between instants that are not too close (`CLOSE`).
+
+    The first stands at time 0, the last at the last instant.
     """
     found: list[OrbitSegment] = []
     first, begin, count = 0, 0.0, len(record.links)
+    close = CLOSE * record.times[-1] / count if count else 0.0
     while first < count:
         stop = first + 1
-        while stop < count and record.events[stop] < record.events[first] + events:
+        while stop < count and (
+            record.events[stop] < record.events[first] + events or record.times[stop] - record.times[stop - 1] <= close
+        ):
             stop += 1
         last = record.times[stop - 1]
         end = last if stop == count else last + (record.times[stop] - last) / 2
@@ -179,7 +193,7 @@ class FixedOrder:
         self.scene = scene
         self.chain = chain
         self.free = moving(scene)
-        self._made = ReplayState(scene, ball.BALLS)
+        self._made = BallState(scene)
         self._bits = ball.bits_in_use()
 
     def image(self, k: int, node: Node) -> tuple[Node, list[Impact]]:
@@ -193,10 +207,13 @@ class FixedOrder:
         struck: list[Impact] = []
         for place, (i, j) in enumerate(segment.links):
             link = touch_of(self.scene, i, j)
-            # what is within an arc may fly away from it first; where it does not come to it, the instant is no number
-            thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0  # it falls back, however it flies
-            meets = thrown or link.hollow or link.approach(state) < 0
-            state.do(Go(link, link.circles))
+            if state.stands and state.on_peg(link):
+                meets = isinstance(landing(state, link, inf), arb)
+            else:  # what is within an arc may fly away from it first, and what falls comes back, however it flies
+                thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0
+                meets = thrown or link.hollow or bool(link.approach(state) < 0)
+            if meets:  # where it does not come to it after all, the instant is no number
+                state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)
             struck.append(_impact(state, link))
@@ -209,16 +226,17 @@ class FixedOrder:
             told += (flight.x + flight.vx * left, flight.y + flight.vy * left, flight.vx, flight.vy)
         return told, struck
 
-    def _state(self, segment: OrbitSegment, node: Node) -> ReplayState[arb]:
+    def _state(self, segment: OrbitSegment, node: Node) -> BallState:
         if self._bits != ball.bits_in_use():
-            self._made, self._bits = ReplayState(self.scene, ball.BALLS), ball.bits_in_use()
-        state, begin = self._made, arb(segment.begin)
+            self._made, self._bits = BallState(self.scene), ball.bits_in_use()
+        state, begin, last = self._made, arb(segment.begin), int(segment.first > 0)  # none touches but at the start
         for i in state.bodies.keys() - self.free:
             state.bodies[i].flight = state.bodies[i].flight._replace(last=0)
         for row, i in enumerate(self.free):
             x, y, vx, vy = node[4 * row : 4 * row + 4]
-            state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin)
-        state.steps_done, state.met = 0, None
+            state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin, last=last)
+        state.contacts.clear()
+        state.stand(begin, state.zero, last)
         return state
 
     def tangent(self, k: int, struck: Sequence[Impact]) -> NDArray[np.float64]:
@@ -230,23 +248,19 @@ class FixedOrder:
         return carried.matrix * 2.0**carried.scale
 
 
-def _impact(state: ReplayState[arb], link: Touch) -> Impact:
+def _impact(state: BallState, link: Touch) -> Impact:
     """The impact that is about to push."""
-    i = link.circles[0]
-    flight = state.bodies[i].flight
+    i, zero = link.circles[0], state.zero
+    ux, uy = true_speed(state, i)
     if is_flat(link):
-        line, vx, vy = state.line(link.circle, link.wall), flight.vx, flight.vy
-        if state.falling is not None:  # the true velocity, relative to the wall
-            ux, uy = state.drifts.get(link.wall, (state.zero, state.zero))
-            vx = fall_speed(vx, state.falling.hx, state.instant) - ux
-            vy = fall_speed(vy, state.falling.hy, state.instant) - uy
-        return Impact(state.instant, i, None, line.nx, line.ny, vx, vy, line.length, state.zero, state.zero)
+        line, (wx, wy) = state.line(link.circle, link.wall), state.drifts.get(link.wall, (zero, zero))
+        return Impact(state.instant, i, None, line.nx, line.ny, ux - wx, uy - wy, line.length, zero, zero, link.wall)
     (a, b), (dx, dy) = link.ends(state), state.span(link)
-    vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
     if is_arc(link):  # as a circle that nothing moves, beyond those of the scene
         reach = -state.reach(a, b) if link.hollow else state.reach(a, b)
-        return Impact(state.instant, i, state.n + link.arc, dx, dy, vx, vy, reach, a.w, b.w)
-    return Impact(state.instant, i, link.b, dx, dy, vx, vy, state.reach(a, b), a.w, b.w)
+        return Impact(state.instant, i, state.n + link.arc, dx, dy, -ux, -uy, reach, a.w, b.w)
+    vx, vy = true_speed(state, link.b)
+    return Impact(state.instant, i, link.b, dx, dy, vx - ux, vy - uy, state.reach(a, b), a.w, b.w)
 
 
 # ----------------------------------------

@@ -120,13 +120,6 @@ def shadow(
     >>> told.divergence.event < 150, told.proof.run_distance.position < 1e-10
     (True, True)
     """
-    if scene.moving_solid is not None:
-        raise SceneError(f"{scene.name!r}: {scene.moving_solid} moves, of which no shadow is looked for; leave it out")
-    if scene.surfaces.pegs or (scene.gravity is not None and scene.arcs):
-        raise SceneError(
-            f"{scene.name!r}: has gravity and something round and fixed, of which no shadow is looked for; "
-            "leave one of them out"
-        )
     if other := scene.other_walls:
         raise SceneError(f"{scene.name!r}: has a wall of kind {other[0].kind!r}, of which there is no shadow")
     if scene.gravity is not None and not scene.capture:  # where a flight enters one it is told anew, and goes on

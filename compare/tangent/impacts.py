@@ -39,7 +39,7 @@ from ...exact.replay.contact import (
     places_of,
 )
 from ...exact.replay.landings import begins_at
-from ...exact.replay.state import Go, Kick
+from ...exact.replay.state import Go, Kick, ReplayState
 from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.things import Circle
@@ -459,7 +459,7 @@ def _replayed(
 
 def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterator[Impact]:
     """The impacts of one round: together, or the later ones with the velocities that the former leave."""
-    speeds = {i: _true_speed(state, i) for link in links for i in link.circles}
+    speeds = {i: true_speed(state, i) for link in links for i in link.circles}
     for link in links:
         i, j, *_ = link
         ux, uy = speeds[i]
@@ -488,7 +488,7 @@ def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterato
         speeds[j] = vx + b.w * jx, vy + b.w * jy
 
 
-def _true_speed(state: BallState, i: int) -> tuple[arb, arb]:
+def true_speed(state: ReplayState[arb], i: int) -> tuple[arb, arb]:
     """The velocity of a circle at the instant at hand: that of the falling frame, and what gravity has added; of an end
     that moves, its own."""
     vx, vy = state.paces.get(i, state.bodies[i].flight[2:4])

@@ -19,7 +19,6 @@ from truebreak.compare.reduction.smallest import corners, with_number
 from truebreak.compare.report.floats import floats_csv, floats_json
 from truebreak.compare.report.html import world_phrase
 from truebreak.compare.report.player import played
-from truebreak.compare.shadowing.shadows import shadow
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts
 from truebreak.compare.testing.check import check
 from truebreak.exact import ExactEngine
@@ -394,7 +393,6 @@ def test_what_does_not_know_them_says_so_in_one_line():
     for build, told in (
         (lambda: scene.with_changes(reverse_at=1), "segment 'pad': moves: cannot be turned back"),
         (lambda: floats_csv(scene), "walls that move, which no row of a thing can say"),
-        (lambda: shadow(scene, events=1), "of which no shadow is looked for"),
         (lambda: check("double", scene), "segments or polygons that move"),
     ):
         with pytest.raises((SceneError, CertificateError), match=told) as error:

@@ -208,9 +208,9 @@ def test_the_tangent_map_of_what_moves_is_that_of_runs_nearby(gravity: tuple[int
 
 def still(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ends that are met as if they stood."""
-    speed = impacts_of._true_speed  # pyright: ignore[reportPrivateUsage]
+    speed = impacts_of.true_speed
     halt = lambda state, i: (state.zero, state.zero) if i in state.paces else speed(state, i)  # noqa: E731
-    monkeypatch.setattr(impacts_of, "_true_speed", halt)
+    monkeypatch.setattr(impacts_of, "true_speed", halt)
 
 
 def standing(monkeypatch: pytest.MonkeyPatch) -> None:

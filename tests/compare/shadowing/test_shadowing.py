@@ -263,11 +263,9 @@ def test_the_shadow_of_a_run_under_another_law_is_far_or_there_is_none(changes: 
     assert far is None or far.run_distance.position > 1e-3
 
 
-def test_what_falls_by_steps_and_what_stands_under_gravity_is_refused_in_one_line() -> None:
+def test_what_falls_by_steps_is_refused_in_one_line() -> None:
     with pytest.raises(SceneError, match="falls by steps, which is no flight of the law"):
         shadow(LIFTED, "pymunk:dt=1/64", events=4)
-    with pytest.raises(SceneError, match="gravity and something round and fixed"):
-        shadow(catalogue.build("galton"), "double", events=4)
 
 
 def test_the_energy_of_a_run_under_gravity_counts_its_fall_and_one_that_no_law_keeps_has_no_drift() -> None:
