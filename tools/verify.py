@@ -124,7 +124,7 @@ def enclosed(form):  # as a ball
                 / whole(x.denominator) for ks, x in form.items()), whole(0))
 def sign_of(form): return enclosed(form).sign() if (sign := form.sign()) is None else sign
 NONE, ONE, UNTOLD = Sum(), Sum({frozenset(): Fraction(1)}), Sum({None: float("nan")})
-HALF = Sum({frozenset(): Fraction(1, 2)})
+HALF, RANGE = Sum({frozenset(): Fraction(1, 2)}), ("foot", "far")
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def spent(long): return 4 * long + (long**2 >> 12)  # on two fractions of so many bits
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
@@ -409,18 +409,18 @@ class KeptApart:
         return bow or self.slope(c) == -1
     def slope(self, c): return 0 if c[0] in self.carried else self.slopes.get(c[1], 0)
     def drops(self, c): return self.ball.drops(c)
-    def within(self, c): return all(self.sign(x, c) > 0 for x in ("foot", "far"))  # now
+    def within(self, c): return all(self.sign(x, c) > 0 for x in RANGE)  # now
     def slides(self, c, start, age, gap, last):  # along a face, if it is on the line
-        signs = {self.ball.ask(x, c, age).sign() for x in ("foot", "far") if not last}
+        signs = {self.ball.ask(x, c, age).sign() for x in RANGE if not last}
         if gap or last or signs & {-1, 0}: return  # it is not beside it as its flight ends
-        if any(self.zero(x, c, age) for x in ("foot", "far")): return
+        if any(self.zero(x, c, age) for x in RANGE): return
         inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
         demand(0 if inside else None, [1], f"{c} touch as the flight ends")
     def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
         gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
                                   for x in ("gap", "height", "foot", "far"))
         if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
-        if any(self.zero(x, c, 0) for x in ("foot", "far")): return
+        if any(self.zero(x, c, 0) for x in RANGE): return
         inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
         refuse(inside, f"{c}: it starts in a segment")
         raise Unsettled(f"whether {c[0]} starts in a segment")
@@ -516,20 +516,20 @@ class KeptApart:
             hits = closing == 1 and m.speed.sign() == -1 if again else disc == 1
             if (there := m.there(m.wait(again)) if hits else None) in (-1, -bow): return
         if hollow and not again and self.aside(m, c, start) and self.zero("disc", c, start): return
-        for x in ("closing", "disc") if not hollow and gap == 1 and (last or gap2 == 1) else ():
+        part = ("closing", "disc")[:2 if gap == 1 else not flat]  # it rises, or misses at best
+        for x in part if not hollow and (last or gap2 == 1) else ():
             if self.zero(x, c, start): return
-        if not (bow or hollow or flat) and self.zero("closing", c, start): return  # it rises
         if flat and gap != 1 and (closing == 0 or self.zero("closing", c, start)):
             return self.slides(c, start, age, gap, last)
-        ends = closing2 == -1 and not (later.foot.sign() and later.far.sign())  # right at its end?
-        ends = ends and any(self.zero(x, c, age) for x in ("foot", "far"))
-        if ends and self.zero("gap", c, age): return
+        turns = not (hollow or flat or closing2) and later and self.zero("closing", c, age)
+        ends = (closing2 == -1 or turns) and not (later.foot.sign() and later.far.sign())  # at one?
+        if ends and self.zero("gap", c, age) and any(self.zero(x, c, age) for x in RANGE): return
         ahead = gap == 1 or closing == 1 if hollow else gap == 1 and closing == -1
         done = closing2 == -1 and gap2 in (-1, 0) if hollow else gap2 in (-1, 0) or closing2 == 1
         refuse(ahead and there == 1 and (age is None or done), f"{c} meet on the way")
         raise Unsettled(f"whether {c} meet on the way")
     def aside(self, m, c, t):  # whether a double zero is not at an end, where it leads in; or out
-        if m.speed.sign() == 0 or m.there(m.once): return True
+        if (not m.speed.sign() and self.zero("speed", c, t)) or m.there(m.once): return True
         return m.bow and m.beside(m.v, m.gap - m.gap).sign() == -1 and self.zero("closing", c, t)
     def across(self, c):  # at time 0: proves that a circle is not across an arc
         m, inner = self.ball.meeting(c, 0), self.other(c)

@@ -247,8 +247,9 @@ export class Run {
       return;
     }
     const ends = c.face ? ['foot', 'far'] : ['within'];
-    if (!ever && closingNow < 0 && ends.some(x => this.exactly(c, x)) && this.meetsNow(c)) return; // it is at its end
-    const grazes = hollow ? (again || !this.aside(c, at, closing) ? [] : ['disc']) : gap > 0 && (mode !== 'flight' || gapNow > 0) ? ['closing', 'disc'] : slope > 0 ? ['closing'] : [];
+    const turns = () => !hollow && slope !== 0 && !closingNow && this.nowZero(c, 'closing'); // there it is least
+    if (!ever && (closingNow < 0 || turns()) && ends.some(x => this.exactly(c, x)) && this.nowZero(c)) return; // it is at its end
+    const grazes = hollow ? (again || !this.aside(c, at, closing) ? [] : ['disc']) : mode === 'flight' && !(gapNow > 0) ? [] : ['closing', 'disc'].slice(0, gap > 0 ? 2 : +(slope !== 0));
     for (const question of grazes) {
       if (at(question) === 0) return;
       try { return witness(this, question, c, what); } catch (e) {
@@ -288,11 +289,11 @@ export class Run {
     const [, full, exact] = this.scene.worlds;
     return !full.sign(this.laws(c, full, 1)[name]()) && exact.sign(this.laws(c, exact, 2)[name]()) === 0;
   }
-  /** Is the gap of a contact shown to be zero now? */
-  meetsNow(c) {
-    const s = this.sign((A, w) => this.laws(c, A, w).gap());
+  /** Is a number of a contact, its gap, shown to be zero now? */
+  nowZero(c, name = 'gap') {
+    const s = this.sign((A, w) => this.laws(c, A, w)[name]());
     if (s !== undefined) return s === 0;
-    try { witness(this, 'gap', c, ''); return true; } catch (e) {
+    try { witness(this, name, c, ''); return true; } catch (e) {
       if (!(e instanceof Verdict) || e.code !== 4 || e instanceof TooMuch) throw e;
       return false;
     }
@@ -309,7 +310,7 @@ export class Run {
       const l = this.laws(c, A, w), square = w === 2 ? null : l.square();
       return square && square.lo > 0n ? l.widely(A.sqrt(square)) : null;
     });
-    if (within < 0 || sides.some(x => this.exactly(x, 'within') && this.meetsNow(x))) return;
+    if (within < 0 || sides.some(x => this.exactly(x, 'within') && this.nowZero(x))) return;
     if (within > 0 && gaps.every(s => s <= 0)) refute(`${c.name} lie across each other at time 0`);
     undecided(`whether ${c.name} lie across each other`);
   }

@@ -28,7 +28,7 @@ from certificate.test_tampering import WAYS, altered, refused
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, Wall
+from truebreak.scenarios import Arc, Circle, Scene, Wall
 
 
 def test_both_verify_runs_among_what_stands_under_gravity(tmp_path: Path) -> None:
@@ -225,3 +225,30 @@ def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
     done = subprocess.run(["node", str(program), *map(str, paths)], capture_output=True, text=True, check=False)
     assert [line.startswith("verified") for line in done.stdout.splitlines()] != truth
     assert [by_python(path)[0] == 0 for path in paths] == truth
+
+
+GRAZED_ENDS = {
+    "as it begins": Scene(
+        [Circle("0", "0", vx="-12/5", vy="-9/5", id="d")],
+        arcs=[Arc("-9/10", "6/5", "1/2", "-71/65", "108/65", "-1/2", "9/10"), Arc("9/10", "-6/5", "1/2", "46/65", "-48/65", "3/5", "-4/5")],
+        tie_policy="sequential",
+    ),
+    "as another is hit": Scene(
+        [Circle("-3/5", "9/20", vx="12/5", vy="-9/5")],
+        arcs=[Arc("12/5", "16/5", 3, "21/5", "28/5", "3/5", "4/5"), Arc("8/5", "-6/5", 1, full=True)],
+    ),
+    "at rest": Scene(
+        [Circle(0, 0, "1/2", vx="6/5", vy="8/5")],
+        arcs=[
+            Arc("-9/5", "-12/5", "7/2", "-409/130", "-366/65", "-39/10", "-26/5"),
+            Arc("-8/5", "6/5", "5/2", "2/5", "-3/10", "-18/5", "-3/10"),
+        ],
+        restitution=0,
+    ),
+}  # fmt: skip
+
+
+def test_both_verify_runs_that_graze_the_end_of_an_arc_or_rest_there(tmp_path: Path) -> None:
+    """In fractions that balls do not tell from zero: each was without a certificate."""
+    runs = {name: ExactEngine().run(scene, until="3/2") for name, scene in GRAZED_ENDS.items()}
+    both_verify(((name, certificate_of(run)) for name, run in runs.items()), tmp_path)

@@ -222,7 +222,7 @@ def test_the_checker_says_how_many_segments(tmp_path: Path) -> None:
 
 FAULTS = {
     "a face without its range": (
-        [('all(self.sign(x, c) > 0 for x in ("foot", "far"))', "True")],
+        [("all(self.sign(x, c) > 0 for x in RANGE)", "True")],
         [("['foot', 'far']).every(name =>", "[]).every(name =>")],
     ),
     "the range with the wrong sign": (

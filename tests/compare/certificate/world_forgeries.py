@@ -89,6 +89,19 @@ def held_to_what_moves() -> Told:
     return entries(cert, {"met": [[0, 1]], "zeros": [["closing", [0, 1], 0]]})
 
 
+def struck_at_a_ceiling() -> Told:
+    """Two discs graze a ceiling each, the one as the other; one of them is struck there, and its ceiling is left out."""
+    bars = [
+        {"id": name, "x0": x0, "y0": y, "x1": x1, "y1": y, "length": "6", "r": "0"}
+        for name, x0, x1, y in (("low", "-8", "-2", "1"), ("high", "2", "8", "4"))
+    ]
+    like = {"matrix": ["1", "0", "0", "1"], "shift": ["10", "3"], "map": [[0, 1], [8, 10]]}
+    rows = (-5, "-1/2", 0, 1), (5, "5/2", 0, 1), (-5, "-9/2", 0, 3)
+    cert = {**bare(*rows, scene={"segments": bars, "gravity": DOWN}), "isometries": [like], "end": STOPPED}
+    zeros = [["closing", [0, 8], 0]]
+    return entries(cert, {}, {"exact": "1", "met": [[1, 10], [0, 2]], "rounds": [[[0, 2]]], "zeros": zeros})
+
+
 ASIDE = ("self.aside(m, c, start) and ", ""), ("again || !this.aside(c, at, closing)", "again")
 """A concave gap that is zero once only, right at an end, from where on there is a range."""
 
@@ -219,6 +232,11 @@ WORLD_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] 
     ),
     "what flies along the inside of an arc at its end goes into it": (
         ASIDE[0], ASIDE[1], into_an_arc_from_its_end,
+    ),
+    "what comes to gap zero at an instant is listed": (
+        ("if not hollow and (last or gap2 == 1) else ()", "if not hollow else ()"),
+        [("mode === 'flight' && !(gapNow > 0) ? []", "0 ? []"), ("if (question === 'closing' && first && image && other.sign === 0) return;", "if (question === 'closing' && image && other.sign === 0) return;")],
+        struck_at_a_ceiling,
     ),
     "whether an arc is met is decided": (
         ('raise Unsettled(f"whether {c} meet on the way")', "return"), ("    undecided(what);\n  }\n  /** Is the gap of a side", "  }\n  /** Is the gap of a side"), hardly_on_an_arc,
