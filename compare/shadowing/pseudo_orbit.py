@@ -155,18 +155,20 @@ class OrbitSegment:
 
 
 CLOSE = 2.0**-20
-"""Share of the mean time between contacts: no node stands between two that are closer, as on a board that is its own
-mirror image. Corrections may put a contact on the other side of a node, and onto a peg what falls is met ahead only."""
+"""Share of the mean time between contacts: onto what is round and stands under gravity no node stands between two that
+are closer, as on a board that is its own mirror image. Corrections may put a contact on the other side of a node, and
+what falls is met ahead only; elsewhere a state is flown back to it, and nothing is lost."""
 
 
-def segments(record: OrbitRecord, events: int = 1) -> list[OrbitSegment]:
-    """One for so many events, or more: nodes stand half-way between instants that are not too close (`CLOSE`).
+def segments(record: OrbitRecord, events: int = 1, falls: bool = False) -> list[OrbitSegment]:
+    """One for so many events: nodes stand half-way between instants, the first at time 0, the last at the last instant.
 
-    The first stands at time 0, the last at the last instant.
+    Args:
+        falls: whether contacts are zeros of quartics: then no node stands between two that are too close (`CLOSE`).
     """
     found: list[OrbitSegment] = []
     first, begin, count = 0, 0.0, len(record.links)
-    close = CLOSE * record.times[-1] / count if count else 0.0
+    close = CLOSE * record.times[-1] / count if falls and count else -inf
     while first < count:
         stop = first + 1
         while stop < count and (
@@ -207,14 +209,10 @@ class FixedOrder:
         struck: list[Impact] = []
         for place, (i, j) in enumerate(segment.links):
             link = touch_of(self.scene, i, j)
-            if state.stands and state.on_peg(link):
-                meets = isinstance(landing(state, link, inf), arb)
-            else:  # what is within an arc may fly away from it first, and what falls comes back, however it flies
-                thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0
-                meets = thrown or link.hollow or bool(link.approach(state) < 0)
-            if meets:  # where it does not come to it after all, the instant is no number
-                state.do(Go(link, link.circles))
-            if not meets or not state.instant.is_finite():
+            if not _meets(state, link):
+                raise Missed(segment.first + place)
+            state.do(Go(link, link.circles))
+            if not state.instant.is_finite():
                 raise Missed(segment.first + place)
             struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
@@ -246,6 +244,17 @@ class FixedOrder:
         carried.through(struck)
         carried.fly(segment.end)
         return carried.matrix * 2.0**carried.scale
+
+
+def _meets(state: BallState, link: Touch) -> bool:
+    """Whether two meet on their flights as they are: a state takes it for granted, as the log of a run says so."""
+    if is_flat(link):  # what falls comes back, however it flies
+        pull = state.sides.pull(*link[:2])
+        return pull < 0 or bool(link.approach(state) < 0 and not (pull > 0 and state.wall_discriminant(link) < 0))
+    if state.stands and state.on_peg(link):
+        return isinstance(landing(state, link, inf), arb)
+    # what is within an arc may fly away from it first
+    return bool((link.hollow or link.approach(state) < 0) and not state.discriminant(link) < 0)
 
 
 def _impact(state: BallState, link: Touch) -> Impact:

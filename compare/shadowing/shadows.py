@@ -184,13 +184,14 @@ class _Search:
         self.scene, self.name, self.record, self.events, self.left = scene, name, record, events, left
         self.seen = scene.surfaces  # in whose places contacts are
         self.free = moving(scene)
-        self.chain = segments(record, TOGETHER)
+        self.falls = scene.gravity is not None and bool(self.seen.pegs or self.seen.arcs)
+        self.chain = segments(record, TOGETHER, self.falls)
 
     def shadow(self, progress: OnProgress | None) -> Shadow:
         """The search, and the proof."""
         found = self._refined()
         if not found.closed:
-            self.chain = segments(self.record)
+            self.chain = segments(self.record, falls=self.falls)
             found = self._refined()
         told = self._proved(found.nodes[0], progress) if found.closed else not_closed(self.seen, self.record, found)
         proof, blocked = (told, None) if isinstance(told, Proof) else (None, told)

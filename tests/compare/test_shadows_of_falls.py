@@ -62,7 +62,7 @@ def test_scenes_of_the_catalogue_have_shadows(name: str) -> None:
 def test_no_node_stands_between_contacts_that_are_all_but_one_instant() -> None:
     """Of a board that is its own mirror image: what a correction puts behind a node is not met from there."""
     scene = catalogue.build("peg-mirror")
-    chain = segments(recorded(DoubleEngine().run(scene, events=30), 30), 1)
+    chain = segments(recorded(DoubleEngine().run(scene, events=30), 30), 1, falls=True)
     assert min(one.end - one.begin for one in chain) > 1e-6
     found = shadow(scene, "double", events=30)
     assert found.divergence is not None
