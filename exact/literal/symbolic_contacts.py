@@ -9,10 +9,10 @@ from itertools import combinations
 from random import Random
 from typing import Any
 
-from sympy import Expr, Integer, Matrix, Symbol, fraction, sqrt
-from sympy import together as on_one_denominator
+from sympy import Expr, Integer, Matrix, Poly, Symbol
 
 from ...scenarios.settings import TiePolicy
+from ...scenarios.things import Arc, Circle, Pocket, Wall
 from ..laws.derivation import (
     a_m,
     a_r,
@@ -42,75 +42,9 @@ from ..laws.derivation import (
     y0,
     y1,
 )
-from .symbolic_sign import SymbolicUndecided, above, normal, root, sign
+from .symbolic_sign import Solution, SymbolicUndecided, above, below, normal, root, sign, smallest
 
-# -- The derived laws as SymPy gave them, evaluated at numbers: nothing rearranged, every filter decided.
-#
-# The article substitutes numbers into the solutions and filters out what is complex, nan or infinite. With nested
-# roots SymPy may leave a zero unrecognised in a denominator, and give nonsense for nan; so the radicand and the
-# denominator of each solution are looked at first, and their signs decided.
-
-_ROOT = Symbol("root")
-
-
-@dataclass(frozen=True)
-class Solution:
-    """A derived expression taken apart: over / under, in which `_ROOT` stands for sqrt(radicand).
-
-    Attributes:
-        over: numerator.
-        under: denominator.
-        radicand: what the square root is taken of, over its own denominator; None without a root.
-    """
-
-    over: Any
-    under: Any
-    radicand: tuple[Any, Any] | None
-
-    @staticmethod
-    def of(expression: Any) -> Solution:
-        """Takes an expression with at most one square root apart.
-
-        >>> from sympy.abc import x, y
-        >>> Solution.of((1 - sqrt(x)) / y).radicand
-        (x, 1)
-        """
-        half_powers = {part for part in expression.atoms(type(sqrt(Symbol("x")))) if part.exp.q == 2}
-        bases = {part.base for part in half_powers}
-        if not bases:
-            return Solution(*fraction(on_one_denominator(expression)), None)
-        (base,) = bases
-        rational = expression.xreplace({part: _ROOT ** (2 * part.exp) for part in half_powers})
-        return Solution(*fraction(on_one_denominator(rational)), fraction(on_one_denominator(base)))
-
-    def value(self, at: Mapping[Any, Any]) -> Expr | None:
-        """The number that the solution takes, or None where it is complex, nan or infinite."""
-        at = self._with_root(at)
-        if at is None:
-            return None
-        under = normal(self.under.xreplace(at))
-        if sign(under) == 0:
-            return None
-        return normal(self.over.xreplace(at) / under)
-
-    def sign(self, at: Mapping[Any, Any]) -> int | None:
-        """The sign of that number, without computing it; None where it is complex, nan or infinite."""
-        at = self._with_root(at)
-        if at is None:
-            return None
-        under = sign(normal(self.under.xreplace(at)))
-        return under * sign(normal(self.over.xreplace(at))) if under else None
-
-    def _with_root(self, at: Mapping[Any, Any]) -> Any:
-        if self.radicand is None:
-            return at
-        over, under = (normal(part.xreplace(at)) for part in self.radicand)
-        if sign(under) == 0:
-            return None
-        radicand = normal(over / under)
-        if sign(radicand) < 0:
-            return None
-        return {**at, _ROOT: root(radicand)}
+_TIME = Symbol("t")
 
 
 @dataclass(frozen=True)
@@ -216,6 +150,33 @@ class Bow(Line):
                 raise SymbolicUndecided("a path touches the hollow side of an arc at its end, along it")
 
 
+def disc_of(circle: Circle) -> Disc:
+    """A circle at time 0."""
+    pace = circle.drift if circle.fixed else (circle.vx, circle.vy)
+    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, *pace, circle.r))
+    return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
+
+
+def rim_of(pocket: Pocket) -> Disc:
+    """The rim of a pocket."""
+    return Disc(
+        normal(pocket.x.sympy()), normal(pocket.y.sympy()), Integer(0), Integer(0), normal(pocket.r.sympy()), None
+    )
+
+
+def line_of(wall: Wall) -> Line:
+    """A wall at time 0."""
+    ux, uy = normal(wall.vx.sympy()), normal(wall.vy.sympy())
+    return Line(*(q.sympy() for q in (wall.x0, wall.y0, wall.x1, wall.y1)), ux=ux, uy=uy)
+
+
+def bow_of(arc: Arc) -> Bow:
+    """An arc without its ends."""
+    ends = arc.ends or ((arc.x, arc.y), (arc.x, arc.y))
+    numbers = (*ends[0], *ends[1], arc.x, arc.y, arc.r)
+    return Bow(*(normal(q.sympy()) for q in numbers), full=arc.full)
+
+
 def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     """All real times from now at which two things would just touch, not ordered, negative ones too.
 
@@ -264,6 +225,46 @@ def fall_times(a: Disc, b: Line, g: tuple[Any, Any]) -> list[Expr]:
         if sign(radicand) >= 0:
             found += [normal((-linear - way * root(radicand)) / (2 * square)) for way in (1, -1)]
     return found
+
+
+def is_within(a: Disc, b: Disc) -> bool:
+    """Whether a centre is within a circle."""
+    return sign(normal((a.x - b.x) ** 2 + (a.y - b.y) ** 2 - b.r**2)) < 0
+
+
+def may_fall_onto(a: Disc, b: Disc, reach: Any, within: bool, g: tuple[Any, Any], wait: Any) -> bool:
+    """Whether a circle under gravity may come to be so far from something round so soon; `wait` None: ever.
+
+    The square of their distance, less that of the reach, is a quartic of the time; from within, the other way round.
+    Where its coefficients are no fractions, fractions a little below them are taken, which make a polynomial below it;
+    that this has no zero up to the time is told by Sturm's theorem.
+    """
+    vx, vy = a.vx - b.vx, a.vy - b.vy
+    x, y = _TIME * (vx + g[0] * _TIME / 2) + a.x - b.x, _TIME * (vy + g[1] * _TIME / 2) + a.y - b.y
+    gap: Any = Poly((x**2 + y**2 - reach**2) * (-1 if within else 1), _TIME)
+    low: Any = Poly([below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
+    return bool(low.eval(0) <= 0 or low.count_roots(0, None if wait is None else above(wait)))
+
+
+def time_to_enter(a: Disc, rim: Disc) -> Any:
+    """The time until a centre on a straight flight comes to be within a rim; None where it does not, or only touches.
+
+    >>> from sympy import Integer as I
+    >>> rim = Disc(I(4), I(0), I(0), I(0), I(1), None)
+    >>> time_to_enter(Disc(I(0), I(0), I(2), I(0), I(1), I(1)), rim)
+    3/2
+    >>> time_to_enter(Disc(I(0), I(1), I(2), I(0), I(1), I(1)), rim)
+    """
+    times = touch_times(replace(a, r=Integer(0)), rim)
+    if len(times) < 2 or sign(normal(times[0] - times[1])) == 0:
+        return None
+    first = smallest(times)
+    return first if sign(first) >= 0 else None
+
+
+def to_rim(a: Disc, rim: Disc) -> Any:
+    """How far a centre is from a rim."""
+    return abs(root(normal((a.x - rim.x) ** 2 + (a.y - rim.y) ** 2)) - rim.r)
 
 
 def direction(line: Line) -> tuple[Any, Any]:

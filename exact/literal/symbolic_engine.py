@@ -7,23 +7,24 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 from math import ceil, log
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from sympy import Expr, Integer, Poly, Symbol
+from sympy import Expr, Integer
 
 from ...scenarios.engine import ALL_KEYS, Declared, endable, horizon, refuse_settled
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.surfaces import ends_of, sides_of
-from ...scenarios.things import Arc, Circle, Squeeze, Wall
+from ...scenarios.things import Squeeze
 from ...scenarios.trajectory import (
     Contact,
     Event,
     OnProgress,
+    Pocketing,
     Progress,
     Reversal,
     Stop,
@@ -43,13 +44,21 @@ from .symbolic_contacts import (
     UnendingCollision,
     apart,
     approach_sign,
+    bow_of,
     collide,
     coupled,
     direction,
+    disc_of,
     fall_times,
     height,
+    is_within,
     length,
+    line_of,
+    may_fall_onto,
+    rim_of,
+    time_to_enter,
     to_ends,
+    to_rim,
     touch_times,
 )
 from .symbolic_sign import SymbolicUndecided, above, below, normal, quantity, root, sign, smallest
@@ -59,7 +68,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ZERO: Any = Integer(0)
-_TIME = Symbol("t")
 
 # -- Flights between instants, in SymPy numbers: straight ones, or parabolas under gravity.
 
@@ -177,14 +185,11 @@ class SymbolicEngine(Declared):
         """The history of a scene up to a time, a number of instants, or both, whichever comes first.
 
         Raises:
-            SceneError: for a limit that is not above zero, pockets that capture circles, or pockets under gravity.
+            SceneError: for a limit that is not above zero, or pockets that capture circles.
         """
         refuse_settled(scene, "engine 'sympy'")
         if scene.capture:
             raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
-        if scene.gravity is not None and scene.pockets:
-            told = f"pocket {scene.pockets[0].id!r} is round, under gravity"
-            raise SceneError(f"{told}, and square roots do not take that; use exact, or leave gravity out")
         return _Run(scene, *horizon(scene, until, events), progress).trajectory()
 
 
@@ -206,7 +211,8 @@ class _Run:
     hits: dict[Indices, Any] = field(default_factory=dict)
     came: dict[Indices, tuple[Disc, ...]] = field(default_factory=dict)
     plan: dict[str, int] = field(default_factory=lambda: {"predictions": 0, "moves": 0})
-    whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
+    entered: list[Pocketing] = field(default_factory=list)
+    whole: tuple[int, int, int, Reversal | None, Any] = (0, 0, 1, None, ZERO)
     ending: Any = None
 
     def __post_init__(self) -> None:
@@ -214,15 +220,11 @@ class _Run:
         points = any(circle.r.sign() == 0 for circle in scene.circles)
         ends = ends_of(scene.segments, scene.polygons, points, scene.arcs)
         segments = (*scene.segments, *(side for polygon in scene.polygons for side in sides_of(polygon)))
-        self.discs = tuple(map(_disc, (*scene.circles, *ends)))
+        self.discs = tuple(map(disc_of, (*scene.circles, *ends)))
         self.real = len(scene.circles)
         told = ([normal(q.sympy()) for q in (s.x0, s.y0, s.x1, s.y1, s.r, s.vx, s.vy)] for s in segments)
         bars = (Bar(*q[:5], ux=q[5], uy=q[6]) for q in told)
-        self.lines = (
-            *map(_line, scene.walls),
-            *bars,
-            *map(_bow, scene.arcs),
-        )
+        self.lines = (*map(line_of, scene.walls), *bars, *map(bow_of, scene.arcs))
         n = len(self.discs)
         pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
         self.pairs = sorted(
@@ -237,6 +239,7 @@ class _Run:
             for i, circle in enumerate(scene.circles)
             if wall in scene.other_walls
         }
+        self.rims = [*map(rim_of, scene.pockets)]
         things = (*scene.circles, *ends, *scene.walls, *segments, *scene.arcs)
         self.names = tuple(str(thing.id) for thing in things)
         self.draw = Random(self.scene.tie_policy.seed)
@@ -260,6 +263,7 @@ class _Run:
             final_time=quantity(self.now),
             motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now, self.g),
             reversal=self.reversal,
+            pocketings=tuple(self.entered),
             plan=self.plan,
             ending=None if self.ending is None else quantity(self.ending),
         )
@@ -282,8 +286,8 @@ class _Run:
 
     def _drop_unfinished(self) -> None:
         """Goes back to the last instant that was done when the next was looked for."""
-        events, legs, self.reversal, self.now = self.whole
-        del self.events[events:], self.legs[legs:], self.starts[legs:]
+        events, entries, legs, self.reversal, self.now = self.whole
+        del self.entered[entries:], self.events[events:], self.legs[legs:], self.starts[legs:]
 
     def _run(self) -> Stop:
         endings = _Endings(self)
@@ -302,6 +306,7 @@ class _Run:
                 if ended is not None:
                     return ended
                 if len(self.events) == self.limit and not resting:
+                    self._enter(ZERO, last=True)
                     return _stop(StopReason.EVENTS, str(self.limit))
                 if self.reversal is None and len(self.events) == self.scene.reverse_after:
                     self._reverse()
@@ -324,20 +329,22 @@ class _Run:
 
     def _advance(self, touching: set[Indices]) -> Stop | None:
         """Moves every circle to the next moment at which something may happen; a Stop if there is none."""
-        self.whole = (len(self.events), len(self.legs), self.reversal, self.now)
+        self.whole = (len(self.events), len(self.entered), len(self.legs), self.reversal, self.now)
         moments = [hit for pair in self.pairs if (hit := self._hit(pair, pair in touching)) is not None]
         if self._reversal_due():
             moments.append(self._reverse_at)
         soonest = smallest(moments)
         end = self.until.sympy() if self.until is not None else None
-        if self.quartics:
+        if self.quartics or (self.rims and self.scene.gravity is not None):
             at_end = end is not None and (soonest is None or sign(soonest - end) > 0)
             _refuse_quartics(self, end if at_end else soonest)
         if end is not None and (soonest is None or sign(soonest - end) > 0):
-            self._move(end)
+            self._move(end, last=True)
             return _stop(StopReason.HORIZON, str(self.until))
         if soonest is None:
             self.now = self.starts[-1]  # a graze since then was not an event
+            self._enter(None)
+            self.now = max([quantity(self.now), *(Quantity.of(entry.time) for entry in self.entered)]).sympy()
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
         self._move(soonest)
         return None
@@ -404,8 +411,20 @@ class _Run:
                     found.append(" and ".join(_contact(self, pair)))
         return " as well as ".join(found)
 
-    def _move(self, time: Any) -> None:
+    def _enter(self, lasts: Any, last: bool = False) -> None:
+        """Notes who enters a pocket so soon, or ever, at the end too if that is the last; under gravity nobody does."""
+        found: list[Pocketing] = []
+        falls = self.scene.gravity is not None
+        for (i, a), (pocket, rim) in product(enumerate(self.discs), zip(self.scene.pockets, self.rims, strict=True)):
+            if not falls and a.m is not None:
+                wait = time_to_enter(a, rim)
+                if wait is not None and (lasts is None or sign(normal(wait - lasts)) < last):
+                    found.append(Pocketing(self.names[i], str(pocket.id), quantity(normal(self.now + wait))))
+        self.entered += sorted(found, key=lambda entry: Quantity.of(entry.time))
+
+    def _move(self, time: Any, last: bool = False) -> None:
         duration = normal(time - self.now)
+        self._enter(duration, last)
         before = self.discs
         self.plan["moves"] += 1
         self.discs = tuple(_flown(d, duration, self.g) for d in before)
@@ -503,28 +522,11 @@ def _contact(run: _Run, pair: Indices) -> Contact:
     return Contact(run.names[pair[0]], run.names[pair[1]])
 
 
-def _disc(circle: Circle) -> Disc:
-    pace = circle.drift if circle.fixed else (circle.vx, circle.vy)
-    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, *pace, circle.r))
-    return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
-
-
 def _beside(disc: Disc, line: Any, duration: Any) -> Disc:
     """Where a circle was beside a thing that it meets, if that moves, as seen from where that is so much later."""
     if line is None or line.ux == 0 == line.uy:
         return disc
     return replace(disc, x=normal(disc.x + line.ux * duration), y=normal(disc.y + line.uy * duration))
-
-
-def _line(wall: Wall) -> Line:
-    ux, uy = normal(wall.vx.sympy()), normal(wall.vy.sympy())
-    return Line(*(q.sympy() for q in (wall.x0, wall.y0, wall.x1, wall.y1)), ux=ux, uy=uy)
-
-
-def _bow(arc: Arc) -> Bow:
-    ends = arc.ends or ((arc.x, arc.y), (arc.x, arc.y))
-    numbers = (*ends[0], *ends[1], arc.x, arc.y, arc.r)
-    return Bow(*(normal(q.sympy()) for q in numbers), full=arc.full)
 
 
 def _quartics(run: _Run) -> list[Indices]:
@@ -539,31 +541,24 @@ def _quartics(run: _Run) -> list[Indices]:
 def _refuse_quartics(run: _Run, end: Any) -> None:
     """Sees to it that no circle falls onto something round up to a time; None: ever.
 
-    The square of their distance, less that of both radii, is a quartic of the time; within an arc, the other way
-    round, and all of its circle is taken for it. Where its coefficients are no fractions, fractions a little below
-    them are taken, which make a polynomial below it; that this has no zero up to the time is told by Sturm's theorem.
-
     Raises:
         SymbolicUndecided: where one may: when is a zero that square roots do not give.
     """
-    gx, gy = run.g
-    n = len(run.discs)
+    n, wait = len(run.discs), None if end is None else end - run.now
     for pair in run.quartics:
         i, j = pair if pair[1] >= n or run.discs[pair[0]].m is not None else reversed(pair)
         a, bow = run.discs[i], run.lines[j - n] if j >= n else None
         b = bow.disc if isinstance(bow, Bow) else run.discs[j]
-        vx, vy = a.vx - b.vx, a.vy - b.vy
-        x, y = _TIME * (vx + gx * _TIME / 2) + a.x - b.x, _TIME * (vy + gy * _TIME / 2) + a.y - b.y
-        within = bow is not None and sign(normal((a.x - b.x) ** 2 + (a.y - b.y) ** 2 - b.r**2)) < 0
-        reach = b.r - a.r if within else a.r + b.r
-        gap: Any = Poly((x**2 + y**2 - reach**2) * (-1 if within else 1), _TIME)
-        low: Any = Poly([below(c) for c in gap.all_coeffs()], _TIME, domain="QQ")
-        last = None if end is None else -below(run.now - end)
-        if low.eval(0) <= 0 or low.count_roots(0, last):
-            raise SymbolicUndecided(
-                f"whether and when {run.names[i]} falls onto {run.names[j]} is told by a zero of a quartic, and "
-                "this engine has square roots alone; use exact"
-            )
+        within = bow is not None and is_within(a, b)
+        if may_fall_onto(a, b, b.r - a.r if within else a.r + b.r, within, run.g, wait):
+            raise SymbolicUndecided(_QUARTIC.format(f"{run.names[i]} falls onto {run.names[j]}"))
+    for k, rim in enumerate(run.rims if run.scene.gravity is not None else ()):
+        for i, a in enumerate(run.discs):
+            if a.m is not None and may_fall_onto(a, rim, rim.r, is_within(a, rim), run.g, wait):
+                raise SymbolicUndecided(_QUARTIC.format(f"{run.names[i]} enters {run.scene.pockets[k].id}"))
+
+
+_QUARTIC = "whether and when {} is told by a zero of a quartic, and this engine has square roots alone; use exact"
 
 
 # -- Where infinitely many hits end a run. When that is looked for is what all engines agree on; that a circle meets
@@ -645,6 +640,8 @@ class _Endings:
                 return False
         if isinstance(line, Bar) and below(to_ends(line, disc)) <= way:
             return False
+        if any(below(to_rim(disc, rim)) <= way for rim in run.rims):
+            return False
         others = ((other, apart(other, disc)) for k, other in enumerate(run.lines) if k != own)
         return all(below(h) > above(disc.r) + way + length(line.ux, line.uy) * wait for line, h in others)
 
@@ -681,6 +678,8 @@ class _Endings:
             if (i in movers or j in movers) and between <= above(a.r + b.r) + drift[i] + drift[j]:
                 return False
         room = above(sum((abs(height(line, own)) for line in walls), ZERO))
+        if run.scene.gravity is not None and run.rims:
+            return False
         for number, line in enumerate(run.lines):
             along = across = Integer(1)  # an arc is met in any direction
             if not isinstance(line, Bow):

@@ -9,12 +9,14 @@ Nothing here is shared with the number systems of the exact engine, whose oracle
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from threading import local
 from typing import Any
 
 from mpmath.ctx_iv import MPIntervalContext
-from sympy import QQ, Add, Expr, Mul, Pow, Rational, Symbol, ring, sqrt, sqrtdenest
+from sympy import QQ, Add, Expr, Mul, Pow, Rational, Symbol, fraction, ring, sqrt, sqrtdenest
+from sympy import together as on_one_denominator
 from sympy.core.evalf import PrecisionExhausted
 
 from ...scenarios.numbers.quantity import Quantity
@@ -329,3 +331,72 @@ def _level_of_root(part: Any) -> int:
 def _depth(number: Any) -> int:
     """How deep square roots are nested in a number."""
     return max((_depth(part) for part in number.args), default=0) + _level_of_root(number)
+
+
+# -- The derived laws as SymPy gave them, evaluated at numbers: nothing rearranged, every filter decided.
+#
+# The article substitutes numbers into the solutions and filters out what is complex, nan or infinite. With nested
+# roots SymPy may leave a zero unrecognised in a denominator, and give nonsense for nan; so the radicand and the
+# denominator of each solution are looked at first, and their signs decided.
+
+_ROOT = Symbol("root")
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A derived expression taken apart: over / under, in which `_ROOT` stands for sqrt(radicand).
+
+    Attributes:
+        over: numerator.
+        under: denominator.
+        radicand: what the square root is taken of, over its own denominator; None without a root.
+    """
+
+    over: Any
+    under: Any
+    radicand: tuple[Any, Any] | None
+
+    @staticmethod
+    def of(expression: Any) -> Solution:
+        """Takes an expression with at most one square root apart.
+
+        >>> from sympy.abc import x, y
+        >>> Solution.of((1 - sqrt(x)) / y).radicand
+        (x, 1)
+        """
+        half_powers = {part for part in expression.atoms(type(sqrt(Symbol("x")))) if part.exp.q == 2}
+        bases = {part.base for part in half_powers}
+        if not bases:
+            return Solution(*fraction(on_one_denominator(expression)), None)
+        (base,) = bases
+        rational = expression.xreplace({part: _ROOT ** (2 * part.exp) for part in half_powers})
+        return Solution(*fraction(on_one_denominator(rational)), fraction(on_one_denominator(base)))
+
+    def value(self, at: Mapping[Any, Any]) -> Expr | None:
+        """The number that the solution takes, or None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = normal(self.under.xreplace(at))
+        if sign(under) == 0:
+            return None
+        return normal(self.over.xreplace(at) / under)
+
+    def sign(self, at: Mapping[Any, Any]) -> int | None:
+        """The sign of that number, without computing it; None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = sign(normal(self.under.xreplace(at)))
+        return under * sign(normal(self.over.xreplace(at))) if under else None
+
+    def _with_root(self, at: Mapping[Any, Any]) -> Any:
+        if self.radicand is None:
+            return at
+        over, under = (normal(part.xreplace(at)) for part in self.radicand)
+        if sign(under) == 0:
+            return None
+        radicand = normal(over / under)
+        if sign(radicand) < 0:
+            return None
+        return {**at, _ROOT: root(radicand)}

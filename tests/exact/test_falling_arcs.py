@@ -457,10 +457,19 @@ def test_the_referee_finds_faults_of_rims(monkeypatch: pytest.MonkeyPatch, where
     assert any(is_found(seed) for seed in range(12))
 
 
-def test_square_roots_do_not_take_rims_by_one_line() -> None:
-    scene = Scene([Circle(0, 5)], pockets=[Pocket(0, 2, 1, id="hole")], gravity=(0, -1))
-    with pytest.raises(SceneError, match="pocket 'hole' is round, under gravity, and square roots do not take that"):
-        SymbolicEngine().run(scene)
+def test_square_roots_go_to_where_a_rim_may_come_first() -> None:
+    floor = Wall(0, 0, 1, 0, id="floor")
+    ball, hole = Circle(0, 5, 1, id="ball"), Pocket(20, 20, 1, id="hole")
+    run = SymbolicEngine().run(Scene([ball], [floor], pockets=[hole], gravity=(0, -2)), events=3)
+    assert [event.time.text() for event in run.events] == ["2", "6", "10"]
+    lower = Scene([ball], [floor], pockets=[Pocket(0, "1/2", "1/4", id="hole")], gravity=(0, -2))
+    assert len(SymbolicEngine().run(lower, events=3).events) == 3
+    higher = lower.with_changes(pockets=(Pocket(0, 3, 1, id="hole"),))
+    run = SymbolicEngine().run(higher, events=3)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "whether and when ball enters hole is told by a zero of a quartic" in run.stop.message
+    inside = lower.with_changes(pockets=(Pocket(0, 3, 9, id="hole"),))
+    assert len(SymbolicEngine().run(inside, events=3).events) == 3
 
 
 # -- Pockets that capture: what they take stands where it entered, in true coordinates.

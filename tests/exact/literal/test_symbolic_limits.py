@@ -7,8 +7,9 @@ import pytest
 from referee import compare_to_referee, load
 from test_symbolic import C, Q, lee, run
 
+from truebreak.exact import ExactEngine
 from truebreak.exact.literal import symbolic_contacts, symbolic_sign
-from truebreak.scenarios import Scene, SceneError, StopReason, Wall
+from truebreak.scenarios import Pocket, Scene, SceneError, StopReason, Wall
 
 # -- limits and reversal
 
@@ -94,6 +95,32 @@ def test_unending_impulses_end_the_run_as_a_spent_budget(monkeypatch):
     monkeypatch.setattr(symbolic_contacts, "MAX_IMPULSES", 2)
     trajectory = run(lee("sequential"))
     assert trajectory.stop.reason is StopReason.BUDGET
+
+
+HOLE, AT_9 = Pocket(4, 0, 1, id="hole"), Wall(9, 0, 9, 1)
+ENTRIES = {
+    "there and back": (Scene([C(0, 0, vx=2)], [AT_9], pockets=[HOLE]), {"until": 8}, ["3/2", "11/2"]),
+    "none that is fixed": (Scene([C(0, 0, fixed=True), C(0, 5, vx=1)], pockets=[HOLE]), {"until": 8}, []),
+    "right at the end": (Scene([C(0, 0, vx=2)], pockets=[HOLE]), {"until": "3/2"}, ["3/2"]),
+    "just after it": (Scene([C(0, 0, vx=2)], pockets=[HOLE]), {"until": "149/100"}, []),
+    "a graze": (Scene([C(0, 1, vx=2)], pockets=[HOLE]), {"until": 8}, []),
+    "nothing else": (Scene([C(0, 0, vx=2)], pockets=[HOLE, Pocket(9, 0, 1)]), {}, ["3/2", "4"]),
+    "from the rim": (Scene([C(3, 0, vx=2)], pockets=[HOLE]), {"until": 8}, ["0"]),
+    "from within": (Scene([C(4, 0, vx=2)], [AT_9], pockets=[HOLE]), {"until": 8}, ["7/2"]),
+    "turned away at the rim": (Scene([C(0, 0, vx=2)], [Wall(4, 0, 4, 1)], pockets=[HOLE]), {"until": 8}, []),
+    "after a hit": (Scene([C(0, 0, vx=2), C(3, 3, vy=-2)], [AT_9], pockets=[HOLE]), {"events": 1}, []),
+}
+
+
+@pytest.mark.parametrize("scene, limit, times", ENTRIES.values(), ids=ENTRIES)
+def test_entries_into_pockets_are_those_of_the_exact_engine(scene, limit, times):
+    found, exact = run(scene, **limit), ExactEngine().run(scene, **limit)
+    assert [entry.time.text() for entry in found.pocketings] == times
+    assert [(entry.circle, entry.pocket) for entry in found.pocketings] == [
+        (entry.circle, entry.pocket) for entry in exact.pocketings
+    ]
+    assert [entry.time.text() for entry in exact.pocketings] == times
+    assert float(found.final_time) == float(exact.final_time)
 
 
 def test_capture_by_pockets_is_refused():
