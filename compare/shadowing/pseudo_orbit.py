@@ -212,7 +212,7 @@ class FixedOrder:
             if not _meets(state, link):
                 raise Missed(segment.first + place)
             state.do(Go(link, link.circles))
-            if not state.instant.is_finite():
+            if not state.instant.is_finite():  # of two that pass each other it is no number
                 raise Missed(segment.first + place)
             struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
@@ -248,13 +248,11 @@ class FixedOrder:
 
 def _meets(state: BallState, link: Touch) -> bool:
     """Whether two meet on their flights as they are: a state takes it for granted, as the log of a run says so."""
-    if is_flat(link):  # what falls comes back, however it flies
-        pull = state.sides.pull(*link[:2])
-        return pull < 0 or bool(link.approach(state) < 0 and not (pull > 0 and state.wall_discriminant(link) < 0))
-    if state.stands and state.on_peg(link):
+    if not is_flat(link) and state.stands and state.on_peg(link):
         return isinstance(landing(state, link, inf), arb)
-    # what is within an arc may fly away from it first
-    return bool((link.hollow or link.approach(state) < 0) and not state.discriminant(link) < 0)
+    # what is within an arc may fly away from it first, and what falls onto a wall comes back, however it flies
+    thrown = is_flat(link) and state.sides.pull(*link[:2]) < 0
+    return thrown or link.hollow or bool(link.approach(state) < 0)
 
 
 def _impact(state: BallState, link: Touch) -> Impact:

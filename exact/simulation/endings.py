@@ -50,6 +50,9 @@ from .policies import Collapse, LineRallies, may_collapse
 # what does not fall, at that of a quadratic. As something comes to it, it is let fall, so that its wall is one of the
 # contacts of that instant; and what these leave at the wall, neither approaching nor parting, is carried again.
 
+SLIDES = " (on a slope, along which gravity pulls it: how it slides is not followed)"
+"""What the stop says of a circle that neither approaches a wall nor parts from it, and does not stay where it is."""
+
 SHRUNK = 20
 """A bounce counts as one of the last once its speed is 2**-SHRUNK of the first one's: before that they are all told."""
 
@@ -246,7 +249,7 @@ class Endings:
                     "rests on the other, slides along it or flies off is not followed"
                 )
         names = [
-            name_of(self.scene, link)
+            name_of(self.scene, link) + ("" if self._sides.level(link.wall) else SLIDES)
             for link, sign in standing.items()
             if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in stands
         ]

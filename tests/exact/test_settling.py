@@ -165,9 +165,11 @@ def test_a_corner_and_a_platform_hold_what_comes_to_rest() -> None:
 def test_a_slope_and_a_stack_end_by_name() -> None:
     slope = Scene([Circle(0, 9, id="ball")], [Wall(0, 0, 4, -1, id="slope")], gravity=DOWN, restitution=0, settle=True)
     stop = ExactEngine().run(slope, until=9).stop
-    assert (stop.reason, stop.message) == (
-        StopReason.REST, "at rest: a circle stands on a wall to which gravity pulls it: ball and slope"
-    )  # fmt: skip
+    told = "at rest: a circle stands on a wall to which gravity pulls it: ball and slope"
+    assert stop.reason is StopReason.REST
+    assert stop.message == f"{told} (on a slope, along which gravity pulls it: how it slides is not followed)"
+    level = slope.with_changes(walls=[Wall(0, 0, 4, 0, id="floor")], settle=False)
+    assert ExactEngine().run(level, until=9).stop.message == told.replace("slope", "floor")
     on_top = ran([Circle(0, 1, id="low"), Circle(0, 3, id="high")]).stop
     assert on_top.reason is StopReason.UNDECIDED
     assert "low and high touch, and neither approach nor part, under gravity" in on_top.message
