@@ -50,7 +50,7 @@ from .policies import Collapse, LineRallies, may_collapse
 # what does not fall, at that of a quadratic. As something comes to it, it is let fall, so that its wall is one of the
 # contacts of that instant; and what these leave at the wall, neither approaching nor parting, is carried again.
 
-SLIDES = " (on a slope, along which gravity pulls it: how it slides is not followed)"
+SLIDES = ", a slope, on which gravity makes it slide, and that is not followed"
 """What the stop says of a circle that neither approaches a wall nor parts from it, and does not stay where it is."""
 
 SHRUNK = 20

@@ -167,7 +167,7 @@ def test_a_slope_and_a_stack_end_by_name() -> None:
     stop = ExactEngine().run(slope, until=9).stop
     told = "at rest: a circle stands on a wall to which gravity pulls it: ball and slope"
     assert stop.reason is StopReason.REST
-    assert stop.message == f"{told} (on a slope, along which gravity pulls it: how it slides is not followed)"
+    assert stop.message == f"{told}, a slope, on which gravity makes it slide, and that is not followed"
     level = slope.with_changes(walls=[Wall(0, 0, 4, 0, id="floor")], settle=False)
     assert ExactEngine().run(level, until=9).stop.message == told.replace("slope", "floor")
     on_top = ran([Circle(0, 1, id="low"), Circle(0, 3, id="high")]).stop
