@@ -10,10 +10,11 @@ from typing import Generic
 from ..exact.laws.formulas import pair_gap
 from ..exact.numbers.system import M, NumberSystem, Undecided
 from ..exact.question import Approach, Arrives, Beside, Decision, Discriminant, Foot, Gap, Moment, Question, Sooner
-from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, Round, is_arc, is_flat, name_of
+from ..exact.replay.contact import AtArc, AtWall, Body, Entry, Link, Round, is_arc, is_flat, is_pair, name_of
 from ..exact.replay.landings import Unsharp, faces_arc
 from ..exact.replay.state import ReplayState
 from ..exact.simulation.arc_meetings import arc_contact, face_contact, fall_to_face, predict_falls
+from ..exact.simulation.instant import no_normal
 from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import TieProof
@@ -37,8 +38,18 @@ class PlainPegs(Predictor[M]):
         except Unsharp as error:
             self.queue.push_doubtful(self.bounds(a.flight.instant)[0] + error.since * (1 - 2.0**-40), link)
             return
-        if wait is not None:
-            self.push(a.flight.t + wait, link)
+        if wait is None:
+            return
+        time = a.flight.t + wait
+        if _has_normal(self.scene, link):
+            self.push(time, link)
+        else:
+            self.queue.push_doubtful(self.bounds(time)[0], link)
+
+
+def _has_normal(scene: Scene, link: Round) -> bool:
+    """Whether two that meet are more than two points, of which rounding alone has the one fall onto the other."""
+    return not is_pair(link) or any(scene.circles[i].r.sign() for i in link)
 
 
 class PlainMeetings(Generic[M]):
@@ -173,10 +184,10 @@ class PlainMeetings(Generic[M]):
             through = self._sign(pair_gap(pair.dx, pair.dy, b.r)) * (1 if link.hollow else -1)
             if through < 0 and self._sign(faces_arc(state, link, pair.dx, pair.dy)) > 0:
                 return a.flight.t, False
-        disc = arc_contact(link, self._ask, final=True)
-        if disc is None or disc < 0:
-            return None
         try:
+            disc = arc_contact(link, self._ask, final=True)
+            if disc is None or disc < 0:
+                return None
             clock, wait = Moment(link, disc == 0).wait(state)
         except ZeroDivisionError:
             return None
@@ -191,6 +202,8 @@ class PlainMeetings(Generic[M]):
             raise Undecided(
                 f"whether {who} hit, graze or miss, at a zero of a quartic, cannot be decided in numbers of this width"
             ) from None
+        if wait is not None and not _has_normal(self._state.scene, link):
+            raise Undecided(no_normal(self._state.scene, link))
         return None if wait is None else (self._state.faller(link).flight.t + wait, False)
 
     def _pull(self, link: AtWall) -> int:

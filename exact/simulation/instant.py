@@ -629,10 +629,7 @@ class Gatherer(Generic[N, K]):
             if limit is not None and self._place(graze, limit[0]) > 0:
                 continue
             if not chosen or self._graze_place(graze, chosen[0]).sign <= 0:
-                who = name_of(self.scene, link)
-                raise Undecided(
-                    f"no normal: {who} meet in one point, an end without thickness; give one of them a radius"
-                )
+                raise Undecided(no_normal(self.scene, link))
 
     def _still_to_come(self, grazes: list[Arrival[N]], first: Arrival[N]) -> list[Arrival[N]]:
         """Drops the grazes that surely come before all else, as `_pass` does; the others."""
@@ -693,3 +690,9 @@ def _touches(arrivals: list[Arrival[N]]) -> list[Touch]:
 def _entries(arrivals: list[Arrival[N]]) -> list[Entry]:
     """The entries among the contacts."""
     return [a.link for a in arrivals if not can_push(a.link)]
+
+
+def no_normal(scene: Scene, link: Link) -> str:
+    """Why a run ends where a point comes to an end of radius 0."""
+    who = name_of(scene, link)
+    return f"no normal: {who} meet in one point, an end without thickness; give one of them a radius"

@@ -39,7 +39,19 @@ from truebreak.exact.replay.contact import AtArc, Body, Flight
 from truebreak.exact.simulation import arc_meetings
 from truebreak.exact.simulation.arc_meetings import ArcSides
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Wall, arcs, surfaces
+from truebreak.scenarios import (
+    Arc,
+    Circle,
+    Polygon,
+    Quantity,
+    Scene,
+    SceneError,
+    Segment,
+    StopReason,
+    Wall,
+    arcs,
+    surfaces,
+)
 from truebreak.scenarios.engine import SCENE_KEYS
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
@@ -632,3 +644,19 @@ def test_scenes_as_engines_see_them_differ_where_their_arcs_do():
     assert hash(one.surfaces) == hash(Scene(MIRRORED, arcs=one.arcs).surfaces)
     ties = [sum(len(event.ties) for event in ExactEngine().run(scene, events=20).events) for scene in (one, other)]
     assert ties[0] > 4 and ties[1] == 0
+
+
+def test_what_hardly_moves_beside_an_arc_meets_none_of_it() -> None:
+    """Without restitution what is wedged is slowed until the square of its speed is none: it was divided by."""
+    scene = Scene(
+        [Circle(0, 0, vx="-2/5", vy="3/10"), Circle("-6/5", "-8/5", m="oo")],
+        polygons=[Polygon([("-11/26", "66/65"), ("-35/26", "41/65"), ("-21/26", "126/65")], r="1/10")],
+        arcs=[
+            Arc("5/26", "-6/13", "3/2", "-5/13", "12/13", "-17/13", "-6/13"),
+            Arc("5/26", "-6/13", "3/2", "-17/13", "-6/13", "-5/13", "12/13"),
+        ],
+        restitution=0,
+        tie_policy="sequential",
+    )
+    for engine in (DoubleEngine(), QuadEngine()):
+        assert engine.run(scene, until="3/2").stop.reason is StopReason.HORIZON

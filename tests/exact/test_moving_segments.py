@@ -417,3 +417,16 @@ def test_what_moves_and_ends_is_never_told_in_doubles(stood: bool):
     found, unclear = falls_in_doubles(flight, lines, 1e-15, 1e-15, [line.wall for line in lines[:1] if stood])
     assert found == []
     assert 0 in unclear
+
+
+def test_a_point_that_comes_to_a_moving_end_has_no_normal_in_doubles_either() -> None:
+    """By rounding it falls onto the end, which has no radius: a division by zero. Or rounding lets it by."""
+    bars = (
+        Segment("-47/26", "-56/65", "9/26", "7/195", r="1/10"),
+        Segment("-33/26", "-99/52", "3/2", "-3/4", vx=-1, vy="1/2"),
+    )
+    scene = Scene([Circle("-15/13", "36/13", 0, "10/13", "-24/13", point=True, id="speck")], segments=bars)
+    assert "no normal: speck and s2 meet in one point" in DoubleEngine().run(scene, until=3).stop.message
+    for engine in (SingleEngine(), QuadEngine(), RoundedEngine()):
+        assert engine.run(scene, until=3).stop.reason in (StopReason.HORIZON, StopReason.UNDECIDED)
+    assert ExactEngine(max_bits=256).run(scene, until=3).stop.reason is StopReason.UNDECIDED
