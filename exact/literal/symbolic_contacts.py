@@ -131,7 +131,7 @@ class Bow(Line):
         return (after and before) if turn > 0 else (after or before) if turn < 0 else after
 
     def refuse_along(self, a: Disc, times: Sequence[Any]) -> None:
-        """Sees to it that a circle does not touch the inside in passing right at an end, and goes into the arc there.
+        """Sees to it that a circle does not touch the inside in passing and go into the arc: at an end, or from now on.
 
         Args:
             a: the circle.
@@ -140,7 +140,11 @@ class Bow(Line):
         Raises:
             SymbolicUndecided: if it may.
         """
-        if self.full or len(times) < 2 or sign(normal(times[0] - times[1])) or sign(times[0]) < 0:
+        if len(times) < 2 or sign(normal(times[0] - times[1])) or sign(times[0]) < 0:
+            return
+        if sign(times[0]) == 0 and self.beside(a, times[0]):
+            raise SymbolicUndecided("a circle touches an arc from within, and its flight is along the arc")
+        if self.full:
             return
         dx, dy = a.x + a.vx * times[0] - self.x, a.y + a.vy * times[0] - self.y
         for x, y, way in ((self.x0, self.y0, 1), (self.x1, self.y1, -1)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from dataclasses import replace
 from fractions import Fraction
 from random import Random
 
@@ -52,7 +53,7 @@ from truebreak.scenarios import (
     arcs,
     surfaces,
 )
-from truebreak.scenarios.engine import SCENE_KEYS
+from truebreak.scenarios.engine import SCENE_KEYS, Engine
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 UNTIL, EVENTS = 20, 10
@@ -660,3 +661,21 @@ def test_what_hardly_moves_beside_an_arc_meets_none_of_it() -> None:
     )
     for engine in (DoubleEngine(), QuadEngine()):
         assert engine.run(scene, until="3/2").stop.reason is StopReason.HORIZON
+
+
+@pytest.mark.parametrize("engine", [ExactEngine(), SymbolicEngine(), DoubleEngine()])
+def test_a_flight_along_the_inside_from_between_its_ends_is_no_flight_through_it(engine: Engine) -> None:
+    """At the start, in a ring, and after an impulse that takes all of the speed across the arc."""
+    bow = Arc(0, "-1/4", "7/12", 0, "-5/6", "-35/156", "-41/52")
+    along = Circle(0, 0, "1/3", vx="1/2")
+    ring = Arc(0, "-1/4", "7/12", full=True)
+    onto = Circle(0, "-1/4", "1/3", vx="3/5", vy="4/5")
+    for scene in (
+        Scene([along], arcs=[bow]),
+        Scene([along], arcs=[ring]),
+        Scene([replace(onto, y="-1/8", x=0)], arcs=[bow], restitution=0),
+    ):
+        run = engine.run(scene, until=3, events=4)
+        assert run.stop.reason is StopReason.UNDECIDED, run
+        assert range_campaign.wrong(run) == []
+    assert engine.run(Scene([replace(along, vx=0)], arcs=[bow]), until=3).stop.reason is not StopReason.UNDECIDED
