@@ -120,16 +120,16 @@ class Precision:
                 f"{self.where()}; allow more bits to go on"
             )
         self._history.plan["precision raised"] += 1
-        given_up = any(many >= LONG_BITS and not in_set for many, in_set in self._history.rises)
-        plain = self._state.balls.falling is None  # no set of deviations is carried to a wall that falls
-        centred = self._state.centred or (bits >= LONG_BITS and plain and not given_up)
+        long = LONG_BITS * self._state.balls.costs
+        given_up = any(many >= long and not in_set for many, in_set in self._history.rises)
+        centred = self._state.centred or (bits >= long and not (given_up or self._state.balls.stands))
         begun = centred and not self._state.centred
         if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
         lost = self._state.bits - self._state.lowest
         self._state.rise(bits, centred)
         if begun and self._state.bits - self._state.lowest > max(lost, ONCE):
-            centred, bits = False, max(bits, LONG_BITS)  # a set that loses more than balls is given up
+            centred, bits = False, max(bits, long)  # a set that loses more than balls is given up
             self._state.rise(bits, centred)
         self._history.rises.append((bits, centred))
 

@@ -131,6 +131,24 @@ class CompiledSteps(Protocol):
         """`carry_wall`, likewise."""
         ...
 
+    def fall(
+        self,
+        errors: Any,
+        i: int,
+        since: Any,
+        speed: float,
+        slope: Any,
+        late: Any,
+        near: float,
+        one: tuple[Any, ...],
+        clock: Any,
+        last: int,
+        least: int,
+        /,
+    ) -> Any:
+        """`carry_fall`, likewise."""
+        ...
+
     def carry(self, rows: Any, pairs: list[int], hits: Any, blocks: Any, pending: list[Any], /) -> None:
         """`ErrorSet._carried`: rows of fours, in place, through a block's collisions and the flights after them."""
         ...

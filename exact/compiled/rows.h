@@ -7,7 +7,7 @@
 enum { COORDINATES = 4 }; /* x, y, vx, vy */
 
 /* What is kept of a collision: see `PARTS` in error_set.py. */
-enum { LEGS = 10, PARTS = 18 };
+enum { LEGS = 10, PARTS = 19 };
 
 enum { BLOCKS = 7, BOTH = 2 * COORDINATES };
 

@@ -235,7 +235,7 @@ static int count_step(const Set *set, int grown)
 }
 
 /* The derivative of a collision: what `Collision` has. */
-typedef struct { double steep, turn, dx, dy, vx, vy, speed, strength; } Collision;
+typedef struct { double steep, turn, dx, dy, vx, vy, speed, strength, pull; } Collision;
 
 /* `pair_derivative`; 0 where it is not to be had. */
 static int derivative(Collision *hit, double unit, double place, double pace, double near)
@@ -250,6 +250,15 @@ static int derivative(Collision *hit, double unit, double place, double pace, do
     double apart = (1.0 + slant) * place * UP;
     hit->turn = unit * square / speed * UP;
     return slant * (apart / reach + pace / (unit * slow)) * UP < near && hit->turn < MOST_TURN;
+}
+
+/* `Deviations._at_once`; 0 where it is None. */
+static int at_once(const Collision *hit, double place, double late, double near, double unit, double near_time,
+                   double *spread)
+{
+    double turn = hit->turn > LEAST_TURN ? hit->turn : LEAST_TURN;
+    *spread = hit->steep * place * UP;
+    return *spread * turn < near * LEAST_TURN * 2.0 * unit && late * turn < LEAST_TURN * near_time;
 }
 
 static int keep(const Set *set, const double *parts)
@@ -270,13 +279,26 @@ static int keep(const Set *set, const double *parts)
     return failed;
 }
 
-/* `ErrorSet.meet`, with `Bounds.meet`, of two that move. */
-static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const double *weights, const Collision *hit,
-                double rounding)
+/* `fall_derivative`; 0 where it is not to be had. */
+static int fall_derivative(Collision *hit, double unit, double place, double pace, double near)
 {
-    double place[2], pace[2], limit, whole = weights[0] + weights[1];
+    double size = sqrt(hit->dx * hit->dx + hit->dy * hit->dy), speed = hit->speed, pull = fabs(hit->pull);
+    if (!(hit->strength < 0.0 && LEAST < speed && speed < INFINITY && pull < INFINITY))
+        return 0;
+    hit->steep = size / speed * UP;
+    double bend = pull / speed * UP;
+    hit->turn = bend * unit * (-hit->strength * size * size / 2.0) * UP;
+    return hit->steep * (pace / unit + bend * place) * UP < near && hit->turn < MOST_TURN;
+}
+
+/* `ErrorSet.meet`, with `Bounds.meet`, of two that move, or, `movers` being 1, of one and what is fixed. */
+static int meet(const Set *set, int movers, const Py_ssize_t *at, const double *lags, const double *weights,
+                const Collision *hit, double rounding)
+{
+    double place[2] = {0.0}, pace[2] = {0.0}, limit, whole = weights[0] + weights[1];
     if (read_bound(set, at[0], &place[0], &pace[0]) < 0
-        || read_bound(set, at[1], &place[1], &pace[1]) < 0 || get_double(set->errors, name_limit, &limit) < 0)
+        || (movers > 1 && read_bound(set, at[1], &place[1], &pace[1]) < 0)
+        || get_double(set->errors, name_limit, &limit) < 0)
         return -1;
     if (PyList_GET_SIZE(set->pending) != set->count + 1) {
         PyErr_SetString(PyExc_IndexError, "the set's lists differ in length");
@@ -287,7 +309,7 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
     double both = hit->turn * (far[0] + far[1]), waited = SMALL_WAIT * (pace[0] + pace[1]);
     double least = 0.0, one, two;
     int grown = 0;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < movers; k++) {
         one = (far[k] + shares[k] * far[1 - k] + waited) * WIDER + rounding;
         two = (pace[k] + shares[k] * (pace[1 - k] + both)) * WIDER + rounding;
         if (k == 0)
@@ -302,11 +324,12 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
     }
     if (add_beside(set, 0.0, CARRIED + rounding / least) < 0 || count_step(set, grown) < 0)
         return -1;
-    double parts[PARTS] = {[LEGS] = weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength};
+    double parts[PARTS] = {[LEGS] = weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength, hit->pull};
     for (int k = 0; k < 2; k++) {
         double *legs = parts + k * (LEGS / 2);
-        if (read_legs(set, at[k], LEGS / 2, legs) < 0 || append(set->pairs, PyLong_FromSsize_t(at[k])) < 0
-            || PyList_SetItem(set->pending, at[k], Py_NewRef(none_yet)) < 0)
+        Py_ssize_t body = k < movers ? at[k] : set->count; /* what is fixed comes last, and is called -1 */
+        if (read_legs(set, body, LEGS / 2, legs) < 0 || append(set->pairs, PyLong_FromSsize_t(k < movers ? body : -1)) < 0
+            || PyList_SetItem(set->pending, body, Py_NewRef(none_yet)) < 0)
             return -1;
         legs[LEGS / 2 - 1] = legs[LEGS / 2 - 1] + lags[k];
     }
@@ -353,7 +376,7 @@ static PyObject *bounce(PyObject *self, PyObject *const *args, Py_ssize_t count)
     PyObject *told = NULL, *clock = args[12], *last = args[13];
     Py_ssize_t at[2], least;
     double met[5], since[2], weights[2], late, near_time, place[2], pace[2];
-    Collision hit;
+    Collision hit = {.pull = 0.0};
     Body bodies[2] = {{args[10], NULL, {0.0}}, {args[11], NULL, {0.0}}};
     if (open_set(args[0], &set) < 0 || read_size(args[1], &at[0]) < 0 || read_size(args[2], &at[1]) < 0
         || read_doubles(args[3], 5, met) < 0 || read_double(args[4], &since[0]) < 0 || read_double(args[5], &since[1]) < 0
@@ -372,12 +395,7 @@ static PyObject *bounce(PyObject *self, PyObject *const *args, Py_ssize_t count)
     double wide = (place[0] + fabs(lags[0]) * pace[0] + place[1] + fabs(lags[1]) * pace[1] + SMALL_WAIT * wide_pace) * UP;
     int known = derivative(&hit, unit, wide, wide_pace, near);
     double spread = 0.0;
-    if (known) {
-        spread = hit.steep * wide * UP;
-        double turn = hit.turn > LEAST_TURN ? hit.turn : LEAST_TURN;
-        known = spread * turn < near * LEAST_TURN * 2.0 * unit && late * turn < LEAST_TURN * near_time;
-    }
-    if (!known) {
+    if (!(known && at_once(&hit, wide, late, near, unit, near_time, &spread))) {
         told = Py_NewRef(Py_None);
         goto done;
     }
@@ -390,7 +408,7 @@ static PyObject *bounce(PyObject *self, PyObject *const *args, Py_ssize_t count)
         told = Py_NewRef(Py_None);
         goto done;
     }
-    if (meet(&set, at, lags, weights, &hit, rounding_of(size, bits, set.shift)) < 0)
+    if (meet(&set, 2, at, lags, weights, &hit, rounding_of(size, bits, set.shift)) < 0)
         goto done;
     told = land(&set, bodies, at, 2, spread, late, clock, least);
 done:
@@ -442,6 +460,55 @@ static PyObject *rebound(PyObject *self, PyObject *const *args, Py_ssize_t count
         goto done;
     }
     if (fly(&set, i, lag, mirror, rounding_of(size, bits, set.shift)) < 0)
+        goto done;
+    told = land(&set, &body, &i, 1, spread, late, clock, least);
+done:
+    Py_XDECREF(body.mid);
+    close_set(&set);
+    return told;
+}
+
+PyDoc_STRVAR(fall_doc,
+"fall(errors, i, since, speed, slope, late, near, one, clock, last, least): as `carry_fall`; None as `bounce`. The speed is\n"
+"a double, not a number where that does not tell it.");
+
+static PyObject *fall(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (!given(count, 11))
+        return NULL;
+    Set set;
+    PyObject *told = NULL, *clock = args[8], *last = args[9];
+    Py_ssize_t i, least;
+    double since, slope[4], late, near_time, place, pace;
+    Collision hit = {.vx = 0.0, .vy = 0.0};
+    Body body = {args[7], NULL, {0.0}};
+    if (open_set(args[0], &set) < 0 || read_size(args[1], &i) < 0 || read_double(args[2], &since) < 0
+        || read_double(args[3], &hit.speed) < 0 || read_doubles(args[4], 4, slope) < 0 || upper(args[5], &late) < 0
+        || read_double(args[6], &near_time) < 0 || read_size(args[10], &least) < 0
+        || read_bound(&set, i, &place, &pace) < 0)
+        goto done;
+    late = late * UP;
+    hit.dx = slope[0];
+    hit.dy = slope[1];
+    hit.strength = slope[2];
+    hit.pull = slope[3];
+    double lags[2] = {since / set.unit, 0.0}, spread = 0.0;
+    const double weights[2] = {1.0, 0.0};
+    double wide = (place + (fabs(lags[0]) + SMALL_WAIT) * pace) * UP;
+    if (!(fall_derivative(&hit, set.unit, wide, pace, set.near)
+          && at_once(&hit, wide, late, set.near, set.unit, near_time, &spread))) {
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
+    double size = 0.0;
+    long long bits = ENOUGH;
+    if (centre(&body, clock, last, set.unit, &size, &bits) < 0)
+        goto done;
+    if (bits < FEW_BITS) {
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
+    if (meet(&set, 1, &i, lags, weights, &hit, rounding_of(size, bits, set.shift)) < 0)
         goto done;
     told = land(&set, &body, &i, 1, spread, late, clock, least);
 done:
@@ -516,6 +583,7 @@ static PyObject *constants(PyObject *self, PyObject *nothing)
 static PyMethodDef methods[] = {
     {"bounce", (PyCFunction)(void (*)(void))bounce, METH_FASTCALL, bounce_doc},
     {"rebound", (PyCFunction)(void (*)(void))rebound, METH_FASTCALL, rebound_doc},
+    {"fall", (PyCFunction)(void (*)(void))fall, METH_FASTCALL, fall_doc},
     {"carry", (PyCFunction)(void (*)(void))carry, METH_FASTCALL, carry_doc},
     {"constants", constants, METH_NOARGS, constants_doc},
     {NULL, NULL, 0, NULL},

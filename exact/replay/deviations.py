@@ -9,11 +9,35 @@ from typing import NamedTuple, TypeAlias
 from flint import arb
 
 from ..compiled import steps
-from ..laws.formulas import speed_change
+from ..laws.formulas import speed_change, wall_approach
 from ..numbers import ball
 from .ball_state import BallState, Told
-from .contact import FAINT, AtWall, Body, Doubles, Flight, Link, Midpoints, Pair, Round, is_flat, new_flight
-from .error_bounds import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, pair_derivative, scaled, wall_steepness
+from .contact import (
+    FAINT,
+    AtWall,
+    Body,
+    Doubles,
+    Flight,
+    Gravity,
+    Link,
+    Midpoints,
+    Pair,
+    Round,
+    is_flat,
+    new_flight,
+)
+from .error_bounds import (
+    MOST,
+    SMALL_WAIT,
+    UP,
+    Collision,
+    Mirror,
+    Spent,
+    fall_derivative,
+    pair_derivative,
+    scaled,
+    wall_steepness,
+)
 
 # -- The deviations of bodies from their midpoints: what `ErrorSet` counts in doubles, in the bodies' own numbers.
 
@@ -54,12 +78,28 @@ class Face(NamedTuple):
     mirror: Mirror
 
 
+class Slope(NamedTuple):
+    """A wall that falls or moves, in doubles, to a circle.
+
+    Attributes:
+        nx, ny: its normal.
+        strength: -(1 + e) / |n|^2, or 0 where a double does not hold it well.
+        pull: n.g.
+    """
+
+    nx: float
+    ny: float
+    strength: float
+    pull: float
+
+
 class Deviations:
     """The midpoints of some bodies, and the set of what the truth is away from them.
 
     Args:
         members: the bodies; their balls are the first set.
         circles: all circles by index, fixed ones too.
+        falling: half of gravity, where bodies are in the frame that falls.
 
     Attributes:
         errors: the set.
@@ -69,12 +109,19 @@ class Deviations:
         unit: of time, in which the set counts velocities; 2**time_power.
         near_time: the most that a clock may be off its instant.
         weights: the inverse mass of every circle, by index.
+        slopes: the walls that fall or move, in doubles, as far as they were met.
     """
 
-    def __init__(self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]]) -> None:
-        from .error_set import ErrorSet  # here, since it loads numpy, which short runs do without
+    def __init__(
+        self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]], falling: Gravity[arb] | None = None
+    ) -> None:
+        from .error_set import (
+            FALLING_GROWTH,
+            MOST_GROWTH,
+            ErrorSet,
+        )  # here, since it loads numpy, which short runs do without
 
-        self.time_power = _unit_of_time(members)
+        self.time_power = _unit_of_time(members, falling)
         self.unit = 2.0**self.time_power
         self.near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [ball.as_double(body.w) for body in circles]
@@ -85,10 +132,11 @@ class Deviations:
         shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
         powers = (0, 0, self.time_power, self.time_power)
         boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
-        self.errors = ErrorSet(boxes, shift, self.unit)
+        self.errors = ErrorSet(boxes, shift, self.unit, MOST_GROWTH if falling is None else FALLING_GROWTH)
         self._balls: dict[int, arb] = {}
         self._strengths: dict[Round, float] = {}
         self._faces: dict[AtWall, Face] = {}
+        self.slopes: dict[AtWall, Slope] = {}
 
     def holds(self, bodies: Iterable[int]) -> bool:
         """Whether all of these bodies are members."""
@@ -160,7 +208,13 @@ class Deviations:
         except (Spent, OverflowError):
             return None
 
-    def _to_wall(self, state: BallState, link: AtWall) -> tuple[arb, arb, None] | None:
+    def _to_wall(self, state: BallState, link: AtWall) -> tuple[arb, arb, Collision | None] | None:
+        if state.falling is not None:
+            speed = state.wall_discriminant(link)
+            found = to_fall(
+                self, slope_of(self, state, link), self.place[link.circle], 0.0, speed.sqrt(), waited(state.late)
+            )
+            return found and (self.ball(self.errors.power_of(found[1])), ball.ZERO, found[0])
         flight, i = state.bodies[link.circle].flight, self.place[link.circle]
         vx, vy = float(flight.vx), float(flight.vy)
         spread = self.wall_time(self.face(state, link), i, 0.0, vx, vy, waited(state.late))
@@ -224,15 +278,10 @@ class Deviations:
         found = pair_derivative(
             float(dx), float(dy), float(vx), float(vy), float(speed), strength, unit, place, pace, near
         )
-        if found is None:
-            return None
-        spread, turn = found.steep * place * UP, max(found.turn, LEAST_TURN)
-        # the hit, wherever it may truly be, is so near the clock that nothing turns until then
-        far = LEAST_TURN * self.near_time
-        return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
+        return at_once(self, found, place, late)
 
-    def places(self, link: Round) -> tuple[int, int]:
-        """Where the two of a contact stand in the set: -1 for a circle that is fixed, and for an arc."""
+    def places(self, link: Link) -> tuple[int, int]:
+        """Where the two of a contact stand in the set: -1 for a circle that is fixed, an arc and a wall."""
         first, *rest = (self.place.get(k, FIXED) for k in link.circles)
         return first, rest[0] if rest else FIXED
 
@@ -262,8 +311,8 @@ class Deviations:
         self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
         return self.bounded((body,))
 
-    def meet(self, link: Round, movers: Sequence[Body[arb]], hit: Collision) -> bool:
-        """Two circles have collided, or one and an arc; whether that could be carried."""
+    def meet(self, link: Link, movers: Sequence[Body[arb]], hit: Collision) -> bool:
+        """Two circles have collided, or one and an arc or a wall that falls; whether that could be carried."""
         (i, j), weights = self.places(link), weights_of(self, link)
         moved = [(body, *numbers_of(body)) for body in movers]
         rounding, _ = self.recentre(moved, movers[0].flight.t, movers[0].flight.last)
@@ -336,8 +385,72 @@ def counted_radius(number: arb, shift: int) -> float:
     return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
 
 
-def weights_of(held: Deviations, link: Round) -> tuple[float, float]:
-    """The inverse masses of the two of a contact: 0 for an arc."""
+def slope_of(held: Deviations, state: BallState, link: AtWall) -> Slope:
+    """A wall that falls or moves, in doubles, as a circle comes to it; not a number where they do not tell it."""
+    found = held.slopes.get(link)
+    if found is None:
+        line, falling = state.line(link.circle, link.wall), state.falling
+        assert falling is not None
+        nx, ny, change = ball.as_double(line.nx), ball.as_double(line.ny), speed_change(state.one)
+        strength, pull = ball.as_double(-state.damping(change) / line.nn), 0.0
+        if state.pull(link):
+            pull = ball.as_double(speed_change(wall_approach(falling.hx, falling.hy, line.nx, line.ny)))
+        for number in (strength, pull):
+            if number and not LEAST_WEIGHT < abs(number) < 1.0 / LEAST_WEIGHT:
+                strength = 0.0
+        found = held.slopes[link] = Slope(nx, ny, strength, pull)
+    return found
+
+
+def to_fall(
+    held: Deviations, slope: Slope, i: int, lag: float, speed: arb, late: float
+) -> tuple[Collision, float] | None:
+    """As `Deviations.collision`, of a circle and a wall that falls or moves.
+
+    Args:
+        held: the deviations.
+        slope: the wall.
+        i, lag, late: as `wall_time` has them.
+        speed: -n.v at the hit, relative to the wall, from midpoints.
+    """
+    bounds = held.errors.bounds
+    pace = bounds.pace[i]
+    place = (bounds.place[i] + (abs(lag) + SMALL_WAIT) * pace) * UP
+    found = fall_derivative(
+        slope.nx,
+        slope.ny,
+        ball.as_double(speed),
+        slope.strength,
+        slope.pull,
+        held.unit,
+        place,
+        pace,
+        held.errors.near,
+    )
+    return at_once(held, found, place, late)
+
+
+def at_once(held: Deviations, found: Collision | None, place: float, late: float) -> tuple[Collision, float] | None:
+    """A derivative, and a bound of all errors of the instant, where that is so near the clock, wherever it may
+    truly be, that nothing turns until then.
+
+    Args:
+        held: the deviations.
+        found: the derivative.
+        place: a bound of the deviation of d, as the set counts.
+        late: see `Deviations.collision`.
+    """
+    if found is None:
+        return None
+    spread, turn = found.steep * place * UP, max(found.turn, LEAST_TURN)
+    near, far = held.errors.near * LEAST_TURN * 2.0 * held.unit, LEAST_TURN * held.near_time
+    return (found, spread) if spread * turn < near and late * turn < far else None
+
+
+def weights_of(held: Deviations, link: Link) -> tuple[float, float]:
+    """The inverse masses of the two of a contact, 0 for an arc; at a wall, which no mass enters, 1 and 0."""
+    if is_flat(link):
+        return 1.0, 0.0
     first, *rest = (held.weights[k] for k in link.circles)
     return first, rest[0] if rest else 0.0
 
@@ -370,9 +483,11 @@ def _midpoints(flight: Flight[arb]) -> Midpoints[arb]:
     return flight.x.mid(), flight.y.mid(), flight.vx.mid(), flight.vy.mid(), flight.t, flight.last
 
 
-def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:
+def _unit_of_time(bodies: Sequence[Body[arb]], falling: Gravity[arb] | None) -> int:
     """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
-    speed = max(max(abs(float(body.flight.vx)), abs(float(body.flight.vy))) for body in bodies)
+    gx, gy = (0.0, 0.0) if falling is None else (2.0 * float(falling.hx), 2.0 * float(falling.hy))
+    flights = [(body.flight, float(body.flight.t)) for body in bodies]
+    speed = max(max(abs(float(of.vx) + gx * t), abs(float(of.vy) + gy * t)) for of, t in flights)
     width = sum(float(body.r) for body in bodies) / len(bodies)
     if not (0.0 < width < inf and 0.0 < speed < inf):
         return 0
@@ -488,6 +603,48 @@ def carry_wall(
         return None
     rounding, doubles = held.recentre((moved,), clock, last)
     held.errors.fly(i, lag, face.mirror, rounding)
+    return _landed(held, (moved,), doubles, spread, beside, clock)
+
+
+def carry_fall(
+    held: Deviations,
+    link: AtWall,
+    slope: Slope,
+    since: arb,
+    speed: arb,
+    late: arb,
+    moved: Moved,
+    clock: arb,
+    last: int,
+) -> Carried | None:
+    """Through the impact of a circle on a wall that falls or moves.
+
+    Args:
+        held: the deviations.
+        link: the two.
+        slope: the wall, as the circle comes to it.
+        since: how long it has flown to the clock.
+        speed: -n.v at the hit, relative to the wall.
+        late, moved, clock, last: as `carry_wall` has them.
+
+    Raises:
+        Spent: as `carry_pair`.
+    """
+    i = held.place[link[0]]
+    if steps is not None:
+        _, *a = moved
+        near, least, meets = held.near_time, held.time_power, ball.as_double(speed)
+        told = steps.fall(held.errors, i, since, meets, slope, late, near, tuple(a), clock, last, least)
+        if told is False:
+            raise Spent
+        return told
+    beside, lag = float(late.abs_upper()) * UP, float(since) / held.unit
+    found = to_fall(held, slope, i, lag, speed, beside)
+    if found is None or not _well_known((moved,)):
+        return None
+    hit, spread = found
+    rounding, doubles = held.recentre((moved,), clock, last)
+    held.errors.meet(i, FIXED, (lag, 0.0), (1.0, 0.0), hit, rounding)
     return _landed(held, (moved,), doubles, spread, beside, clock)
 
 

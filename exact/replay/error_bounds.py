@@ -32,14 +32,16 @@ class Spent(ArithmeticError):
 
 
 class Collision(NamedTuple):
-    """The derivative of the collision of two circles, in doubles made of midpoints.
+    """The derivative of a collision of two circles, or of one and a wall that falls, in doubles made of midpoints.
 
     Attributes:
         steep: by how much, at most, the instant moves for a deviation of one in d.
         apart: a bound of what d at the hit may be off.
-        turn: at least |v|^2 / |d.v|, in the set's unit of time.
-        dx, dy, vx, vy, speed: d, v and -d.v at the hit, the last below 0 at a hollow side.
-        strength: -2 / (R^2 (wa + wb)).
+        turn: at least |v|^2 / |d.v|, in the set's unit of time; at a wall (1 + e) / 2 |n.g| / |n.v|.
+        dx, dy, vx, vy, speed: d, v and -d.v at the hit, the last below 0 at a hollow side. At a wall n for d, and 0
+            for v, but -n.v at the hit.
+        strength: -2 / (R^2 (wa + wb)); at a wall -(1 + e) / |n|^2.
+        pull: n.g at a wall; else 0.
     """
 
     steep: float
@@ -51,6 +53,7 @@ class Collision(NamedTuple):
     vy: float
     speed: float
     strength: float
+    pull: float = 0.0
 
 
 class Mirror(NamedTuple):
@@ -186,6 +189,45 @@ def pair_derivative(
     if not (slant * (apart / reach + pace / (unit * slow)) * UP < near and turn < MOST_TURN):
         return None
     return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength)
+
+
+def fall_derivative(
+    nx: float,
+    ny: float,
+    speed: float,
+    strength: float,
+    pull: float,
+    unit: float,
+    place: float,
+    pace: float,
+    near: float,
+) -> Collision | None:
+    """The derivative of the hit of a wall that falls or moves, or None where the truth may be too far.
+
+    Args:
+        nx, ny: the normal.
+        speed: -n.v at the hit, relative to the wall, from midpoints, rounded.
+        strength: -(1 + e) / |n|^2; 0 where it is not to be had.
+        pull: n.g.
+        unit, place, pace, near: as `pair_derivative` has them; of the place of the circle.
+
+    The instant moves by -n.(dp + tau dv) / n.v, and n.v by n.dv and by n.g times that (docs/studies/law_proofs.py).
+    What is asked is that this is less than `near` of it, as n.v is all of the derivative that a deviation changes.
+
+    >>> hit = fall_derivative(0.0, 1.0, 2.0, -2.0, -4.0, 1.0, 1e-20, 1e-20, CLOSE)
+    >>> 2.0 <= hit.turn < 2.001, 0.5 <= hit.steep < 0.501
+    (True, True)
+    >>> fall_derivative(0.0, 1.0, 2.0, -2.0, -4.0, 1.0, 1e-15, 1e-20, CLOSE) is None
+    True
+    """
+    size = sqrt(nx * nx + ny * ny)
+    if not (strength < 0.0 and LEAST < speed < inf and abs(pull) < inf):
+        return None
+    steep, bend = size / speed * UP, abs(pull) / speed * UP
+    turn = bend * unit * (-strength * size * size / 2.0) * UP
+    if not (steep * (pace / unit + bend * place) * UP < near and turn < MOST_TURN):
+        return None
+    return Collision(steep, place, turn, nx, ny, 0.0, 0.0, speed, strength, pull)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

@@ -16,7 +16,6 @@ from flint import arb
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
-from .ball_state import SPARE_BITS
 from .centred_state import CentredState, lone_contacts
 from .contact import Body, Flight, Link, Touch, can_push, is_pair
 from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, Take, circles_of
@@ -248,7 +247,7 @@ class RefinableState:
         accuracy = bits
         if type(step) is Go:
             worst = min([bodies[i].acc for i in taking_part if not bodies[i].flight.rest], default=bits)
-            ball.use_bits(min(bits, worst + SPARE_BITS))
+            ball.use_bits(min(bits, worst + state.spare))
             state.do(step)
             if taking_part:
                 accuracy = max(0, min(bits, state.instant.rel_accuracy_bits()))

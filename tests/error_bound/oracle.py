@@ -1,9 +1,9 @@
 """A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
 
 Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0, and
-within an arc the larger one; an impulse turns approach speeds around, all but what the restitution takes; a derivative
-is what the rules of differentiation make of the very formulas that give the new lines. What a log's steps are called is
-all that both know.
+within an arc the larger one; at a wall that falls it is the one at which the gap falls. An impulse turns approach
+speeds around, all but what the restitution takes; a derivative is what the rules of differentiation make of the very
+formulas that give the new lines. What a log's steps are called is all that both know.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from flint import arb, arb_mat
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtArc, AtWall, Entry, Pair
 from truebreak.exact.replay.state import Flip, Go, Kick, Step, Take
-from truebreak.scenarios import Scene
+from truebreak.scenarios import Quantity, Scene
 
 BITS = 4096
 """Precision of the truth: a few thousand bits beyond what any bound here is about."""
@@ -89,15 +89,32 @@ class Dual:
 L = TypeVar("L")
 
 
+class Plane(NamedTuple):
+    """A wall: a point of it at time 0, a normal n, n.u of its velocity, and half of n.g; None where that is zero."""
+
+    x0: arb
+    y0: arb
+    nx: arb
+    ny: arb
+    drift: arb
+    half: arb | None
+
+    def speed(self, a: Line) -> Any:
+        """n.v of a line that lies in the frame that falls, at its time, as seen from the wall."""
+        speed = self.nx * a.vx + self.ny * a.vy - self.drift
+        return speed if self.half is None else speed + (self.half + self.half) * a.t
+
+
 class Table(NamedTuple):
-    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets, sides
-    of arcs, the hollow ones with a radius below zero, the restitution."""
+    """What of a scene never changes, as enclosures: radii, inverse masses, walls, pockets, sides of arcs, the hollow
+    ones with a radius below zero, gravity, the restitution."""
 
     r: list[arb]
     w: list[arb]
-    walls: list[tuple[arb, arb, arb, arb]]
+    walls: list[Plane]
     pockets: list[tuple[arb, arb, arb]]
     arcs: list[tuple[arb, arb, arb]]
+    g: tuple[arb, ...]
     e: arb
 
 
@@ -109,16 +126,19 @@ def table_of(scene: Scene) -> Table:
         return tuple(number.ball(bits) for number in numbers)
 
     w = [arb(0) if circle.fixed else 1 / circle.m.ball(bits) for circle in scene.circles]
-    walls = []
+    walls, g = list[Plane](), scene.gravity or (Quantity.of(0), Quantity.of(0))
     for wall in scene.walls:
-        x0, y0, x1, y1 = of(wall.x0, wall.y0, wall.x1, wall.y1)
-        walls.append((x0, y0, y0 - y1, x1 - x0))
+        x0, y0, x1, y1, ux, uy = of(wall.x0, wall.y0, wall.x1, wall.y1, wall.vx, wall.vy)
+        nx, ny = y0 - y1, x1 - x0
+        half = ((wall.y0 - wall.y1) * g[0] + (wall.x1 - wall.x0) * g[1]) / 2
+        walls.append(Plane(x0, y0, nx, ny, nx * ux + ny * uy, of(half)[0] if half.sign() else None))
     return Table(
         [of(c.r)[0] for c in scene.circles],
         w,
         walls,
         [of(p.x, p.y, p.r) for p in scene.pockets],
         [of(side.x, side.y, side.r) for side in scene.arc_sides],
+        of(*g),
         *of(scene.restitution),
     )
 
@@ -143,11 +163,14 @@ def meeting_time(a: Line, b: Line, reach: Any, hollow: bool = False) -> Any:
     return root(vx * vx + vy * vy, px * vx + py * vy, px * px + py * py - reach * reach)
 
 
-def wall_time(a: Line, wall: Sequence[Any], r: Any, side: int) -> Any:
-    """When a line comes as near to a wall as r, on one side of it."""
-    x0, y0, nx, ny = wall
+def wall_time(a: Line, wall: Plane, r: Any, side: int) -> Any:
+    """When a line comes as near to a wall as r, on one side of it, and does not leave it."""
+    x0, y0, nx, ny, drift, half = wall
     far = (nx * nx + ny * ny).sqrt() * r * side
-    return (far - (nx * (a.x - a.vx * a.t - x0) + ny * (a.y - a.vy * a.t - y0))) / (nx * a.vx + ny * a.vy)
+    apart, speed = nx * (a.x - a.vx * a.t - x0) + ny * (a.y - a.vy * a.t - y0) - far, nx * a.vx + ny * a.vy - drift
+    if half is None:
+        return -apart / speed
+    return (-speed - side * (speed * speed - 4 * half * apart).sqrt()) / (half + half)
 
 
 def collided(
@@ -164,11 +187,11 @@ def collided(
     return a.at(clock), b.at(clock)
 
 
-def rebounded(a: Line, wall: Sequence[Any], r: Any, side: int, e: Any, clock: Any) -> Line:
+def rebounded(a: Line, wall: Plane, r: Any, side: int, e: Any, clock: Any) -> Line:
     """The line after a circle has met a wall, told at a time."""
-    _, _, nx, ny = wall
+    nx, ny = wall.nx, wall.ny
     a = a.at(wall_time(a, wall, r, side))
-    turn = (nx * a.vx + ny * a.vy) * (1 + e) / (nx * nx + ny * ny)
+    turn = wall.speed(a) * (1 + e) / (nx * nx + ny * ny)
     return Line(a.x, a.y, a.vx - turn * nx, a.vy - turn * ny, a.t).at(clock)
 
 
@@ -207,7 +230,7 @@ class Truth:
         return next(line for count, line in reversed(self.lines[i]) if count <= steps)
 
     def _side(self, i: int, k: int) -> int:
-        x0, y0, nx, ny = self._table.walls[k]
+        x0, y0, nx, ny, *_ = self._table.walls[k]
         return 1 if nx * (self._now[i].x - x0) + ny * (self._now[i].y - y0) > 0 else -1
 
     def _do(self, step: Step) -> Sequence[int]:
@@ -227,7 +250,8 @@ class Truth:
         assert isinstance(step, Flip)
         for i, line in enumerate(now):
             x, y, vx, vy, t = line.at(self._time)
-            now[i] = Line(x, y, -vx, -vy, t)
+            turned = (-v - 2 * g * t for v, g in zip((vx, vy), self._table.g, strict=True))
+            now[i] = Line(x, y, *turned, t)
         return range(len(now))
 
     def _instant(self, source: Any) -> arb:
@@ -251,7 +275,7 @@ class Truth:
         """The direction in which each circle of a contact is pushed."""
         if isinstance(link, AtWall):
             i, k = link.circle, link.wall
-            _, _, nx, ny = self._table.walls[k]
+            _, _, nx, ny, *_ = self._table.walls[k]
             return {i: (nx * self.sides[i][k], ny * self.sides[i][k])}
         if isinstance(link, AtArc):
             at, _, hollow = middle(self._table, link)
@@ -269,6 +293,10 @@ class Truth:
             return sum((m * (x * p + y * q) for m, x, y, p, q in both), arb(0))
 
         speeds = [sum((x * now[i].vx + y * now[i].vy for i, (x, y) in arm.items()), arb(0)) for arm in arms]
+        for k, link in enumerate(links):
+            if isinstance(link, AtWall):
+                wall, i = self._table.walls[link.wall], link.circle
+                speeds[k] = wall.speed(now[i].at(self._time)) * self.sides[i][link.wall]
         matrix = arb_mat([[product(one, other) for other in arms] for one in arms])
         strengths = matrix.solve(arb_mat([[-speed - self._table.e * speed] for speed in speeds]))
         struck = sorted({i for arm in arms for i in arm if self._free[i]})

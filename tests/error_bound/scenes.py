@@ -26,6 +26,7 @@ class Room:
         draw: decides.
         rows: of each circle, what it is made of.
         corners: of the walls.
+        drifts: the walls' velocities.
         settings: of the scene.
     """
 
@@ -36,6 +37,7 @@ class Room:
         lean = [(F(draw.randrange(1, 9), 10), F(draw.randrange(1, 9), 11)) for _ in range(4)]
         (a, b), (c, d), (e, f), (g, h) = lean
         self.corners: list[Point] = [(-3 - a, -3 - b), (right + c, -3 - d), (right + e, high + f), (-3 - g, high + h)]
+        self.drifts: list[Point] = [(0, 0)] * 4
         self.settings: dict[str, Any] = {}
 
     def _row(self, k: int) -> dict[str, Any]:
@@ -62,7 +64,8 @@ class Room:
     def scene(self) -> Scene:
         """The scene, as engines of events have it."""
         ends = zip(self.corners, self.corners[1:] + self.corners[:1], strict=True)
-        scene = Scene([Circle(**row) for row in self.rows], [Wall(*p, *q) for p, q in ends], **self.settings)
+        walls = [Wall(*p, *q, vx=u, vy=v) for (p, q), (u, v) in zip(ends, self.drifts, strict=True)]
+        scene = Scene([Circle(**row) for row in self.rows], walls, **self.settings)
         return scene.surfaces
 
 
@@ -221,16 +224,54 @@ def bows(room: Room) -> None:
     room.settings["arcs"] = [*arcs, Arc(-2, 0, F(3, 4), -2, F(-3, 4), -2, F(3, 4))]
 
 
+def falling(room: Room) -> None:
+    """Under gravity in any direction, between walls at any angle; a loss for some; far from the start for some."""
+    masses(room)
+    room.settings["gravity"] = tuple(F(room.draw.randrange(-30, 31), 97) for _ in range(2))
+    if room.draw.random() < 0.5:
+        room.settings["restitution"] = room.draw.choice(["99/100", "9/10"])
+
+
+def level_and_falling(room: Room) -> None:
+    """Gravity down onto a level floor, between upright walls."""
+    falling(room)
+    room.upright()
+    room.settings["gravity"] = (0, -F(room.draw.randrange(1, 100), 31))
+
+
+def pressed(room: Room) -> None:
+    """Walls that move, under gravity and without."""
+    if room.draw.random() < 0.5:
+        falling(room)
+    room.drifts = [(F(room.draw.randrange(-9, 10), 997), F(room.draw.randrange(-9, 10), 991)) for _ in range(4)]
+
+
+def falling_back(room: Room) -> None:
+    """A reversal under gravity."""
+    room.settings["gravity"] = (F(1, 9), -F(room.draw.randrange(1, 100), 31))
+    room.settings["reverse_after"] = room.draw.randrange(20, 50)
+
+
+def dropped(room: Room) -> None:
+    """One circle alone, which gravity drops onto a level floor or an oblique one; a loss for some."""
+    room.settings["gravity"] = (0, -F(room.draw.randrange(20, 100), 31))
+    if room.draw.random() < 0.5:
+        room.upright()
+    if room.draw.random() < 0.3:
+        room.settings["restitution"] = "99/100"
+
+
 KINDS: dict[str, Callable[[Room], None]] = {
     kind.__name__: kind
     for kind in (
         oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
         swift, huge, tiny, beyond, hall, lossy, level_and_lossy, ring, bows,
+        falling, level_and_falling, pressed, falling_back, dropped,
     )
 }  # fmt: skip
 """The kinds of rooms, by name."""
 
-COUNTS = {"hall": 12, "together": 6, "row": 4}
+COUNTS = {"hall": 12, "together": 6, "row": 4, "dropped": 1}
 
 
 def scene_of(name: str) -> Scene:

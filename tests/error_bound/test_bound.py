@@ -4,22 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import inf
+from math import cos, hypot, inf, sin
 from random import Random
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import arb
 
 from error_bound.campaign import LATER, PILOT, tallies
+from error_bound.oracle import Line, Plane, rebounded
 from error_bound.scenes import KINDS, scene_of
-from error_bound.watch import Tally, watched
+from error_bound.watch import Tally, watched, watched_wide
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay import centred_state, deviations, error_set
 from truebreak.exact.replay import deviations as carrying
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.deviations import Deviations
-from truebreak.exact.replay.error_bounds import CLOSE, Bounds, pair_derivative, wall_steepness
+from truebreak.exact.replay.error_bounds import (
+    CARRIED,
+    CLOSE,
+    SMALL_WAIT,
+    Bounds,
+    fall_derivative,
+    pair_derivative,
+    wall_steepness,
+)
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.scenarios import Circle, Scene, Wall
 
@@ -159,6 +169,52 @@ def test_a_loss_that_the_set_forgets_is_seen(
     assert any(bounds_of(f"{kind} {k}", 120).faults for kind in ("lossy", "level_and_lossy") for k in range(4))
 
 
+Spoil = Callable[[pytest.MonkeyPatch], None]
+
+
+def other_fall(factor: float) -> Spoil:
+    """What gravity adds to a bounce off a wall is another part of it."""
+
+    def spoil(monkeypatch: pytest.MonkeyPatch) -> None:
+        real = error_set.fall_turn
+
+        def turned(*given: Any) -> Any:
+            return tuple(factor * part for part in real(*given))
+
+        monkeypatch.setattr(error_set, "fall_turn", turned)
+
+    return spoil
+
+
+def halved_slope(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of a wall that falls is mirrored."""
+    real = deviations.slope_of
+
+    def halved(*given: Any) -> Any:
+        slope = real(*given)
+        return slope._replace(strength=slope.strength / 2)
+
+    for module in (deviations, centred_state):
+        monkeypatch.setattr(module, "slope_of", halved)
+
+
+FALLS = [other_fall(-1.0), other_fall(0.0), other_fall(0.9), other_fall(1.1), halved_slope]
+
+
+@pytest.mark.parametrize("spoil", FALLS, ids=["false sign", "missing", "10 % less", "10 % more", "mirror"])
+@pytest.mark.parametrize("name", ["dropped 0", "dropped 1", "wedge:slope=2", "wedge"])
+def test_a_false_derivative_at_a_wall_that_falls_is_seen(
+    name: str, spoil: Spoil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of one circle: what is spoilt shows as a block ends, after twenty contacts of each, or sooner."""
+    scene = scene_of(name)
+    plain = watched_wide(scene, 40, at_once=True)
+    assert not plain.faults and plain.blocks and plain.at_once
+    in_python(monkeypatch)
+    spoil(monkeypatch)
+    assert all(watched_wide(scene, 40, at_once=at_once).faults for at_once in (True, False))
+
+
 @pytest.mark.parametrize(("spoil", "name"), [(never_hollow, "stadium"), (never_hollow, "ring 0")])
 def test_an_arc_s_bound_that_is_too_small_is_seen(
     spoil: Callable[[pytest.MonkeyPatch], None], name: str, monkeypatch: pytest.MonkeyPatch
@@ -238,3 +294,78 @@ def test_numbers_beyond_doubles_are_carried_in_balls(exponent: int) -> None:
     walls += [Wall(0, y * scale, scale, y * scale) for y in (-4, 5)]
     run, tally = watched(Scene(circles, walls), 30, long_bits=100, first_bits=98)
     assert run.motion.log.centred and not tally.faults and tally.in_set == 0
+
+
+def test_the_norm_of_a_bounce_off_a_wall_that_falls_is_that_of_its_matrix() -> None:
+    """What a place adds to a velocity, at most, and how far the instant moves: no less, and no more than roundings."""
+    draw, unit = Random(3), 0.25
+    for _ in range(2_000):
+        nx, ny = draw.uniform(-5, 5), draw.uniform(-5, 5)
+        nn = nx * nx + ny * ny
+        speed, pull, share = draw.uniform(0.01, 9), draw.uniform(-9, 9), draw.choice([1.0, 0.9, 0.5])
+        hit = fall_derivative(nx, ny, speed, -2 * share / nn, pull, unit, 1e-30, 1e-30, CLOSE)
+        assert hit is not None
+        hits = np.array([[*error_set.STILL, *error_set.STILL, 1.0, 0.0, *hit[3:]]])
+        *_, xx, xy, yx, yy = error_set._blocks(hits, unit)[:, 0].tolist()
+        norm = np.linalg.norm([[xx, xy], [yx, yy]], 2)
+        assert 1 - 1e-12 < 2.0 * hit.turn / norm < 1 + 1e-9
+        assert 1 - 1e-12 < hit.steep * speed / nn**0.5 < 1 + 1e-9
+
+
+def test_a_bounce_off_a_wall_that_falls_is_given_up_where_its_speed_is_not_told() -> None:
+    """Its derivative has the speed in it: where a place or a velocity may change that by 2**-50, there is none."""
+    at = {"place": 2.0**-52, "pace": 2.0**-52}
+    for name, most in at.items():
+        for over in (0.999, 1.001):
+            errors = dict.fromkeys(at, 0.0) | {name: 2 * most * over}
+            # n.v is 2, n.g -4, and |n| 2: the instant moves by the place, n.v by 4 times that, and by 2 of the velocity
+            found = fall_derivative(0.0, 2.0, 2.0, -0.5, -4.0, 0.5, errors["place"], errors["pace"], CLOSE)
+            assert (found is None) is (over > 1), (name, over)
+
+
+def off_of_a_fall(draw: Random, over: float) -> tuple[float, float]:
+    """By how much a bounce off a wall that falls differs from its derivative, beside the bounds of its place and its
+    velocity, where a deviation is `over` times what may be: the textbook's lines, 400 bits, against doubles.
+
+    Args:
+        draw: decides.
+        over: times the largest deviation.
+    """
+    unit, share, t = 2.0 ** draw.randrange(-3, 4), draw.choice([1.0, 0.95, 0.6]), draw.uniform(0.1, 90)
+    nx, ny, pull, speed = (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-5, 5), draw.uniform(0.01, 5))
+    nn = nx * nx + ny * ny
+    with ball.precision(400):
+        normal, half, n2 = (arb(nx), arb(ny)), arb(pull) / 2, arb(nx) ** 2 + arb(ny) ** 2
+        plane = Plane(arb(1), arb(2), *normal, arb(draw.uniform(-1, 1)), half)
+        across = (n2.sqrt() + plane.drift * t - half * t * t) / n2, (plane.drift - pull * arb(t) - speed) / n2
+        slide = draw.uniform(-9, 9), draw.uniform(-9, 9)
+        x, vx = (across[k] * normal[0] - slide[k] * normal[1] for k in range(2))
+        y, vy = (across[k] * normal[1] + slide[k] * normal[0] for k in range(2))
+        late = arb(unit * 2.0**-49 * draw.uniform(-1, 1)) / max(1.0, abs(pull) / speed * unit / 16)
+        line = Line(x + 1 - vx * late, y + 2 - vy * late, vx, vy, arb(t) - late)
+        place, pace = 10.0 ** draw.uniform(-4, 0), 10.0 ** draw.uniform(-4, 0)
+        found = fall_derivative(nx, ny, speed, -2.0 * share / nn, pull, unit, place * 1e-30, pace * 1e-30, CLOSE)
+        assert found is not None
+        bend = abs(pull) / speed * found.steep * place
+        most = CLOSE / max(found.steep * pace / unit + bend, found.steep * place * max(found.turn, 16) / (32 * unit))
+        place, pace = place * most * over, pace * most * over
+        ways = [draw.uniform(0, 7) for _ in range(2)]
+        d = [size * part for size, a in zip((place, pace), ways, strict=True) for part in (cos(a), sin(a))]
+        moved = Line(*(p + q / k for p, q, k in zip(line[:4], d, (1, 1, unit, unit), strict=True)), line.t)
+        e = arb(2 * share) - 1
+        after = [rebounded(one, plane, arb(1), 1, e, line.t)[:4] for one in (line, moved)]
+        change = [(q - p) * k for p, q, k in zip(*after, (1, 1, unit, unit), strict=True)]
+        hits = np.array([[*error_set.STILL, *error_set.STILL, 1.0, 0.0, *found[3:]]])
+        (matrix,) = error_set._maps(hits, error_set._blocks(hits, unit))
+        told = [sum((arb(m) * q for m, q in zip(row[:4], d, strict=True)), arb(0)) for row in matrix[:4]]
+        off = [float(abs(p - q)) for p, q in zip(change, told, strict=True)]
+    far = place + SMALL_WAIT * pace, pace + 2.0 * found.turn * place
+    return hypot(*off[:2]) / far[0], hypot(*off[2:]) / far[1]
+
+
+def test_what_the_derivative_of_a_fall_differs_by_is_less_than_a_step_leaves() -> None:
+    """Up to the largest deviation that is carried at all; of one 2**12 times as large it is not so."""
+    draw = Random(5)
+    worst = max(max(off_of_a_fall(draw, 0.99)) for _ in range(1_000))
+    assert CARRIED / 2**9 < worst < CARRIED / 2
+    assert max(max(off_of_a_fall(draw, 2.0**12)) for _ in range(1_000)) > CARRIED

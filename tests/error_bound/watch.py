@@ -23,7 +23,7 @@ from truebreak.exact.replay import centred_state as lone_centred
 from truebreak.exact.replay import deviations as lone_carrying
 from truebreak.exact.replay import refinable
 from truebreak.exact.replay.centred_state import CentredState, LoneCentred, lone_contacts
-from truebreak.exact.replay.contact import Body, Touch
+from truebreak.exact.replay.contact import Body, Flight, Touch, can_push
 from truebreak.exact.replay.deviations import Deviations, Moved
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.state import Flip, Go, Step, circles_of
@@ -124,8 +124,8 @@ class Watch:
                     watch.look(self._state, link.circles, done + 2)
                 return accuracy
 
-        def began(held: Deviations, members: Any, circles: Any) -> None:
-            begin(held, members, circles)
+        def began(held: Deviations, members: Any, *rest: Any) -> None:
+            begin(held, members, *rest)
             watch.begin(held, members)
 
         def centred(held: Deviations, moved: Sequence[Moved], clock: arb, last: int) -> Any:
@@ -173,19 +173,40 @@ class Watch:
                 (RefinableState, "_step_in_balls", stepped), (refinable, "lone_contacts", Lone),
                 (lone_centred, "carry_pair", carried(lone_centred.carry_pair, 5)),
                 (lone_centred, "carry_wall", carried(lone_centred.carry_wall, 5)),
+                (lone_centred, "carry_fall", carried(lone_centred.carry_fall, 5)),
             ):  # fmt: skip
                 stack.enter_context(patch.object(place, name, new))
             yield
 
-    def carry_out(self, steps: Sequence[Step], bits: int) -> None:
-        """Carries out a log step by step, with sets."""
+    def carry_out(self, steps: Sequence[Step], bits: int, wide: int | None = None, at_once: bool = False) -> None:
+        """Carries out a log step by step, with sets.
+
+        Args:
+            steps: the log.
+            bits: the precision.
+            wide: the power of two that all numbers are known to at first; by default what the scene has them to. Where
+                that is far more than roundings, all of a set is what derivatives make of it.
+            at_once: whether contacts are carried out in one go where they can be.
+        """
         with ball.precision(bits):
             state = CentredState(self._scene)
-            for done, step in enumerate(steps):
+            for body in state.bodies.values():
+                body.acc = bits
+                if wide is not None and not self._scene.circles[body.index].fixed:
+                    numbers = (number + arb(0, arb((1, wide))) for number in body.flight[:4])
+                    body.flight = Flight(*numbers, *body.flight[4:])
+            lone, done = refinable.lone_contacts(state), 0
+            while done < len(steps):
+                step = steps[done]
+                link = step.source if at_once and isinstance(step, Go) and isinstance(step.source, tuple) else None
+                if can_push(link) and lone.strike(link, bits, done) is not None:
+                    done += 2
+                    continue
                 ball.use_bits(bits)
-                self._steps = done
+                self._steps = state.steps_done = done
                 state.do(step)
-                self.look(state, circles_of(step, state.n), done + 1)
+                done += 1
+                self.look(state, circles_of(step, state.n), done)
 
     # -- the truth
 
@@ -263,7 +284,9 @@ class Watch:
     def _hold(self, least: arb, bound: arb, of: str, done: int) -> float:
         """Holds a bound against what it must be at least; gives the share."""
         self.tally.bounds += 1
-        if least.lower() > bound:
+        if not least.is_finite():
+            self._fault(f"after {done} steps the hull of {of} is not to be had")
+        elif least.lower() > bound:
             self._fault(f"after {done} steps the bound of {of} is {bound.str(9)}, less than {least.str(9)}")
         share = float((least / bound).mid())
         self.tally.tightest = max(self.tally.tightest, share)
@@ -295,6 +318,8 @@ def watched(
     with (
         watch.watching(),
         patch.object(precision, "LONG_BITS", long_bits),
+        patch.object(lone_centred, "FALLING_COSTS", 1),
+        patch.object(lone_centred, "CLOSING_COSTS", 1),
         patch.object(decider, "FIRST_BITS", first_bits),
         patch.object(refinable, "FIELD_BITS", FEWEST_BITS),
     ):
@@ -303,3 +328,19 @@ def watched(
     if [event.contacts for event in run.events] != [event.contacts for event in plain.events]:
         watch.tally.faults.append("the history is another with sets")
     return run, watch.tally
+
+
+def watched_wide(scene: Scene, events: int, *, at_once: bool, wide: int = -300) -> Tally:
+    """Carries out the log of a run from numbers known to 2**wide, with 1,000 bits: roundings are nothing beside what
+    derivatives make of that.
+
+    Args:
+        scene, events: what runs, and how far.
+        at_once: whether contacts are carried out in one go.
+        wide: see `Watch.carry_out`.
+    """
+    steps = ExactEngine().run(scene, events=events).motion.log.steps
+    watch = Watch(scene, Truth(scene, steps), True)
+    with watch.watching():
+        watch.carry_out(steps, 1_000, wide, at_once)
+    return watch.tally

@@ -69,7 +69,7 @@ def seen(told: Any) -> str:
 
 def in_both(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
     """Has each contact carried twice from now on, and the two compared; counts what came out."""
-    told = dict.fromkeys(("pairs", "walls", "none", "spent", "plain"), 0)
+    told = dict.fromkeys(("pairs", "walls", "falls", "none", "spent", "plain"), 0)
 
     def both(carry: Any, kind: str) -> Any:
         def carried(held: Any, *given: Any) -> Any:
@@ -101,6 +101,7 @@ def in_both(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
 
     monkeypatch.setattr(lone_centred, "carry_pair", both(lone_centred.carry_pair, "pairs"))
     monkeypatch.setattr(lone_centred, "carry_wall", both(lone_centred.carry_wall, "walls"))
+    monkeypatch.setattr(lone_centred, "carry_fall", both(lone_centred.carry_fall, "falls"))
     return told
 
 
@@ -113,6 +114,11 @@ OBLIQUE = Scene(
 )
 
 
+DRIFTING = OBLIQUE.with_changes(
+    walls=[Wall(w.x0, w.y0, w.x1, w.y1, vx=f"{k % 2}/999", vy=f"-{k % 2}/997") for k, w in enumerate(OBLIQUE.walls)]
+)
+
+
 @pytest.mark.parametrize(
     ("scene", "events"),
     [
@@ -122,27 +128,36 @@ OBLIQUE = Scene(
         (OBLIQUE, 400),
         (build("galperin:n=2"), 300),
         (build("rack:rows=3"), 40),
+        (build("gas-under-gravity"), 500),
+        (build("wedge:slope=2").with_changes(restitution="99/100"), 160),
+        (OBLIQUE.with_changes(gravity=("1/3", -1)), 400),
+        (DRIFTING, 400),
     ],
-    ids=["ten", "three", "mixed", "oblique", "galperin", "rack"],
+    ids=["ten", "three", "mixed", "oblique", "galperin", "rack", "falling", "wedge", "oblique, falling", "drifting"],
 )
 @pytest.mark.parametrize("clocks", ["of all bits", "short"])
 def test_contacts_of_a_run_are_carried_in_the_same_bits(
     scene: Scene, events: int, clocks: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(precision, "LONG_BITS", 300)
+    monkeypatch.setattr(lone_centred, "FALLING_COSTS", 1)
     if clocks == "short":
         monkeypatch.setattr(lone_centred, "LONG_NUMBERS", 0)
         monkeypatch.setattr(lone_centred, "CLOCK_BITS", 100)
     told = in_both(monkeypatch)
     assert ExactEngine().run(scene, events=events).events
     if events >= 400:
-        assert min(told["pairs"], told["walls"], told["plain"]) > 80
+        assert min(told["pairs"], told["walls"] + told["falls"], told["plain"]) > 80
+    assert not told["walls" if scene.gravity or scene.moving_walls else "falls"]
 
 
-def test_what_cannot_be_carried_is_told_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("name", "kinds"), [("gas:n=3,seed=2", ("pairs", "walls")), ("gas-under-gravity", ("falls",))])
+def test_what_cannot_be_carried_is_told_alike(
+    name: str, kinds: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Bounds of every size, and balls of few bits: up to where a derivative is not to be had, and beyond doubles."""
     told, rng = in_both(monkeypatch), Random(4)
-    scene = build("gas:n=3,seed=2")
+    scene = build(name)
     run = ExactEngine().run(scene, events=60)
     links = [event.contacts[0] for event in run.events]
     names = {str(circle.id): i for i, circle in enumerate(scene.circles)}
@@ -166,7 +181,7 @@ def test_what_cannot_be_carried_is_told_alike(monkeypatch: pytest.MonkeyPatch) -
                 contact = Pair(*sorted(known)) if known[1] is not None else AtWall(known[0], walls[link.second])
                 if lone_centred.LoneCentred(state).strike(contact, bits, 2 * step) is None:
                     break
-    assert min(told["pairs"], told["walls"], told["none"], told["spent"]) > 20
+    assert min(told[kind] for kind in (*kinds, "none", "spent")) > 20
 
 
 NUMBERS = [arb(1), arb(2, 1e-20), arb(0, 1e-10), arb(0), arb(1, 1e3), arb(1, float("inf")), arb("nan"), arb(3, 1e-300)]
@@ -197,6 +212,14 @@ def test_what_rounding_drops_is_told_alike_of_every_ball(odd: arb, shift: int, m
                 lambda numbers=numbers: lone_centred.carry_wall(
                     held, AtWall(0, 0), held.face(state, AtWall(0, 0)), arb(1), (arb(-1), arb(-1)), arb(0),
                     (a, *numbers), clock, 2,
+                ),
+                lambda numbers=numbers: lone_centred.carry_fall(
+                    held, AtWall(0, 0), deviations.Slope(0.0, 1.0, -2.0, -1.0), arb(1), arb(1), arb(0),
+                    (a, *numbers), clock, 2,
+                ),
+                lambda numbers=numbers: lone_centred.carry_fall(
+                    held, AtWall(0, 0), deviations.Slope(0.0, 1.0, -2.0, -1.0), arb(1), odd, arb(0),
+                    (a, *plain), clock, 2,
                 ),
             ):  # fmt: skip
                 with suppress(Spent):
@@ -252,8 +275,10 @@ def test_the_end_of_a_block_is_that_of_python(monkeypatch: pytest.MonkeyPatch) -
     [
         lambda c: c.bounce(),
         lambda c: c.rebound(1, 2, 3),
+        lambda c: c.fall(1, 2, 3),
+        lambda c: c.fall(ErrorSet([[1.0] * 4], 0), 0, arb(1), 1.0, (0.0, 1.0, -2.0), arb(0), 1.0, (), arb(1), 1, 0),
         lambda c: c.carry(ROWS, [0, 1], HIT, np.zeros(6), []),
-        lambda c: c.carry(ROWS, [0, 1], np.zeros((1, 17)), np.zeros((7, 1)), []),
+        lambda c: c.carry(ROWS, [0, 1], np.zeros((1, 18)), np.zeros((7, 1)), []),
         lambda c: c.carry(np.zeros((2, 3, 4)), [0, 1], HIT, np.zeros((7, 1)), []),
         lambda c: c.carry(np.zeros(8), [0, 1], HIT, np.zeros((7, 1)), []),
         lambda c: c.carry(ROWS.astype(np.float32), [0, 1], HIT, np.zeros((7, 1)), []),
@@ -282,5 +307,7 @@ def test_bodies_that_are_not_there_are_refused() -> None:
     for i in (-1, 2):
         with pytest.raises(IndexError):
             steps.rebound(held, i, arb(1), (arb(1), arb(-1)), face, arb(0), 1.0, four, arb(1), 1, 0)
+        with pytest.raises(IndexError):
+            steps.fall(held, i, arb(1), 1.0, (0.0, 1.0, -2.0, -1.0), arb(0), 1.0, four, arb(1), 1, 0)
     with pytest.raises(IndexError):
         steps.bounce(held, 0, 2, (arb(1),) * 5, arb(1), arb(1), -1.0, (1.0, 1.0), arb(0), 1.0, four, four, arb(1), 1, 0)

@@ -13,7 +13,7 @@ from sympy import diff, solve, symbols
 from truebreak.compare.tangent.growth import Displacements
 from truebreak.compare.tangent.impacts import Impact
 from truebreak.exact.laws import formulas
-from truebreak.exact.laws.tangent_formulas import pair_tangent
+from truebreak.exact.laws.tangent_formulas import fall_turn, pair_tangent
 from truebreak.exact.replay import error_bounds as derivatives
 from truebreak.exact.replay import error_set
 from truebreak.exact.replay.error_bounds import Collision, Mirror
@@ -87,6 +87,33 @@ def test_a_flight_between_walls_is_mirrored_and_flown(monkeypatch):
     given = (w.x, w.y, w.vx, w.vy)
     told = [sum((k * v for k, v in zip(line, given, strict=True)), w.zero) for line in matrix]
     assert told == [*place, *speed]
+
+
+def test_a_block_s_matrix_is_the_derived_map_of_a_bounce_off_a_wall_that_falls(monkeypatch):
+    """`fall_derivative`, `_blocks` and `_maps`: what `wall_bounce` and `fall_turn` make of a displacement flown on."""
+    w = World(nx=1.5, ny=0.5, speed=2.0, pull=-0.75, share=0.75, unit=2.0, lag=0.5, px=1.0, py=2.0, qx=0.5, qy=0.75)
+    monkeypatch.setattr(error_set, "np", Objects())
+    monkeypatch.setattr(derivatives, "UP", 1)
+    monkeypatch.setattr(derivatives, "sqrt", root_of)
+    nn, small = w.nx * w.nx + w.ny * w.ny, w.number(1e-30)
+    found = derivatives.fall_derivative(
+        w.nx, w.ny, w.speed, -(w.share + w.share) / nn, w.pull, w.unit, small, small, derivatives.CLOSE
+    )
+    legs = error_set._then(error_set.STILL, w.lag / w.unit, Mirror())
+    hits = np.array([[*legs, *error_set.STILL, w.number(1), w.zero, *found[3:]]], dtype=object)
+    (matrix,) = error_set._maps(hits, error_set._blocks(hits, w.unit))
+    place, speed = [w.px + w.qx * w.lag, w.py + w.qy * w.lag], [w.qx, w.qy]
+    mirrored = [formulas.wall_bounce(*pair, w.nx, w.ny, nn) for pair in (place, speed)]
+    place_after, turned = (
+        [formulas.damped(p, q, w.share) for p, q in zip(*of, strict=True)]
+        for of in zip((place, speed), mirrored, strict=True)
+    )
+    more = fall_turn(w.nx, w.ny, nn, -w.speed, w.pull, *place)
+    expected = [*place_after, *((q + w.share * m) * w.unit for q, m in zip(turned, more, strict=True))]
+    scaled = [w.px, w.py, w.qx * w.unit, w.qy * w.unit]
+    assert [sum((k * v for k, v in zip(line[:4], scaled, strict=True)), w.zero) for line in matrix[:4]] == expected
+    assert found.turn * w.speed == w.share * w.unit * abs(w.pull)
+    assert found.steep * w.speed == w.root(nn)
 
 
 def test_the_bounds_of_a_derivative_are_the_norms_of_the_derived_one(monkeypatch):

@@ -126,6 +126,40 @@ def test_at_arcs_bits_go_as_fast_too(name, arcs):
     assert lost[1] > 1.8 * lost[0]
 
 
+@pytest.mark.parametrize(
+    ("name", "events", "balls"),
+    [("wedge:slope=2", 800, 3.3), ("gas-under-gravity", 1200, 2.0), ("piston", 600, 1.3), ("wedge", 4000, 60)],
+)
+def test_where_walls_fall_or_move_bits_go_as_fast_too(name, events, balls):
+    """A wedge that is chaotic, a gas, one that a wall presses, and a wedge that is not: its bits all but stay."""
+    scene = catalogue.build(name).with_changes(until=None, events=None)
+    run = ExactEngine().run(scene, events=events)
+    bits, lost = 12_000 if events > 1200 else 4000, []
+    for make in (CentredState, BallState):
+        with ball.precision(bits):
+            state = make(scene)
+            for step in run.motion.log.steps:
+                state.do(step)
+            radii = [number.rad() for body in state.bodies.values() for number in body.flight[:2]]
+        lost.append(bits + max(float(radius.log()) / log(2) for radius in radii if radius > 0))
+    growth = error_growth(run, events) * events
+    assert growth < lost[0] < 1.1 * growth + 0.05 * events
+    assert lost[1] > balls * lost[0]
+
+
+def test_a_long_fall_keeps_its_deviations_in_a_set(monkeypatch):
+    """Bits an event as above, in one go: the same history as in balls, which lose nearly three times as many."""
+    scene, events = catalogue.build("wedge:slope=2").with_changes(until=None, events=None), 1500
+    plain = ExactEngine().run(scene, events=events)
+    monkeypatch.setattr(precision, "LONG_BITS", 600)
+    run = ExactEngine().run(scene, events=events)
+    assert run.motion.log.centred
+    assert not plain.motion.log.centred
+    assert run.motion.log.lost < (1.1 * error_growth(run, events) + 0.05) * events
+    assert plain.motion.log.lost > 2.5 * run.motion.log.lost
+    assert [e.contacts for e in run.events] == [e.contacts for e in plain.events]
+
+
 @pytest.mark.parametrize("name", ["stadium", "mushroom", "lemon:d=6/5,y=1/7"])
 def test_every_number_lies_in_its_ball_at_arcs(name):
     scene = catalogue.build(name).with_changes(until=None, events=None)
