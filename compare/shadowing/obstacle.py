@@ -13,6 +13,7 @@ from flint import arb
 from ...exact.exact_motion import motion_of
 from ...exact.numbers import ball
 from ...exact.numbers.ball import known_ball
+from ...scenarios.trajectory import StopReason
 from ..tangent.impacts import moving
 from .pseudo_orbit import in_the_frame
 
@@ -310,6 +311,10 @@ def _shallow(scene: Scene, record: OrbitRecord, contact: int, depth: float, why:
     return Blocked(Obstacle.GRAZE, event, f"event {event}: {told}{why}")
 
 
+TO_THE_END = frozenset({StopReason.EVENTS, StopReason.HORIZON, StopReason.QUIET})
+"""Stops after which it is known that a circle meets nothing more, or what was asked for is over."""
+
+
 def other_history(scene: Scene, record: OrbitRecord, run: Trajectory, theirs: OrbitRecord) -> Blocked | None:
     """Where a true history has another contact than an engine's; None if each circle has the same ones, in order.
 
@@ -327,6 +332,11 @@ def other_history(scene: Scene, record: OrbitRecord, run: Trajectory, theirs: Or
         for i in (i for i in link if i in record.flights):
             turn = sum(i in other for other in wanted[:k])
             got = streams[0][i][turn] if turn < len(streams[0][i]) else None
+            if got is None and run.stop.reason not in TO_THE_END:
+                told = f"the certified run of the start that was found ends after {len(run.events)} events"
+                return Blocked(
+                    Obstacle.ORDER, record.events[k], f"event {record.events[k]}: {told}, {run.stop.message}"
+                )
             if got != link:
                 return _parted(scene, record, theirs, k, i, got)
     raise AssertionError("streams that differ have a first difference")

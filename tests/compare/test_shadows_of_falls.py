@@ -11,13 +11,13 @@ from drawn_falls import edged, pegged, shifting
 from flint import arb
 
 from truebreak.compare import engine as engine_named
-from truebreak.compare.shadowing.obstacle import margin
+from truebreak.compare.shadowing.obstacle import Obstacle, margin
 from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, Node, in_the_frame, recorded, segments
 from truebreak.compare.shadowing.shadows import shadow
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Scene, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.engine import Declared
 
 
@@ -122,6 +122,17 @@ def test_the_parts_of_what_moves_are_told_apart_where_they_are_then(x: Any, face
         [(_, place)] = recorded(engine.run(scene, events=1), 1).links
         assert (place - len(scene.surfaces.circles) in scene.surfaces.faces) is face
         assert (place in scene.surfaces.ends) is not face
+
+
+def test_a_certified_run_that_ends_early_says_so() -> None:
+    """Of a ball that bounces to its end in a bowl no more is known there: it is not said to meet nothing more."""
+    bowl = Arc(0, 0, 2, -2, 0, 2, 0, id="bowl")
+    scene = Scene([Circle("1/7", 0, r="1/4", id="ball")], arcs=[bowl], gravity=(0, -10), restitution="1/5")
+    found = shadow(scene, "double", events=13)
+    assert found.blocked is not None
+    assert found.blocked.obstacle is Obstacle.ORDER
+    assert "the certified run of the start that was found ends after" in found.blocked.message
+    assert "accumulation suspected" in found.blocked.message
 
 
 # -- the map from node to node
