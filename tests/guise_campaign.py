@@ -101,6 +101,16 @@ def mapped(scene: Scene, place: Callable[[Two], Two], speed: Callable[[Two], Two
     )
 
 
+def turned_scene(scene: Scene) -> Scene:
+    """A scene turned by 60 degrees, in other units of length: in a field of its own."""
+    cos, sin, size = (Quantity.of(text) for text in ("1/2", "sqrt(3)/2", "3/7"))
+
+    def turn(two: Two) -> Two:
+        return size * (cos * two[0] - sin * two[1]), size * (sin * two[0] + cos * two[1])
+
+    return mapped(scene, turn, turn, turn, size)
+
+
 def _same(two: Two) -> Two:
     return two
 

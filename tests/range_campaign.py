@@ -1,6 +1,7 @@
 """Discs that touch something just where a range begins or ends: is any certified run through something solid?
 
 python tests/range_campaign.py --seeds 20000           # counts a family, and each run that is wrong
+python tests/range_campaign.py --families met --guises # and whether the scene, turned, has the same history
 python tests/range_campaign.py --replay "joint 17"     # one scene, as TOML, and what is wrong
 
 A touch is chosen first, in fractions: where, along which normal, at which velocity, at what time; the flight goes back
@@ -22,6 +23,7 @@ from itertools import pairwise
 from random import Random
 from typing import Any
 
+import guise_campaign
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +37,9 @@ Doubles = NDArray[np.float64]
 
 INSIDE, CLOSE, BESIDE, FINE = 1e-9, 1e-7, 1e-10, 1500
 """How deep is inside; how near is a contact; how near an event nobody looks; in how many places a flight is seen."""
+
+WORK = 300_000
+"""What an instant may cost."""
 
 BITS = 256
 """What the engine may go to: more prove no double zero, they only take longer."""
@@ -52,6 +57,7 @@ class Place:
 
     Attributes:
         touches: a normal, away from what is touched, how thick that is, and radii of curvature that matter.
+        rho: the radius of what touches it, where that is given.
     """
 
     walls: list[tuple[Vector, Vector]] = field(default_factory=list)
@@ -61,6 +67,7 @@ class Place:
     pegs: list[tuple[Vector, F]] = field(default_factory=list)
     touches: list[tuple[Vector, F]] = field(default_factory=list)
     radii: list[F] = field(default_factory=list)
+    rho: F | None = None
 
 
 UP, DOWN, LEFT, RIGHT = (F(0), F(1)), (F(0), F(-1)), (F(-1), F(0)), (F(1), F(0))
@@ -196,9 +203,70 @@ def _several(rng: Random) -> Place:
     )
 
 
+KINDS = ("wall", "face", "start", "end", "side", "corner", "hollow", "out", "out at end", "in", "in at end", "ring",
+         "bow end", "mouth", "peg")  # fmt: skip
+
+
+def _met(rng: Random) -> Place:
+    """One, two or three things of any kinds that a disc comes to at once, along one normal, two, or opposite ones."""
+    rho = rng.choice((F(1, 2), F(1, 4), F(1), F(1, 3), F(0)))
+    n = rng.choice(DIRECTIONS)
+    place = Place(touches=[(n, F(0))], rho=rho)
+    for k in range(rng.choice((1, 2, 2, 2, 3))):
+        m = rng.choice((n, n, _times(n, -1), _across(n), *DIRECTIONS)) if k else n
+        _put(rng, place, rng.choice(KINDS), _times(n, rho), rho, m)
+    return place
+
+
+def _moved(p: Vector, d: Vector, k: F | int) -> Vector:
+    return (p[0] + d[0] * k, p[1] + d[1] * k)
+
+
+def _put(rng: Random, place: Place, kind: str, at: Vector, rho: F, n: Vector) -> None:
+    """Puts a thing of a kind to where a disc at a place touches it, with n the normal there, away from it."""
+    r, t = _thick(rng), _times(_across(n), rng.choice((1, -1)))
+    long, foot = rng.choice((F(1), F(2), F(1, 2))), _moved(at, n, -rho - r)
+    radius, others = rng.choice((F(1), F(2), F(1, 2))), [d for d in DIRECTIONS if d != n]
+    if kind == "wall":
+        place.walls.append((_moved(at, n, -rho), t))
+    elif kind in ("face", "start", "end"):
+        way = t if kind != "end" else rng.choice([d for d in DIRECTIONS if d[0] * n[0] + d[1] * n[1] < 0])
+        back = rng.choice((F(1), F(1, 3))) if kind == "face" else F(0)
+        place.segments.append((_moved(foot, way, -back), _moved(foot, way, long), r))
+    elif kind in ("side", "corner"):
+        a, b = _moved(foot, t, -long if kind == "side" else 0), _moved(foot, t, long)
+        place.polygons.append(([a, b, _moved(_moved(foot, n, -long), t, rng.choice((F(0), F(1), F(-1))))], r))
+    elif kind == "hollow":  # its corner: the disc touches both sides
+        c, w = _moved(foot, t, -rho - r), 2 * rho + 2
+        low, out = _moved(c, n, -1), _moved(c, t, -1)
+        corners = [c, _moved(c, t, w), _moved(low, t, w), _moved(low, t, -1), _moved(out, n, w), _moved(c, n, w)]
+        place.polygons.append((corners, r))
+    elif kind == "mouth":  # both ends of an arc are touched
+        (c, s), (p, q) = (rng.choice(((F(3, 5), F(4, 5)), (F(-3, 5), F(4, 5)), (F(0), F(1)))) for _ in range(2))
+        radius = (rho or F(1, 2)) * s / q
+        middle = _moved(at, n, -(rho or F(1, 2)) * c - radius * p)
+        ends = [_moved(_moved(middle, n, radius * p), t, radius * q * way) for way in (1, -1)]
+        place.arcs.append((middle, radius, ends[0], ends[1]))
+    elif kind == "peg":
+        place.pegs.append((_moved(foot, n, r - radius), radius))
+    else:
+        inside = kind.startswith("in") or (kind == "ring" and rng.random() < 0.6)
+        radius += rho if inside else 0
+        e = rng.choice(others) if kind == "bow end" else _times(n, -1) if inside else n  # of the place that is touched
+        middle = _moved(_moved(at, n, -rho), e, -radius)
+        one, other = rng.sample([d for d in DIRECTIONS if d != e], 2)
+        if kind.endswith("end"):
+            one, other = (e, other) if rng.random() < 0.5 else (other, e)
+        elif kind == "ring":  # in two halves, with a seam where it is touched
+            one, other = e, _times(e, -1)
+            place.arcs.append((middle, radius, _moved(middle, other, radius), _moved(middle, one, radius)))
+        place.arcs.append((middle, radius, _moved(middle, one, radius), _moved(middle, other, radius)))
+        place.radii.append(radius)
+
+
 FAMILIES: dict[str, Callable[[Random], Place]] = {
     "lone": _lone, "joint": _joint, "arc": _arc, "tangent": _tangent, "bows": _bows, "corner": _corner,
-    "corners": _corners, "walled": _walled, "pegged": _pegged, "several": _several,
+    "corners": _corners, "walled": _walled, "pegged": _pegged, "several": _several, "met": _met,
 }  # fmt: skip
 
 
@@ -218,6 +286,7 @@ def case_of(family: str, seed: int) -> Case | None:
     rng = Random(f"{family} {seed}")
     place, words = FAMILIES[family](rng), [family]
     rho = rng.choice((F(1, 2), F(1, 4), F(1), F(1, 3), F(0)) if rng.random() < 0.9 else (F(0),))
+    rho = rho if place.rho is None else place.rho
     n, thick = rng.choice(place.touches)
     along = _times(_across(n), rng.choice((1, -1)))
     reach = rho + thick
@@ -540,11 +609,33 @@ def _ring(signum: int, frame: object) -> None:
     raise TooLong
 
 
+def certified(scene: Scene, until: F) -> Trajectory:
+    """The run that is judged; what pushes without end within one instant ends sooner than else."""
+    return ExactEngine(max_bits=BITS, work=WORK).run(scene, until=str(until), events=8)
+
+
 def judged(case: Case) -> tuple[str, list[str]]:
     """How a run ends, and what is wrong with it."""
-    run = ExactEngine(max_bits=BITS).run(case.scene, until=str(case.until), events=8)
-    end = run.stop.reason.name
-    return end, wrong(run)
+    run = certified(case.scene, case.until)
+    return run.stop.reason.name, wrong(run)
+
+
+def guised(case: Case) -> str:
+    """How the history of a scene differs from what it is turned by 60 degrees, in other units; empty where it does not.
+
+    Where one of the two ends undecided, what comes before has to be the same.
+    """
+    turned = guise_campaign.turned_scene(case.scene)
+    runs = [certified(scene, case.until) for scene in (case.scene, turned)]
+    one, other = ([event.impulses for event in run.events] for run in runs)
+    both, ends = min(len(one), len(other)), [run.stop.reason for run in runs]
+    least = {end for end, events in zip(ends, (one, other), strict=True) if len(events) == both}
+    short = not least.isdisjoint({StopReason.UNDECIDED, StopReason.BUDGET}) or (
+        len(least) == 1 and len(one) == len(other)
+    )
+    if short and one[:both] == other[:both]:
+        return ""
+    return f"turned: {one} {ends[0].name}, {other} {ends[1].name}"
 
 
 def main() -> int:
@@ -552,6 +643,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--families", default=",".join(FAMILIES))
+    parser.add_argument("--guises", action="store_true", help="each history again, of the scene turned")
     parser.add_argument("--replay")
     options = parser.parse_args()
     if options.replay:
@@ -561,7 +653,7 @@ def main() -> int:
             print("overlaps")
             return 0
         print(dump_toml(case.scene), case.words, f"touch at {case.time}")
-        run = ExactEngine(max_bits=BITS).run(case.scene, until=str(case.until), events=8)
+        run = certified(case.scene, case.until)
         print(run.stop.message, *((float(e.time), e.impulses) for e in run.events), float(run.final_time))
         print(wrong(run))
         return 0
@@ -576,6 +668,8 @@ def main() -> int:
             signal.alarm(8)
             try:
                 end, found = judged(case)
+                if options.guises and (differs := guised(case)):
+                    found.append(differs)
             except TooLong:
                 end, found = "TOO LONG", ["8 s"]
             except Exception as error:  # whatever it is, it is a fault
