@@ -246,6 +246,12 @@ def pressed(room: Room) -> None:
     room.drifts = [(F(room.draw.randrange(-9, 10), 997), F(room.draw.randrange(-9, 10), 991)) for _ in range(4)]
 
 
+def swept(room: Room) -> None:
+    """Walls that move, beside bows or pockets."""
+    (bows if room.draw.random() < 0.6 else holes)(room)
+    room.drifts = [(F(room.draw.randrange(-9, 10), 997), F(room.draw.randrange(-9, 10), 991)) for _ in range(4)]
+
+
 def falling_back(room: Room) -> None:
     """A reversal under gravity."""
     room.settings["gravity"] = (F(1, 9), -F(room.draw.randrange(1, 100), 31))
@@ -266,7 +272,7 @@ KINDS: dict[str, Callable[[Room], None]] = {
     for kind in (
         oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
         swift, huge, tiny, beyond, hall, lossy, level_and_lossy, ring, bows,
-        falling, level_and_falling, pressed, falling_back, dropped,
+        falling, level_and_falling, pressed, swept, falling_back, dropped,
     )
 }  # fmt: skip
 """The kinds of rooms, by name."""
