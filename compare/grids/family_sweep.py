@@ -352,14 +352,20 @@ def csv_parts(rows: Iterable[Row], keys: Sequence[str]) -> Iterator[str]:
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    first, rest = COLUMNS[: COLUMNS.index("parameters")], COLUMNS[COLUMNS.index("parameters") + 1 :]
-    writer.writerow([*first, *keys, *rest])
+    at = COLUMNS.index("parameters")
+    columns = [*COLUMNS[:at], *keys, *COLUMNS[at + 1 :]]
+    writer.writerow(columns)
+    places = {column: place for place, column in enumerate(columns) if not at <= place < at + len(keys)}
     objects = rows.objects() if isinstance(rows, Store) else (row.data() for row in rows)
     for number, row in enumerate(objects, 1):
+        cells: list[Any] = [None] * len(columns)
+        for column, value in row.items():
+            if column in places:
+                cells[places[column]] = value if type(value) in (int, float) else _cell(value)
         varied = row.get("parameters") or {}
-        cells = [_cell(row.get(column)) for column in first]
-        cells += [no_formula(varied.get(key, "")) for key in keys]
-        writer.writerow(cells + [_cell(row.get(column)) for column in rest])
+        for place, key in enumerate(keys, at):
+            cells[place] = no_formula(varied.get(key, ""))
+        writer.writerow(cells)
         if number % PART == 0:
             yield out.getvalue()
             out.seek(0)
@@ -368,8 +374,7 @@ def csv_parts(rows: Iterable[Row], keys: Sequence[str]) -> Iterator[str]:
 
 
 def _cell(value: Any) -> Any:
-    if value is None or type(value) is int:
-        return value
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, separators=(",", ":")) if isinstance(value, dict | list) else no_formula(value)
+    return _compact(value) if isinstance(value, dict | list) else no_formula(value)
+
+
+_compact = json.JSONEncoder(separators=(",", ":")).encode
