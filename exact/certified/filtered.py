@@ -96,10 +96,9 @@ class DoubleFilter:
         self._at = self._late = 0.0
         self._bounds: PairBounds | None = None
 
-    def admit(self, body: Body[arb]) -> None:
-        """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
+    def admit(self, body: Body[arb], beside: arb | None) -> None:
+        """Sets a body's doubles from its short balls and its `late`, or None if they are not accurate enough."""
         x, y, vx, vy, t = body.q
-        beside = body.flight.late
         if t is not self._clock or beside is not self._beside:
             self._stand(t, beside)
         ft, late = self._at, self._late
@@ -452,11 +451,11 @@ class FilteredPredictor(Predictor[arb]):
         ball.use_bits(QUICK_BITS)
         admit, last, t = self.filter.admit, None, None
         for body in bodies:
-            x, y, vx, vy, clock, *_ = body.flight
+            x, y, vx, vy, clock, _, late, _, _ = body.flight
             if t is None or clock is not last:
                 last, t = clock, +clock
             body.q = (+x, +y, +vx, +vy, t)
-            admit(body)
+            admit(body, late)
 
     def take(self, landed: Iterable[Landed[arb]], clock: arb) -> None:
         """As `refresh`, of circles that are not exact, at one clock; see `LoneContacts`."""
@@ -464,9 +463,9 @@ class FilteredPredictor(Predictor[arb]):
         t, take = +clock, self.filter.take
         for body, (x, y, vx, vy, *_), doubles in landed:
             if doubles is None:
-                x, y, vx, vy, *_ = body.flight
+                x, y, vx, vy, _, _, late, _, _ = body.flight
                 body.q = (+x, +y, +vx, +vy, t)
-                self.filter.admit(body)
+                self.filter.admit(body, late)
             else:
                 body.q = (x + NEAR, y + NEAR, vx + NEAR, vy + NEAR, t)
                 take(body, doubles)

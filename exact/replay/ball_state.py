@@ -22,7 +22,7 @@ from ..laws.formulas import (
     wall_mirror,
 )
 from ..numbers import ball
-from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_arc, is_flat, is_pair, new_flight
+from .contact import AtArc, AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, is_flat, is_pair, new_flight
 from .landings import Unsharp, landing_wait
 from .state import ReplayState
 from .wall_flights import FallingWall, falling_wall
@@ -471,10 +471,10 @@ class LoneContacts:
         Returns:
             How many bits of the instant are known.
         """
-        if is_arc(link):
-            return None
         self._known.at(bits)
-        return self._bounce(link, bits, done + 1) if is_pair(link) else self._rebound(link, bits, done + 1)
+        if is_pair(link):
+            return self._bounce(link, bits, done + 1)
+        return self._rebound(link, bits, done + 1) if is_flat(link) else None
 
     def _bounce(self, link: Pair, bits: int, step: int) -> int | None:
         """Two circles."""

@@ -97,14 +97,10 @@ class Body(Generic[N]):
         return f"Body({self.index}, {self.flight})"
 
 
-_FLIGHT: Any = Body.__dict__["flight"]
-"""Where a flight is kept."""
-
-
 class WaitingBody(Body[N]):
     """A body whose flights are made when they are asked for: a class of its own, as asking takes longer."""
 
-    __slots__ = ("_make", "_of")
+    __slots__ = ("_made", "_make", "_of")
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         super().__init__(index, flight, r, w, is_pocket)
@@ -118,13 +114,12 @@ class WaitingBody(Body[N]):
     def flight(self) -> Flight[N]:
         """The flight; made now, where it was left to be."""
         if self._of is not None:
-            _FLIGHT.__set__(self, self._make(*self._of))
-            self._of = None
-        return _FLIGHT.__get__(self)
+            self._made, self._of = self._make(*self._of), None
+        return self._made
 
     @flight.setter
     def flight(self, flight: Flight[N]) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
-        _FLIGHT.__set__(self, flight)
+        self._made = flight
         self._of: tuple[object, ...] | None = None
 
 

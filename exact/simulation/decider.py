@@ -154,6 +154,7 @@ class History(Generic[K]):
         rises: the bits of each rise of the precision, and whether deviations were kept in a set from then on.
         assumptions: what the run rests on that is not proved.
         row: what keeps the knots of a circle, made of those that there are.
+        last: the last instant at which anything happened; None before the first.
         set_times: limits and the reversal's time, with the number of the last part of the instant that falls on it.
     """
 
@@ -167,16 +168,7 @@ class History(Generic[K]):
     assumptions: list[Assumption] = field(default_factory=list)
     set_times: dict[Quantity, int] = field(default_factory=dict)
     row: Callable[[list[Knot[K]]], list[Knot[K]] | KeptRows[Knot[K]]] = list
-    _last: Mark[K] | None = None
-
-    @property
-    def last(self) -> Mark[K] | None:
-        """The last instant at which anything happened; None before the first."""
-        return self._last
-
-    @last.setter
-    def last(self, mark: Mark[K] | None) -> None:
-        self._last = mark
+    last: Mark[K] | None = None
 
     def add(self, note: Noted[K]) -> None:
         """Takes up what an instant, or a part of one, did. It is whole once `last` says so."""
@@ -213,7 +205,7 @@ class PackedRows(KeptRows[R], Generic[R]):
         rows: those that are there from the start on.
     """
 
-    __slots__ = ("_blocks", "_tail")
+    __slots__ = ("_blocks", "_most", "_tail")
 
     block: ClassVar[int]
     """Rows that are packed together."""
@@ -224,6 +216,7 @@ class PackedRows(KeptRows[R], Generic[R]):
     def __init__(self, rows: Iterable[R] = ()) -> None:
         self._blocks: list[Any] = []
         self._tail: list[R] = []
+        self._most = self.short
         self += rows
 
     def __reduce__(self) -> tuple[Callable[..., PackedRows[R]], tuple[list[R]]]:
@@ -243,16 +236,19 @@ class PackedRows(KeptRows[R], Generic[R]):
 
     def append(self, row: R) -> None:
         """One more."""
-        self._tail.append(row)
-        if len(self._tail) >= (self.block if self._blocks else self.short):
-            for _ in range(len(self._tail) // self.block):
-                self._blocks.append(self._packed(self._tail[: self.block]))
-                del self._tail[: self.block]
+        tail = self._tail
+        tail.append(row)
+        if len(tail) >= self._most:
+            for _ in range(len(tail) // self.block):
+                self._blocks.append(self._packed(tail[: self.block]))
+                del tail[: self.block]
+            self._most = self.block
 
     def pop(self) -> R:
         """Takes the last away."""
         if not self._tail:
             self._tail = [*self._of(self._blocks.pop())]
+            self._most = self.block if self._blocks else self.short
         return self._tail.pop()
 
     def __iadd__(self, rows: Iterable[R]) -> PackedRows[R]:

@@ -166,8 +166,11 @@ class ArrivalQueue(Generic[N]):
         """
         if predictions is None:
             return False
-        now = self._heap, self._order, outlook.first_face
-        order = predictions.predict(moved, *outlook[:4], bounds, slopes, tuple(standing), *now)
+        others, lines, reaches, pegs, _, first = outlook
+        heap, stand = self._heap, tuple(standing)
+        order = predictions.predict(
+            moved, others, lines, reaches, pegs, bounds, slopes, stand, heap, self._order, first
+        )
         if order is None:
             return False
         self._order = order

@@ -48,7 +48,7 @@ class FlatHistory(History[float]):
         return cast("list[Record[float] | Lone]", self.records)
 
     @property
-    def last(self) -> Mark[float] | None:
+    def last(self) -> Mark[float] | None:  # pyright: ignore[reportIncompatibleVariableOverride]
         """See `History`."""
         return self._newest(self.items[self._marked :]) or self._mark
 
