@@ -48,12 +48,12 @@ class FlatHistory(History[float]):
         return cast("list[Record[float] | Lone]", self.records)
 
     @property
-    def last(self) -> Mark[float] | None:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def last(self) -> Mark[float] | None:
         """See `History`."""
         return self._newest(self.items[self._marked :]) or self._mark
 
     @last.setter
-    def last(self, mark: Mark[float] | None) -> None:
+    def last(self, mark: Mark[float] | None) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
         self._mark = mark
         self._marked = len(self.records)
 

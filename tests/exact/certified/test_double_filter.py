@@ -24,7 +24,7 @@ def body(index: int, state: list[Q], filter_: DoubleFilter) -> Body:
     made = Body(index, Flight(*[arb(0)] * 6), arb(1), arb(1))
     ctx.prec = 128
     made.q = tuple(arb(q.numerator) / q.denominator for q in state)
-    filter_.admit(made)
+    filter_.admit(made, made.flight.late)
     return made
 
 
@@ -82,7 +82,7 @@ def test_a_hit_counts_only_after_both_flights_have_begun(apart):
             clocks = [Q(7), 7 + apart]
             two = [body(k, [Q(4 * k), Q(0), Q(1 - 2 * k), Q(0), clocks[k]], filter_) for k in (0, 1)]
             two[which].flight = two[which].flight._replace(late=arb(late.numerator) / late.denominator)
-            filter_.admit(two[which])
+            filter_.admit(two[which], two[which].flight.late)
             hit = 7 + 1 + apart / 2  # the gap of 2 closes at 2, and a later clock finds b where it then is
             told, unclear = filter_.pairs(two[0], [two[1]], [2.0])
             if (which == 1 and apart == -1) or hit > max(clocks) + late:
@@ -212,5 +212,5 @@ def test_an_unsharp_ball_is_not_admitted():
     filter_ = DoubleFilter()
     blurred = Body(0, Flight(*[arb(0)] * 6), arb(1), arb(1))
     blurred.q = (arb("1 +/- 1e-10"), arb(0), arb(1), arb(0), arb(0))
-    filter_.admit(blurred)
+    filter_.admit(blurred, blurred.flight.late)
     assert blurred.f is None
