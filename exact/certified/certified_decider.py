@@ -282,15 +282,14 @@ class CertifiedMeetings:
         spent, predictor = 0, self._pegs
         assert predictor is not None
         while True:
-            found = predictor.in_full(link)
+            found, grazes = predictor.comes(link, exactly=not spent)
+            if found is None:
+                return None
             if isinstance(found, arb):
-                low, high = ball.double_bounds(found)
-                return arrival._replace(low=low, high=high, certain=True, time=found)
-            grazes = False if found is None else predictor.passes(link) if not spent else None
-            if grazes is not None:
                 if grazes:
                     self._grazes(link)
-                return None
+                low, high = ball.double_bounds(found)
+                return arrival._replace(low=low, high=high, certain=True, time=found, graze=grazes)
             why = f"whether {self._judge.name(link)} hit, graze or miss, at a zero of a quartic, which no field holds"
             bits = 2 * self._state.bits  # so often the interval is halved with the next ones, before nothing is said
             spent += self._precision.units() + bits * step_units(bits)

@@ -16,7 +16,7 @@ from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Approach, Beside, Gap, Question
 from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_arc, is_flat, is_pair, name_of
-from ..replay.landings import Landing, landing, passes
+from ..replay.landings import Landing, grazed, landing, passes, within_arc
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import DEEPEST, MOST_PARTS, Started, halves, sharpened_in_doubles, started
 from ..replay.state import ReplayState
@@ -434,11 +434,30 @@ class PegPredictor(FallingPredictor):
         """Nothing is plain before it is asked: doubles are of the frame that falls."""
         return False
 
-    def passes(self, link: Round) -> bool | None:
-        """Whether a circle whose flight is of fractions grazes something round, or misses it; None: it may hit it."""
-        state = self.refinable
-        exact = all(state.exact[i] for i in link.circles if i not in self.scene.pegs)
-        return passes(state.field, link) if state.field is not None and exact else None
+    def comes(self, link: Round, exactly: bool) -> tuple[Landing, bool]:
+        """When a circle comes to something round, and whether it grazes it; None where it does neither.
+
+        Args:
+            link: the two.
+            exactly: whether fractions are asked, too, which tell a graze, where the flight is of fractions.
+        """
+        state, found = self.refinable, self.in_full(link)
+        exact = exactly and all(state.exact[i] for i in link.circles if i not in self.scene.pegs)
+        if found is None or isinstance(found, arb) or state.field is None or not exact:
+            return found, False
+        touched = passes(state.field, link)
+        if touched is None or touched is False:
+            return (found if touched is None else None), False
+        known = grazed(state.field, link)
+        if known is None:
+            return found, False
+        ball.use_bits(state.bits)
+        time = arb(known[0]).union(arb(known[1]))
+        if is_arc(link) and not self.scene.arc_sides[link.arc].full:
+            then = state.balls.peg_fall(link).after(time - state.balls.faller(link).flight.t)
+            within = within_arc(state.balls, link, then.dx, then.dy)
+            return time if within > 0 else None if within < 0 else found, True
+        return time, True
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""

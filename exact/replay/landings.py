@@ -29,6 +29,7 @@ from .round_falls import (
     falling_zero,
     falling_zero_exactly,
     falling_zero_in_balls,
+    first_zero_exactly,
     halved,
     horner,
     horner_slope,
@@ -293,6 +294,42 @@ def passes(state: Flights[FieldNumber], link: Round) -> bool | None:
     if found and (field_sign(state.reach(*link.ends(state))) == 0 or _may_go_onto_a_face(state, link, known[1])):
         return None
     return found
+
+
+def double_zero_exactly(c: Sequence[fmpq]) -> tuple[fmpq, fmpq] | None:
+    """Bounds of the positive double zero of a polynomial, positive at 0, that falls through none; None where it has
+    more than one.
+
+    >>> double_zero_exactly([fmpq(1), fmpq(0), fmpq(-2), fmpq(0), fmpq(1)])
+    (1, 1)
+    >>> double_zero_exactly([fmpq(4), fmpq(-12), fmpq(13), fmpq(-6), fmpq(1)]) is None
+    True
+    """
+    whole = fmpq_poly(list(c))
+    twice = whole.gcd(whole.derivative())
+    if twice.degree() == 1:
+        zero = -twice[0] / twice[1]
+        return zero, zero
+    if twice.degree() != 2 or twice[0] * twice[2] > 0:
+        return None
+    twice = twice if twice[0] > 0 else -twice
+    found = first_zero_exactly(twice)
+    if found is None:
+        return None
+    for _ in range(DOUBLE_ZERO_HALVINGS):
+        found = halved(twice, *found)
+    return found
+
+
+DOUBLE_ZERO_HALVINGS = 256
+"""As often the bounds of a double zero are halved that is no fraction: to the bits of balls at hand, or nearly."""
+
+
+def grazed(state: Flights[FieldNumber], link: Round) -> tuple[fmpq, fmpq] | None:
+    """Bounds of when two graze that `passes` says do; None where they do so more than once."""
+    known = gap_in_fractions(state, link)
+    found = None if known is None else double_zero_exactly(known[1])
+    return None if known is None or found is None else (found[0] + known[0], found[1] + known[0])
 
 
 def begins_at(face: Wall, end: Circle) -> bool:

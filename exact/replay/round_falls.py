@@ -454,7 +454,7 @@ def falling_zero_exactly(c: Sequence[fmpq]) -> ExactZero | bool:
         else:
             even *= fmpq_poly(factor)
     odd, even = (poly if poly[0] > 0 else -poly for poly in (odd, even))
-    found, touched = _first_exactly(odd), _first_exactly(even)
+    found, touched = first_zero_exactly(odd), first_zero_exactly(even)
     if found is None:
         return touched is not None
     low, high = found
@@ -492,7 +492,7 @@ def told_falling_zero(c: Sequence[float]) -> float | None:
     return int(middle.p) / int(middle.q)
 
 
-def _first_exactly(poly: fmpq_poly) -> tuple[fmpq, fmpq] | None:
+def first_zero_exactly(poly: fmpq_poly) -> tuple[fmpq, fmpq] | None:
     """Where the first positive zero of a polynomial without double ones is."""
     degree = poly.degree()
     if degree < 1:

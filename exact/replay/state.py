@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 
+from flint import arb
+
 from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -307,7 +309,15 @@ class Flights(RoundFalls[N], WallFlights[N]):
         raise NotImplementedError
 
     def graze(self, link: Round) -> tuple[N, N]:
-        """As `round_hit`, for two that touch without pushing: the time at which they are nearest."""
+        """As `round_hit`, for two that touch without pushing: the time at which they are nearest.
+
+        Raises:
+            ZeroDivisionError, or as `peg_hit`: of a circle that falls onto something round.
+        """
+        if self.curved and self.stands and self.on_peg(link):
+            if isinstance(self.zero, arb):
+                raise ZeroDivisionError("no ball tells a double zero")
+            return self.no_closed_form()
         t, dx, dy, vx, vy, _ = self.relation(link)
         return t, pair_nearest_time(pair_approach(dx, dy, vx, vy), vx, vy)
 

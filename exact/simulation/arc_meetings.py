@@ -57,6 +57,8 @@ def arc_contact(link: AtArc, sign: Callable[[Question], int | None], final: bool
         Undecided: where the path touches the hollow side right at its end, and goes on along it.
     """
     disc = sign(Discriminant(link))
+    if disc is None and link.hollow and sign(Gap(link)) == 0 == sign(Approach(link)):
+        disc = 0  # it is there, and flies along the arc
     if disc == 0 and link.hollow and _may_go_along(link, sign):
         if not final:
             return None

@@ -18,7 +18,7 @@ from truebreak.exact.literal import symbolic_contacts, symbolic_engine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import landings, round_falls, state
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import NoClosedForm
 from truebreak.scenarios.trajectory import StopReason, TieProof
 
@@ -221,6 +221,33 @@ def test_a_graze_of_other_numbers_is_undecided_and_says_why() -> None:
     assert run.stop.reason is StopReason.UNDECIDED
     assert "ball and peg hit, graze or miss" in run.stop.message
     assert "zero of a quartic, which no field holds" in run.stop.message
+
+
+@pytest.mark.parametrize("restitution", ["1", "1/2"])
+def test_a_graze_at_the_instant_of_a_blow_is_no_event_without_its_pushes(restitution: str) -> None:
+    """A ball over the top of a peg, struck there from above: the blow was noted, and not what it leads to."""
+    peg, ball = Circle(0, 0, 1, m="oo", id="peg"), Circle(-2, "3/2", 1, vx=2, vy=1, id="ball")
+
+    def run(*others: Circle) -> Trajectory:
+        return ExactEngine().run(Scene([peg, ball, *others], gravity=(0, -1), restitution=restitution), until=2)
+
+    assert run().stop.reason is StopReason.HORIZON
+    struck = run(Circle(0, "13/2", 1, vy=-2, id="other"))
+    assert struck.stop.reason is StopReason.UNDECIDED
+    assert struck.events == ()
+    later, sooner = (run(Circle(0, height, 1, vy=-2, id="other")) for height in ("6501/1000", "6499/1000"))
+    assert [event.contacts[0] for event in later.events[:2]] == [("ball", "other"), ("peg", "ball")]
+    assert [event.contacts[0] for event in sooner.events[:2]] == [("ball", "other"), ("peg", "ball")]
+
+
+def test_a_graze_at_the_instant_of_a_blow_takes_part_in_it_where_flights_are_straight() -> None:
+    """A bar that moves strikes a disc that grazes an arc then: they push each other without end."""
+    disc = Circle("12/5", "-9/5", vx="-12/5", vy="9/5", id="disc")
+    bar = Segment("-33/50", "-69/50", "-93/50", "-149/50", r="1/10", vy="1/2", id="bar")
+    bow = Arc("9/5", "12/5", 2, "17/5", "18/5", "67/65", "36/65", id="bow")
+    run = ExactEngine().run(Scene([disc], segments=[bar], arcs=[bow], restitution="1/2"), until=2)
+    assert run.events == ()
+    assert "collapse: disc and bar as well as disc and bow" in run.stop.message
 
 
 def at_once(off: str, kind: str) -> Scene:
