@@ -158,8 +158,8 @@ class SymbolicEngine(Declared):
     Each pair costs milliseconds while numbers are rational, and more with every square root that nests in
     the last, so limit a run by `until` or `events`. A sign that cannot be proved ends it as UNDECIDED.
 
-    >>> scene = Scene([Circle(0, 0, vx=2), Circle(4, 0)])
-    >>> trajectory = SymbolicEngine().run(scene)
+    >>> from truebreak.scenarios import Circle
+    >>> trajectory = SymbolicEngine().run(Scene([Circle(0, 0, vx=2), Circle(4, 0)]))
     >>> trajectory.events[0].time, trajectory.stop.reason.name
     (Quantity('1'), 'QUIET')
     """

@@ -297,16 +297,19 @@ def passes(state: Flights[FieldNumber], link: Round) -> bool | None:
 
 
 def double_zero_exactly(c: Sequence[fmpq]) -> tuple[fmpq, fmpq] | None:
-    """Bounds of the positive double zero of a polynomial, positive at 0, that falls through none; None where it has
-    more than one.
+    """Bounds of the positive double zero, or fourfold, of a polynomial, positive at 0, that falls through none; None
+    where it has more than one.
 
-    >>> double_zero_exactly([fmpq(1), fmpq(0), fmpq(-2), fmpq(0), fmpq(1)])
-    (1, 1)
+    >>> low, high = double_zero_exactly([fmpq(1), fmpq(0), fmpq(-2), fmpq(0), fmpq(1)])
+    >>> low < 1 < high
+    True
     >>> double_zero_exactly([fmpq(4), fmpq(-12), fmpq(13), fmpq(-6), fmpq(1)]) is None
     True
     """
-    whole = fmpq_poly(list(c))
-    twice = whole.gcd(whole.derivative())
+    twice = fmpq_poly([1])
+    for factor, times in fmpq_poly(list(c)).numer().factor()[1]:
+        if times % 2 == 0:
+            twice *= fmpq_poly(factor)
     if twice.degree() == 1:
         zero = -twice[0] / twice[1]
         return zero, zero

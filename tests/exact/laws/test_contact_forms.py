@@ -33,7 +33,7 @@ from sympy import lambdify
 from truebreak.exact.laws import derivation as law
 from truebreak.exact.replay import deviations as carrying
 from truebreak.exact.replay.ball_state import BallState, LoneContacts
-from truebreak.exact.replay.centred_state import LoneCentred
+from truebreak.exact.replay.centred_state import CentredState, LoneCentred
 from truebreak.exact.replay.contact import Flight, Pair
 from truebreak.exact.replay.state import Go, Kick, ReplayState
 from truebreak.scenarios import Scene
@@ -266,7 +266,7 @@ def test_the_contact_of_two_on_midpoints(younger, masses, monkeypatch):
     """`LoneCentred._bounce`; and d, v and -d.v at the hit, of which the derivative is made."""
     world = two(younger, masses)
     balls_are(world, monkeypatch)
-    state = in_balls(world)
+    state = in_balls(world, CentredState)
     held = centred(state, world, PAIR, monkeypatch)
     same(state, steps_of(plain(world), PAIR, (0, 1)))
     (ax, ay, *_), (bx, by, *_) = (there(flight, state.instant) for flight in world.flights)
@@ -279,6 +279,6 @@ def test_the_contact_with_a_wall_on_midpoints(kind, monkeypatch):
     """`LoneCentred._rebound`."""
     world = wall_world(kind)
     balls_are(world, monkeypatch)
-    state = at_wall(BallState(scene_with_wall()), world)
+    state = at_wall(CentredState(scene_with_wall()), world)
     centred(state, world, FACE, monkeypatch)
     same(state, steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,)))
