@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from math import inf, isfinite, sqrt
 from typing import NamedTuple, TypeAlias, TypeGuard
 
-from flint import arb
+from flint import arb, fmpq
 
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
@@ -454,10 +454,19 @@ class PegPredictor(FallingPredictor):
         ball.use_bits(state.bits)
         time = arb(known[0]).union(arb(known[1]))
         if is_arc(link) and not self.scene.arc_sides[link.arc].full:
-            then = state.balls.peg_fall(link).after(time - state.balls.faller(link).flight.t)
-            within = within_arc(state.balls, link, then.dx, then.dy)
-            return time if within > 0 else None if within < 0 else found, True
+            within = self._grazes_within(link, known)
+            return time if within == 1 else found if within is None else None, True
         return time, True
+
+    def _grazes_within(self, link: AtArc, known: tuple[fmpq, fmpq]) -> int | None:
+        """Whether a side of an arc is grazed within its range, 1, or not; right at its end the end is grazed."""
+        state, field = self.refinable, self.refinable.field
+        assert field is not None
+        if known[0] == known[1]:
+            then = field.peg_fall(link).after(known[0] - field.faller(link).flight.t)
+            return ball.field_sign(within_arc(field, link, then.dx, then.dy))
+        then = state.balls.peg_fall(link).after(arb(known[0]).union(arb(known[1])) - state.balls.faller(link).flight.t)
+        return ball.sign_of(within_arc(state.balls, link, then.dx, then.dy))
 
     def push_unsure(self, link: Round) -> None:
         """Queues one that short balls leave open, as full ones have it."""
