@@ -48,4 +48,4 @@ def test_going_on_with_a_store_and_reading_it_are_measured(capsys: pytest.Captur
         seconds, megabytes = (float(each) for each in line.split("|")[2:4])
         assert 0 < seconds < 60
         assert 10 < megabytes < 500
-    assert len(told) == 6
+    assert len(told) == 7
