@@ -122,7 +122,7 @@ def read_log(
 
     A line of JSON has a `time` and a `contact` of two ids; or `contacts`, several of one instant; perhaps with
     `states`, x, y, vx, vy by circle, as the event leaves them, and with `carried`, the wall by circle of those that
-    walls carry from then on. A line with states alone says where circles are. The last may be an `end`, perhaps with
+    walls carry from then on. A line that has only states says where circles are. The last may be an `end`, perhaps with
     `"quiet": true`: nothing is left to happen. Headers, outlines, steps, hashes, inputs and free fields
     of the log format of `truebreak diff` are passed over.
 
