@@ -5,6 +5,7 @@
  * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
  */
 #include "quartic.h"
+#include <structmember.h>
 
 #define PLAIN 7 /* of an arrival: low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
 
@@ -14,14 +15,65 @@
 #define MOST_PEGS 256
 #define MOST_STANDING 8
 
-static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *heappop, *infinity;
+static PyObject *heappush, *heappop, *infinity;
 
 /* -- reading Python's objects */
+
+/* What is read of a body, and where the slots of the classes that it may be of have it: an attribute takes longer to be
+ * found than most circles take to be held against another. */
+enum { IS_F, IS_KIND, IS_INDEX, IS_SERIAL, IS_UNTIL, READ };
+
+static PyObject *names_of[READ];
+
+static struct { PyTypeObject *type; Py_ssize_t at[READ]; } layouts[2];
+
+/* Notes where a class has its slots; 0 for what is none. */
+static int learn(PyTypeObject *type, Py_ssize_t *at)
+{
+    for (int k = 0; k < READ; k++) {
+        PyObject *slot = PyObject_GetAttr((PyObject *)type, names_of[k]);
+        if (slot == NULL)
+            return -1;
+        int found = Py_IS_TYPE(slot, &PyMemberDescr_Type) && PyType_IsSubtype(type, PyDescr_TYPE(slot))
+                    && ((PyMemberDescrObject *)slot)->d_member->type == T_OBJECT_EX;
+        at[k] = found ? ((PyMemberDescrObject *)slot)->d_member->offset : 0;
+        Py_DECREF(slot);
+    }
+    return 0;
+}
+
+/* One of these of a body, owned; NULL with an error set. */
+static PyObject *get(PyObject *body, int which)
+{
+    PyTypeObject *type = Py_TYPE(body);
+    for (int k = 0; k < 2; k++) {
+        if (layouts[k].type == NULL) {
+            if (learn(type, layouts[k].at) < 0)
+                PyErr_Clear();
+            else
+                layouts[k].type = (PyTypeObject *)Py_NewRef(type);
+        }
+        if (layouts[k].type == type && layouts[k].at[which] != 0) {
+            PyObject *value = *(PyObject **)((char *)body + layouts[k].at[which]);
+            if (value != NULL)
+                return Py_NewRef(value);
+        }
+    }
+    return PyObject_GetAttr(body, names_of[which]);
+}
+
+static int get_number(PyObject *body, int which, Py_ssize_t *out)
+{
+    PyObject *value = get(body, which);
+    int failed = value == NULL || read_size(value, out) < 0;
+    Py_XDECREF(value);
+    return failed ? -1 : 0;
+}
 
 /* The doubles of a body; 0 if it has none, -1 with an error set. */
 static int read_flight(PyObject *body, double *out)
 {
-    PyObject *f = PyObject_GetAttr(body, name_f);
+    PyObject *f = get(body, IS_F);
     if (f == NULL)
         return -1;
     int found = f == Py_None ? 0 : read_doubles(f, FLIGHT, out) < 0 ? -1 : 1;
@@ -32,7 +84,7 @@ static int read_flight(PyObject *body, double *out)
 static int read_reach(PyObject *reaches, PyObject *body, double *out)
 {
     Py_ssize_t kind;
-    if (get_size(body, name_kind, &kind) < 0)
+    if (get_number(body, IS_KIND, &kind) < 0)
         return -1;
     return item_double(reaches, kind, out);
 }
@@ -492,7 +544,7 @@ static int meet_pegs(Moved *a, const Standing *standing, int standing_count, Ent
         PyObject *told_peg = item(a->pegs, k);
         int failed = told_peg == NULL || read_peg(told_peg, &peg) < 0;
         PyObject *body = failed ? NULL : PyTuple_GET_ITEM(told_peg, 0);
-        failed = failed || get_size(body, name_index, &index) < 0 || get_size(body, name_serial, &serial) < 0;
+        failed = failed || get_number(body, IS_INDEX, &index) < 0 || get_number(body, IS_SERIAL, &serial) < 0;
         Py_XDECREF(told_peg);
         if (failed)
             return -1;
@@ -525,11 +577,14 @@ static int meet_circle(const Moved *a, const Moved *moved, Py_ssize_t moved_coun
             is_new = 1;
             until = moved[m].until;
         }
-    if (!is_new && get_double(b, name_until, &until) < 0)
+    PyObject *ends = is_new ? NULL : get(b, IS_UNTIL);
+    int failed = !is_new && (ends == NULL || read_double(ends, &until) < 0);
+    Py_XDECREF(ends);
+    if (failed)
         return FAILED;
     if (entry->span.low > until)
         return NONE;
-    if (get_size(b, name_index, &index) < 0 || get_size(b, name_serial, &serial) < 0)
+    if (get_number(b, IS_INDEX, &index) < 0 || get_number(b, IS_SERIAL, &serial) < 0)
         return FAILED;
     name_both(entry, a->index, a->serial, index, serial);
     return MEETS;
@@ -572,13 +627,13 @@ static int take(Moved *a, PyObject *bodies, PyObject *others, PyObject *lines, P
     int told = read_flight(a->body, a->f);
     if (told <= 0 || (a->f[VX] == 0.0 && a->f[VY] == 0.0))
         return told < 0 ? -1 : 0;
-    return get_size(a->body, name_index, &a->index) < 0 || get_size(a->body, name_serial, &a->serial) < 0 ? -1 : 1;
+    return get_number(a->body, IS_INDEX, &a->index) < 0 || get_number(a->body, IS_SERIAL, &a->serial) < 0 ? -1 : 1;
 }
 
 static int set_until(const Moved *a)
 {
     PyObject *until = a->until == INFINITY ? Py_NewRef(infinity) : PyFloat_FromDouble(a->until);
-    int failed = until == NULL || PyObject_SetAttr(a->body, name_until, until) < 0;
+    int failed = until == NULL || PyObject_SetAttr(a->body, names_of[IS_UNTIL], until) < 0;
     Py_XDECREF(until);
     return failed ? -1 : 0;
 }
@@ -657,7 +712,7 @@ static int is_stale(PyObject *entry, PyObject *bodies)
                 PyErr_SetObject(PyExc_KeyError, index);
             return -1;
         }
-        if (get_size(body, name_serial, &serial) < 0 || read_size(PyTuple_GET_ITEM(entry, 5 + k), &then) < 0)
+        if (get_number(body, IS_SERIAL, &serial) < 0 || read_size(PyTuple_GET_ITEM(entry, 5 + k), &then) < 0)
             return -1;
         if (serial != then)
             return 1;
@@ -762,8 +817,8 @@ PyMODINIT_FUNC PyInit__predictions(void)
     heappush = PyObject_GetAttrString(heapq, "heappush");
     heappop = PyObject_GetAttrString(heapq, "heappop");
     Py_DECREF(heapq);
-    const Name names[] = {{&name_f, "f"}, {&name_kind, "kind"}, {&name_index, "index"}, {&name_serial, "serial"},
-                          {&name_until, "until"}, {NULL, NULL}};
+    const Name names[] = {{&names_of[IS_F], "f"}, {&names_of[IS_KIND], "kind"}, {&names_of[IS_INDEX], "index"},
+                          {&names_of[IS_SERIAL], "serial"}, {&names_of[IS_UNTIL], "until"}, {NULL, NULL}};
     infinity = PyFloat_FromDouble(INFINITY);
     if (heappush == NULL || heappop == NULL || infinity == NULL || intern(names) < 0)
         return NULL;
