@@ -202,9 +202,7 @@ class Prover(Checker):
         scale, bits = 10**digits, value.bits
         if value.r * scale * 8 > 1 << bits:
             raise Unsettled("a number is not known to as many digits")
-        nearest = (2 * value.m * scale + (1 << bits)) >> (bits + 1)
-        whole, part = divmod(abs(nearest), scale)
-        return f"{'-' if nearest < 0 else ''}{whole}.{part:0{digits}d}"
+        return decimal_text(value.m, bits, digits)
 
     @property
     def lost(self) -> int:
@@ -423,6 +421,19 @@ class Prover(Checker):
                 self.isometries.append(g)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]
+
+
+def decimal_text(part: int, bits: int, digits: int) -> str:
+    """The decimal nearest to part / 2**bits, with so many digits after the point.
+
+    >>> decimal_text(-3, 1, 2), decimal_text(3, -1, 2)
+    ('-1.50', '6.00')
+    """
+    scale = 10**digits
+    twice = 2 * part * scale
+    nearest = (twice + (1 << bits)) >> (bits + 1) if bits >= 0 else (twice << -bits) >> 1
+    whole, rest = divmod(abs(nearest), scale)
+    return f"{'-' if nearest < 0 else ''}{whole}.{rest:0{digits}d}"
 
 
 def _unknown() -> Exact:

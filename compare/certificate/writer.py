@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
 
+from flint import arb
+
 from ...exact.certified.certified_decider import FIRST_BITS
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import AtWall, places_of
@@ -20,7 +22,7 @@ from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
 from ...tools.verify import BITS, CIRCLES, FORMAT, Malformed, Refuted, Unsettled, cost
 from .isometries import Contact
 from .outlines import numbers_of
-from .prover import Prover
+from .prover import Prover, decimal_text
 from .tower import Exact, exact_number, scene_part, text_of
 
 DIGITS = 17
@@ -35,6 +37,12 @@ ENOUGH = 16
 
 EACH = 4
 """More of them for each instant: where the engine's forms lose none, as on a line, the plain ones lose one or two."""
+
+PLAIN = 64
+"""Events of a run that is not followed: a longer one too often has a graze or a zero that wants a witness."""
+
+SHARP, FINE = 96, 2.0**-64
+"""Bits in which a plain certificate's numbers are taken where they are not known to `FINE`."""
 
 LONG = 500
 """A run of more instants is followed over its first part, and the bits lost there tell how many the whole takes."""
@@ -237,6 +245,66 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> told["instants"][1]
     {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
+    _check_certifiable(trajectory)
+    with _long_numbers(), _without_limit(), _without_search_for_cycles():
+        return _certified(trajectory, digits)
+
+
+def plain_certificate(trajectory: Trajectory) -> dict[str, Any] | None:
+    """The certificate of a short run of single meetings, written from the run's own numbers, with no witness of a zero.
+
+    It claims what the one that `certificate_of` writes claims, and a checker proves it, or does not. If not, that says
+    nothing of the run: it may want witnesses, or grazes.
+
+    Args:
+        trajectory: a run of the exact engine.
+
+    Returns:
+        None: for a run of more than `PLAIN` events, with more than one meeting in an instant, with a reversal, a
+        pocketing or a settling, or one that has taken more bits than a run begins with.
+
+    Raises:
+        CertificateError: for a run of another engine, one that rests on an assumption, a scene whose numbers need too
+            many roots.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
+    >>> plain_certificate(run)["instants"] == certificate_of(run)["instants"]
+    True
+    """
+    _check_certifiable(trajectory)
+    others = trajectory.pocketings or trajectory.settlings or trajectory.reversal
+    if others or len(trajectory.events) > PLAIN or int(trajectory.plan["bits"]) > FIRST_BITS:
+        return None
+    if any(len(event.contacts) > 1 for event in trajectory.events):
+        return None
+    with _long_numbers(), _without_limit():
+        try:
+            frame = _frame(trajectory)
+        except Unsettled as doubt:
+            raise CertificateError(f"the scene's numbers: {doubt}") from None
+        log, _, times = instants(trajectory)
+        log[0]["time"] = decimal_text(0, 0, DIGITS)
+        for k, time in times.items():
+            log[k]["time"] = _decimal(time)
+        circles = [[_decimal(x) for x in (c.x, c.y, c.vx, c.vy)] for c in trajectory.final.circles]
+        final = {"time": _decimal(trajectory.final_time), "circles": circles}
+        return _short({**frame, "bits": FIRST_BITS + MARGIN, "instants": log, "final": final})
+
+
+def _decimal(value: Real) -> str:
+    """A number to `DIGITS` decimals after the point. Whether it is right is the checker's to say."""
+    near = value.near if isinstance(value, ExactValue) else None
+    if not isinstance(near, arb) or near.rad() > FINE:
+        near = value.ball(SHARP)
+    part, exponent = near.mid().man_exp()
+    return decimal_text(int(part), -int(exponent), DIGITS)
+
+
+def _check_certifiable(trajectory: Trajectory) -> None:
+    """Refuses a run of which there is no certificate, or that rests on an assumption."""
+    """Refuses a run of which there is no certificate, or that rests on an assumption."""
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
     if other := trajectory.scene.other_walls:
@@ -250,8 +318,6 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
-    with _long_numbers(), _without_limit(), _without_search_for_cycles():
-        return _certified(trajectory, digits)
 
 
 @contextmanager

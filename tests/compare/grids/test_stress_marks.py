@@ -9,14 +9,15 @@ from typing import Any
 
 import pytest
 
-from truebreak.compare.certificate import certificate_json, certificate_of
+from truebreak.compare.certificate.certified import Certified
+from truebreak.compare.certificate.writer import certificate_of, plain_certificate
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
 from truebreak.compare.cli.progress import ExitCode
 from truebreak.compare.grids import stress_map as witnessing
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.stress_families import MapPlace, stress_family
-from truebreak.compare.grids.stress_map import MapMark, StressJob, checked, witness
+from truebreak.compare.grids.stress_map import MapMark, StressJob, weighed, witness
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
@@ -140,7 +141,7 @@ def marked(code: int) -> MapMark:
     one = stress_family("long-runs")
     place = one.place(3)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(witnessing, "checked", lambda text: (code, "its sentence"))
+        patch.setattr(witnessing, "weighed", lambda told: Certified("{}", code, "its sentence"))
         patch.setattr(witnessing, "MOST_TIMES", 1)
         told = witness(ExactEngine().run(one.scene(place)), one, place)
     assert told.note == "its sentence"
@@ -173,7 +174,8 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
     place = one.place(30)
     run = ExactEngine().run(one.scene(place))
     rough = {**certificate_of(run), "bits": 80}
-    assert checked(certificate_json(rough))[0] == 4
+    assert weighed(rough).code == 4
+    monkeypatch.setattr(witnessing, "plain_certificate", lambda run: None)
     monkeypatch.setattr(witnessing, "certificate_of", lambda run: rough)
     told = witness(run, one, place)
     assert told.mark is MapMark.RIGHT
@@ -208,8 +210,38 @@ def test_a_run_without_a_certificate_is_not_right(
     one = stress_family("near-ties")
     place = one.place(20)
     run = ExactEngine().run(one.scene(place))
+    monkeypatch.setattr(witnessing, "plain_certificate", lambda run: None)
     monkeypatch.setattr(witnessing, "certificate_of", refused)
     assert witness(run, one, place).mark is mark
+
+
+def test_single_meetings_are_checked_without_being_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The checker compares each of the run's own numbers: one that is off by two units of its last place is refuted."""
+    one = stress_family("near-ties")
+    place = one.place(20)
+    run = ExactEngine().run(one.scene(place))
+    told = plain_certificate(run)
+    assert told is not None and weighed(told).sentence == weighed(certificate_of(run)).sentence
+    (x, *row), *rows = told["final"]["circles"]
+    for off in (-2, 2):
+        other = f"{int(x.replace('.', '')) + off:0{len(x) - 1}d}"
+        final = {**told["final"], "circles": [[f"{other[:-17]}.{other[-17:]}", *row], *rows]}
+        assert weighed({**told, "final": final}).code == 1
+    for k in range(1, len(told["instants"])):
+        missing = [entry for j, entry in enumerate(told["instants"]) if j != k]
+        assert weighed({**told, "instants": missing}).code in (1, 4)
+    monkeypatch.setattr(witnessing, "certificate_of", None)
+    assert witness(run, one, place).mark is MapMark.RIGHT
+
+
+def test_what_is_not_proved_at_once_is_followed() -> None:
+    """At the start the ball touches a wall: a meeting without an event, for which the checker wants a zero."""
+    one = stress_family("walls")
+    place = one.place(16, "closing")
+    run = ExactEngine().run(one.scene(place))
+    told = plain_certificate(run)
+    assert told is not None and weighed(told).code == 1
+    assert witness(run, one, place).mark is MapMark.RIGHT
 
 
 @pytest.mark.parametrize(
