@@ -229,16 +229,17 @@ class ExactValue:
     def text(self) -> str | None:
         """The value in the grammar of scene files, or None if it is too deep to be written out.
 
+        Once a circle has fallen onto something round, its `definition`.
+
         >>> from truebreak.exact import ExactEngine
         >>> from truebreak.scenarios import Circle, Scene
         >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
         >>> ExactEngine().run(scene).events[0].time.text()
         '-sqrt(3) + 4'
         """
-        if isinstance(self.near, fmpq):
-            return str(self.near)
-        exact = self.exact()
-        return None if exact is None else exact.text()
+        from .texts import definition, normal_form  # which know this class
+
+        return normal_form(self) or definition(self)
 
 
 DOUBLE_BITS = 64

@@ -7,10 +7,10 @@ import math
 import pytest
 from flint import arb, ctx
 
-from truebreak.compare.files.exact_text import definitions
 from truebreak.exact import ExactEngine
 from truebreak.exact.replay.state import replay
 from truebreak.exact.simulation import decider
+from truebreak.exact.texts import definitions, normal_form
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])
@@ -44,11 +44,34 @@ def arb_eval(text, names):
             return left * right if kind is ast.Mult else left / right
         if isinstance(node, ast.UnaryOp):
             return -go(node.operand)
+        if isinstance(node, ast.Call) and node.func.id == "zero":
+            return only_zero([go(arg) for arg in node.args])
         if isinstance(node, ast.Call):
             return go(node.args[0]).sqrt()
         return names[node.id] if isinstance(node, ast.Name) else arb(node.value)
 
     return go(ast.parse(text, mode="eval").body)
+
+
+def only_zero(told):
+    """The zero of a polynomial between the last two numbers: by halves, once a derivative of one sign shows that it is
+    the only one."""
+    *parts, low, high = told
+
+    def value(s):
+        return sum((part * s**k for k, part in enumerate(parts)), arb(0))
+
+    slope = sum((k * part * low.union(high) ** (k - 1) for k, part in enumerate(parts) if k), arb(0))
+    assert not slope.contains(0)
+    up = slope > 0
+    assert not (value(low) > 0 if up else value(low) < 0)
+    assert not (value(high) < 0 if up else value(high) > 0)
+    while True:
+        middle = ((low + high) / 2).mid()
+        at = value(middle)
+        if at.contains(0):
+            return low.union(high)
+        low, high = (middle, high) if (at < 0) == bool(up) else (low, middle)
 
 
 def test_digits_text_sympy_and_float_agree():
@@ -64,6 +87,29 @@ def test_definitions_give_the_same_numbers_at_any_depth(gas):
     for value, told in zip(values, evaluated(definitions(values)), strict=True):
         assert told.overlaps(value.ball(300))
         assert told.rad() < arb(2) ** -100
+
+
+@pytest.mark.parametrize("name", ["axis", "bowl", "pinball-table", "galton", "peg-mirror"])
+def test_definitions_go_on_after_zeros_of_quartics(name):
+    run = ExactEngine().run(catalogue.build(name).with_changes(until=None, events=None), events=5)
+    values = [event.time for event in run.events] + [c.vx for c in run.final.circles]
+    found = definitions(values)
+    assert any("zero(" in text for _, text in found.names)
+    for value, told in zip(values, evaluated(found, 1_500), strict=True):
+        assert told.overlaps(value.ball(300))
+        assert told.rad() < arb(2) ** -60
+
+
+def test_a_number_after_a_quartic_is_told_by_its_definition_and_any_other_is_not(gas):
+    run = ExactEngine().run(catalogue.build("axis").with_changes(until=None, events=None), events=3)
+    value = run.events[-1].time
+    *names, last = value.text().split("; ")
+    told = evaluated(type("Told", (), {"names": [name.split(" = ") for name in names], "values": [last]}))[0]
+    assert normal_form(value) is None
+    assert told.overlaps(value.ball(300))
+    assert told.rad() < arb(2) ** -100
+    assert all(any(name.split(" = ")[0] in other for other in [*names[k + 1 :], last]) for k, name in enumerate(names))
+    assert gas.events[-1].time.text() is None
 
 
 def test_definitions_grow_in_proportion_to_the_events(gas):
