@@ -336,7 +336,7 @@ class Unchanging:
     def __init__(self, state: BallState) -> None:
         self._state = state
         self._bits = 0
-        self._partners: dict[Pair, Partners] = {}
+        self._partners: dict[Round, Partners] = {}
         self._alike: dict[tuple[int, int, int, int], Partners] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
@@ -352,8 +352,8 @@ class Unchanging:
             self._walls.clear()
             self._falls.clear()
 
-    def partners(self, link: Pair) -> Partners:
-        """Those of two circles."""
+    def partners(self, link: Round) -> Partners:
+        """Those of two circles, or of one and an arc."""
         return self._partners.get(link) or self._become_partners(link)
 
     def shares(self, link: Pair) -> Shares:
@@ -377,7 +377,7 @@ class Unchanging:
         found = self._falls[link] = falling_wall(line, r, falling, pull, drift, state.damping, ball.ZERO)
         return found
 
-    def _become_partners(self, link: Pair) -> Partners:
+    def _become_partners(self, link: Round) -> Partners:
         a, b = link.ends(self._state)
         kinds = id(a.r), id(a.w), id(b.r), id(b.w)  # circles of one radius and mass have the same two numbers
         found = self._alike.get(kinds)

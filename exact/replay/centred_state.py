@@ -19,6 +19,7 @@ from .contact import (
     Link,
     Midpoints,
     Pair,
+    Round,
     Touch,
     WaitingBody,
     can_push,
@@ -34,12 +35,15 @@ from .deviations import (
     Numbers,
     carry_fall,
     carry_pair,
+    carry_round,
     carry_wall,
     is_finite,
+    midpoints,
     numbers_of,
     slope_of,
 )
 from .error_bounds import Collision, Spent
+from .landings import Met, met_beside, window_of
 
 # -- A state on balls that loses bits at the dynamics' own rate: exact midpoints, and one set of all their deviations.
 #
@@ -105,7 +109,7 @@ class CentredState(BallState):
         centred: as given.
         outside: circles whose numbers are kept elsewhere for now: no set holds them.
         spare: bits of working precision kept beyond the accuracy of the numbers at hand.
-        costs: by how much longer numbers have to be for a set to be worth it; to a zero of a quartic none is carried.
+        costs: by how much longer numbers have to be for a set to be worth it.
     """
 
     def __init__(self, scene: Scene, centred: bool = True) -> None:
@@ -117,6 +121,7 @@ class CentredState(BallState):
         self._movers = tuple(i for i, circle in enumerate(scene.circles) if not circle.fixed)
         self._deviations: Deviations | None = None
         self._pending: Pending | None = None
+        self._landing: Met | None = None
         self._break = 0
         self._next_break = 1
 
@@ -152,15 +157,26 @@ class CentredState(BallState):
             held = self._deviations = self._begin()
         flying = [body for i in bodies if not (body := self.bodies[i]).flight.rest]
         before = [body.flight for body in flying]
+        round_one = None if is_flat(source) or not (self.stands and self.on_peg(source)) else source
+        window = None if round_one is None else window_of(self, round_one)
         for body in flying:
             held.centre(body)
-        super().go(source, bodies)
-        centres = {body.index: numbers_of(body) for body in flying}
-        waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
-        lags = [(i, float(wait)) for i, wait in waits if ball.is_sharp(wait)]
-        told = None
-        if len(lags) == len(waits):
-            told = held.advance(lags, self, source, self._told, self._root)
+        if round_one is not None:
+            numbers = self.faller(round_one).flight
+            self._landing = None if window is None else met_beside(self, round_one, window, numbers)
+        told, centres = None, dict[int, Numbers]()
+        if round_one is None or self._landing:
+            super().go(source, bodies)
+            centres = {body.index: numbers_of(body) for body in flying}
+            waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
+            lags = [(i, float(wait)) for i, wait in waits if ball.is_sharp(wait)]
+            if len(lags) == len(waits):
+                fallen = self._landing and self._landing[1]
+                told = held.advance(lags, self, source, self._told, self._root, fallen)
+            if told is not None and window is not None and self._landing is not None:
+                wait = self._landing[0]
+                told = told if window.falls(window.wait.union(wait + told[0])) else None
+        self._landing = None
         if told is None:
             for body, flight in zip(flying, before, strict=True):
                 body.flight = flight
@@ -179,6 +195,15 @@ class CentredState(BallState):
             body = self.bodies[i]
             body.flight = body.flight._replace(instant=self.instant, late=self.late)
         self._pending = Pending(source, centres, (late, met, self._root), (self.late, self._told), hit)
+
+    def _hit_from_base(self, source: Link) -> tuple[arb, arb]:
+        """As `BallState._hit_from_base`; of a circle that falls onto something round, as it is known already."""
+        if self._landing is None or is_flat(source):
+            return super()._hit_from_base(source)
+        assert can_push(source)
+        wait, met = self._landing
+        self._told, self._root, self._straight = (source, met.dx, met.dy), -met.approach(), False
+        return self.faller(source).flight.t, wait
 
     def kick(self, links: tuple[Touch, ...]) -> None:
         """As `State.kick`."""
@@ -249,14 +274,18 @@ class CentredState(BallState):
 
     def _ordinary(self, link: Touch, bodies: tuple[int, ...]) -> bool:
         """Whether deviations may be carried to this contact."""
-        if (self.stands and self.on_peg(link)) or not self.centred or self._break or len(self._movers) > MOST_MOVERS:
+        if not self.centred or self._break or len(self._movers) > MOST_MOVERS or self.carries(link):
             self._break -= self._break > 0
             return False
         movers = self._movers_of(link)
         if sorted(body.index for body in movers) != self._flying(bodies) or not self.outside.isdisjoint(bodies):
             return False
-        still = self.falling is None or is_pair(link)  # a wall that falls comes to what rests in the falling frame, too
-        return all((still and body.flight.rest) or _is_inexact(body) for body in movers)
+        falls = self.falling is not None and (is_flat(link) or (self.stands and self.on_peg(link)))
+        return all((not falls and body.flight.rest) or _is_inexact(body) for body in movers)
+
+    def carries(self, link: Touch) -> bool:
+        """Whether a wall carries a circle of a contact, or it stands where it was taken: its flight is no fall."""
+        return self.pegs is not self.scene.pegs and not self.scene.pegs.issuperset(self.pegs.intersection(link.circles))
 
     def _flying(self, bodies: tuple[int, ...]) -> list[int]:
         """Those of some circles that move, in order: an end, or another that is fixed, is no part of the set."""
@@ -286,12 +315,14 @@ class CentredState(BallState):
         if self._pending is not None:
             self._land()
         held = self._deviations
-        if held is None:
+        if held is None or self.carries(link):
             return None
         carried = held.carried
         if link[0] in carried and (link.flat or link[1] in carried):
             return held  # nearly always
         for i in link.circles:
+            if self.stands and self.scene.circles[i].fixed:
+                continue
             if i not in carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
                 return None
         return held
@@ -367,16 +398,19 @@ class LoneCentred:
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """As `LoneContacts.strike`."""
         self.landed = None
-        if is_arc(link):
+        onto = self._state.stands and not is_flat(link) and self._state.on_peg(link)
+        if is_arc(link) and not onto:
             return None
         held = self._state.ready(link)
         if held is None:
             return None
         self._known.at(bits)
         try:
+            if onto and not is_flat(link):
+                return self._off_round(held, link, bits, done + 1)
             if is_pair(link):
                 return self._bounce(held, link, bits, done + 1)
-            return self._rebound(held, link, bits, done + 1)
+            return self._rebound(held, link, bits, done + 1) if is_flat(link) else None
         except (Spent, OverflowError):
             self._state.loosen()
             return None
@@ -570,6 +604,48 @@ class LoneCentred:
         moved = body, x + vx * lag - ux * late, y + vy * lag - uy * late, vx + ux, vy + uy
         found = carry_fall(held, link, slope_of(held, state, link), lag, speed, late, moved, clock, step)
         return None if found is None else self._land(held, (moved,), found, (instant, late), step, bits)
+
+    def _off_round(self, held: Deviations, link: Round, bits: int, step: int) -> int | None:
+        """A circle that falls and something round that stands: a fixed circle, an end, a side of an arc.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state = self._state
+        body = state.faller(link)
+        _, share_a, share_b, _ = self._known.partners(link)
+        used = min(body.acc + state.spare, bits)
+        ball.use_bits(used)
+        window = window_of(state, link)
+        if window is None:
+            return None
+        mid = held.mid[body.index]
+        x, y, vx, vy, base, _ = mid
+        met = met_beside(state, link, window, mid)
+        if met is None:
+            return None
+        wait, there = met
+        instant = base + wait
+        clock = short_clock(instant, used) if used > LONG_NUMBERS else instant.mid()
+        lag = clock - base
+        if not ball.is_sharp(lag):
+            return None
+        late = wait - lag
+        first = body is link.ends(state)[0]
+        strength = (share_a if first else -share_b) * there.approach()
+        ux, uy = strength * there.dx, strength * there.dy
+        moved = body, x + vx * lag - ux * late, y + vy * lag - uy * late, vx + ux, vy + uy
+        found = carry_round(held, state, link, met, window, lag, late, moved, clock, step)
+        if found is None:
+            return None
+        accuracy = self._land(held, (moved,), found, (instant, late), step, bits)
+        state.contacts[body.index] = step, frozenset((link,))
+        if is_pair(link):
+            peg = state.bodies[link.b if first else link.a]
+            peg.flight = peg.flight._replace(t=clock, instant=state.instant, late=state.late, last=step)
+            assert self.landed is not None
+            self.landed.append((peg, midpoints(peg.flight), None))
+        return accuracy
 
     def _land(
         self,

@@ -54,6 +54,9 @@ FAINT = -240
 Midpoints: TypeAlias = tuple[N, N, N, N, N, int]
 """(x, y, vx, vy, t) of a flight around which it is known, and its `last`."""
 
+Flown: TypeAlias = Flight[N] | Midpoints[N]
+"""What tells where a circle is: (x, y, vx, vy, t), and more."""
+
 
 class Body(Generic[N]):
     """One circle, or a pocket, which is a body at rest.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import frexp, inf, ldexp, log2
-from typing import NamedTuple, TypeAlias
+from math import frexp, inf, ldexp
+from typing import TypeAlias
 
 from flint import arb
 
@@ -27,22 +27,27 @@ from .contact import (
     new_flight,
 )
 from .error_bounds import (
+    LEAST_TURN,
     MOST,
     SMALL_WAIT,
     UP,
     Collision,
+    Face,
     Mirror,
+    Slope,
     Spent,
+    counted_radius,
     fall_derivative,
     pair_derivative,
     scaled,
+    unit_of_time,
+    waited,
     wall_steepness,
 )
+from .landings import Met, Window
+from .round_falls import RoundFall
 
 # -- The deviations of bodies from their midpoints: what `ErrorSet` counts in doubles, in the bodies' own numbers.
-
-LEAST_TURN = 16.0
-"""Where |v|^2 / |d.v| is less, a wait of `SMALL_WAIT` turns a direction by less than 2**-44: its part in `WIDER`."""
 
 LEAST_WEIGHT, LEAST_REACH = 1e-100, 1e-75
 """Bounds the squares of radii over masses, and the radii, of which doubles hold well all that is made of them."""
@@ -52,9 +57,6 @@ ENOUGH = 2**40
 
 FEW_BITS = 64
 """A number of which fewer bits are known is near 0, where its radius is told by itself: on a level wall, say."""
-
-MOST_UNIT = 300
-"""The largest power of two that is taken for a unit of time."""
 
 FIXED = -1
 """The place in the set of what has no deviations."""
@@ -68,29 +70,6 @@ FINE = 5
 """Of a power of two, the bits that are told apart within a coarse one."""
 
 POWERS = tuple(arb(1 << k) for k in range(1 << FINE))
-
-
-class Face(NamedTuple):
-    """A wall in doubles, to a circle: its normal, and how it mirrors."""
-
-    nx: float
-    ny: float
-    mirror: Mirror
-
-
-class Slope(NamedTuple):
-    """A wall that falls or moves, in doubles, to a circle.
-
-    Attributes:
-        nx, ny: its normal.
-        strength: -(1 + e) / |n|^2, or 0 where a double does not hold it well.
-        pull: n.g.
-    """
-
-    nx: float
-    ny: float
-    strength: float
-    pull: float
 
 
 class Deviations:
@@ -121,11 +100,11 @@ class Deviations:
             ErrorSet,
         )  # here, since it loads numpy, which short runs do without
 
-        self.time_power = _unit_of_time(members, falling)
+        self.time_power = unit_of_time(members, falling)
         self.unit = 2.0**self.time_power
         self.near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [ball.as_double(body.w) for body in circles]
-        self.mid = {body.index: _midpoints(body.flight) for body in members}
+        self.mid = {body.index: midpoints(body.flight) for body in members}
         self.carried: set[int] = set()
         self.place = {body.index: k for k, body in enumerate(members)}
         radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
@@ -184,7 +163,13 @@ class Deviations:
     # -- steps
 
     def advance(
-        self, lags: Iterable[tuple[int, float]], state: BallState, link: Link, told: Told, root: arb | None
+        self,
+        lags: Iterable[tuple[int, float]],
+        state: BallState,
+        link: Link,
+        told: Told,
+        root: arb | None,
+        fallen: RoundFall[arb] | None = None,
     ) -> tuple[arb, arb, Collision | None] | None:
         """Carries flights to a contact; gives all errors of the instant, all of d at it, and the derivative.
 
@@ -195,6 +180,7 @@ class Deviations:
             state: the state, advanced by midpoints.
             link: the contact.
             told, root: d at the hit of two circles and -d.v, as `BallState` has them.
+            fallen: the two at the hit, where one falls onto the other.
         """
         if not waited(state.late) < self.near_time:
             return None
@@ -204,7 +190,7 @@ class Deviations:
                 self.errors.power_of(self.errors.bounds.place[self.place[i]])
             if is_flat(link):
                 return self._to_wall(state, link)
-            return None if told is None or root is None else self._to_pair(state, *told, root)
+            return None if told is None or root is None else self._to_pair(state, *told, root, fallen)
         except (Spent, OverflowError):
             return None
 
@@ -235,12 +221,13 @@ class Deviations:
         spread *= wall_steepness(face.nx, face.ny, vx, vy) * UP
         return spread if spread < self.errors.near * self.unit and late < self.near_time else None
 
-    def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Collision] | None:
+    def _to_pair(
+        self, state: BallState, link: Round, dx: arb, dy: arb, root: arb, fallen: RoundFall[arb] | None
+    ) -> tuple[arb, arb, Collision] | None:
         i, j = self.places(link)
         a, b = (body.flight for body in link.ends(state))
-        found = self.collision(
-            state, link, (dx, dy, b.vx - a.vx, b.vy - a.vy, root), i, j, (0.0, 0.0), waited(state.late)
-        )
+        met = (dx, dy, b.vx - a.vx, b.vy - a.vy, root) if fallen is None else (*fallen[:4], root)
+        found = self.collision(state, link, met, i, j, (0.0, 0.0), waited(state.late), fallen)
         if found is None:
             return None
         hit, time = found
@@ -256,6 +243,7 @@ class Deviations:
         j: int,
         lags: tuple[float, float],
         late: float,
+        fallen: RoundFall[arb] | None = None,
     ) -> tuple[Collision, float] | None:
         """The derivative of the collision of two circles, and a bound of all errors of its instant, as the set counts.
 
@@ -268,15 +256,17 @@ class Deviations:
             i, j: where they stand in the set.
             lags: how long they fly to it, in the set's unit of time, from where the set has them.
             late: a bound of the time from the clock to the hit, from midpoints.
+            fallen: the two at the hit, where one falls onto the other.
         """
         dx, dy, vx, vy, speed = met
+        pull = () if fallen is None else (-2.0 * ball.as_double(fallen.hx), -2.0 * ball.as_double(fallen.hy))
         near, strength = self.errors.near, self.strength(state, link)
         places, paces, unit = self.errors.bounds.place, self.errors.bounds.pace, self.unit
         pace_i, pace_j = paces[i], paces[j]
         pace = (pace_i + pace_j) * UP
         place = (places[i] + abs(lags[0]) * pace_i + places[j] + abs(lags[1]) * pace_j + SMALL_WAIT * pace) * UP
         found = pair_derivative(
-            float(dx), float(dy), float(vx), float(vy), float(speed), strength, unit, place, pace, near
+            float(dx), float(dy), float(vx), float(vy), float(speed), strength, unit, place, pace, near, *pull
         )
         return at_once(self, found, place, late)
 
@@ -373,18 +363,6 @@ class Deviations:
         return (rounding + beside) * UP if beside else rounding, doubles
 
 
-def counted_radius(number: arb, shift: int) -> float:
-    """A number's radius, divided by 2**shift; infinite where doubles do not tell it.
-
-    >>> 4.0 <= counted_radius(arb(0, 0.5), -3) < 4.001
-    True
-    """
-    if not number.is_finite():
-        return inf
-    mantissa, exponent = map(int, number.rad().man_exp())
-    return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
-
-
 def slope_of(held: Deviations, state: BallState, link: AtWall) -> Slope:
     """A wall that falls or moves, in doubles, as a circle comes to it; not a number where they do not tell it."""
     found = held.slopes.get(link)
@@ -455,15 +433,6 @@ def weights_of(held: Deviations, link: Link) -> tuple[float, float]:
     return first, rest[0] if rest else 0.0
 
 
-def waited(late: arb | None) -> float:
-    """A bound of the time between a clock and its instant; infinite where there is none.
-
-    >>> waited(arb(-3)) >= 3.0
-    True
-    """
-    return inf if late is None else float(late.abs_upper()) * UP
-
-
 def numbers_of(body: Body[arb]) -> Numbers:
     """(x, y, vx, vy) of a body."""
     return body.flight[:4]
@@ -479,19 +448,9 @@ def is_finite(body: Body[arb]) -> bool:
     return all(number.is_finite() for number in numbers_of(body))
 
 
-def _midpoints(flight: Flight[arb]) -> Midpoints[arb]:
+def midpoints(flight: Flight[arb]) -> Midpoints[arb]:
+    """The numbers of a flight without their radii, its clock, and as of which step it is."""
     return flight.x.mid(), flight.y.mid(), flight.vx.mid(), flight.vy.mid(), flight.t, flight.last
-
-
-def _unit_of_time(bodies: Sequence[Body[arb]], falling: Gravity[arb] | None) -> int:
-    """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
-    gx, gy = (0.0, 0.0) if falling is None else (2.0 * float(falling.hx), 2.0 * float(falling.hy))
-    flights = [(body.flight, float(body.flight.t)) for body in bodies]
-    speed = max(max(abs(float(of.vx) + gx * t), abs(float(of.vy) + gy * t)) for of, t in flights)
-    width = sum(float(body.r) for body in bodies) / len(bodies)
-    if not (0.0 < width < inf and 0.0 < speed < inf):
-        return 0
-    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed))))
 
 
 # -- The deviations of midpoints, carried through a contact that stands alone; compiled, where there was a compiler.
@@ -553,9 +512,7 @@ def carry_pair(
     beside, unit = float(late.abs_upper()) * UP, held.unit
     lags = float(since[0]) / unit, float(since[1]) / unit
     found = held.collision(state, link, met, i, j, lags, beside)
-    if found is None:
-        return None
-    if not _well_known(moved):
+    if found is None or not _well_known(moved):
         return None
     hit, spread = found
     rounding, doubles = held.recentre(moved, clock, last)
@@ -640,11 +597,59 @@ def carry_fall(
         return told
     beside, lag = float(late.abs_upper()) * UP, float(since) / held.unit
     found = to_fall(held, slope, i, lag, speed, beside)
-    if found is None or not _well_known((moved,)):
+    return None if found is None else _turned(held, 1.0, lag, found, beside, moved, clock, last)
+
+
+def carry_round(
+    held: Deviations,
+    state: BallState,
+    link: Round,
+    met: Met,
+    window: Window,
+    since: arb,
+    late: arb,
+    moved: Moved,
+    clock: arb,
+    last: int,
+) -> Carried | None:
+    """Through the impact of a circle that falls on something round that stands.
+
+    Args:
+        held: the deviations.
+        state: whose they are.
+        link: the two.
+        met: the time from the circle's clock to the hit, and the two then.
+        window: where that is.
+        since, late, moved, clock, last: as `carry_wall` has them.
+
+    Raises:
+        Spent: as `carry_pair`.
+    """
+    (wait, there), (body, *_) = met, moved
+    beside, lag, i = float(late.abs_upper()) * UP, float(since) / held.unit, held.place[body.index]
+    found = held.collision(state, link, (*there[:4], -there.approach()), i, FIXED, (lag, 0.0), beside, there)
+    if found is None or not window.falls(window.wait.union(wait + held.ball(held.errors.power_of(found[1])))):
+        return None
+    return _turned(held, held.weights[body.index], lag, found, beside, moved, clock, last)
+
+
+def _turned(
+    held: Deviations,
+    weight: float,
+    lag: float,
+    found: tuple[Collision, float],
+    beside: float,
+    moved: Moved,
+    clock: arb,
+    last: int,
+) -> Carried | None:
+    """What becomes of a circle and what takes no impulse, of that derivative."""
+    if not _well_known((moved,)):
         return None
     hit, spread = found
+    i = held.place[moved[0].index]
     rounding, doubles = held.recentre((moved,), clock, last)
-    held.errors.meet(i, FIXED, (lag, 0.0), (1.0, 0.0), hit, rounding)
+    held.errors.meet(i, FIXED, (lag, 0.0), (weight, 0.0), hit, rounding)
     return _landed(held, (moved,), doubles, spread, beside, clock)
 
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from math import inf, ldexp, sqrt
+from collections.abc import Sequence
+from math import inf, ldexp, log2, sqrt
 from typing import NamedTuple
+
+from flint import arb
+
+from .contact import Body, Gravity
 
 # -- What happens to the deviations of a state from its midpoints, step by step: bounds in doubles, grown by norms.
 
@@ -27,21 +32,25 @@ MOST = 2.0**900
 """Bounds beyond this are none."""
 
 
+LEAST_TURN = 16.0
+"""Where |v|^2 / |d.v| is less, a wait of `SMALL_WAIT` turns a direction by less than 2**-44: its part in `WIDER`."""
+
+
 class Spent(ArithmeticError):
     """The set cannot be carried on: what is known then is each body's own bound."""
 
 
 class Collision(NamedTuple):
-    """The derivative of a collision of two circles, or of one and a wall that falls, in doubles made of midpoints.
+    """The derivative of a collision of two, or of a circle and a wall that falls, in doubles made of midpoints.
 
     Attributes:
         steep: by how much, at most, the instant moves for a deviation of one in d.
         apart: a bound of what d at the hit may be off.
-        turn: at least |v|^2 / |d.v|, in the set's unit of time; at a wall (1 + e) / 2 |n.g| / |n.v|.
+        turn: at least (|v|^2 + |a| |d|) / |d.v|, in the set's unit of time; at a wall (1 + e) / 2 |n.g| / |n.v|.
         dx, dy, vx, vy, speed: d, v and -d.v at the hit, the last below 0 at a hollow side. At a wall n for d, and 0
             for v, but -n.v at the hit.
         strength: -2 / (R^2 (wa + wb)); at a wall -(1 + e) / |n|^2.
-        pull: n.g at a wall; else 0.
+        pull: n.g at a wall; d.a, with a by which v changes in a unit of time, onto something round; else 0.
     """
 
     steep: float
@@ -63,6 +72,29 @@ class Mirror(NamedTuple):
     xy: float = 0.0
     yy: float = 1.0
     off: float = 0.0
+
+
+class Face(NamedTuple):
+    """A wall in doubles, to a circle: its normal, and how it mirrors."""
+
+    nx: float
+    ny: float
+    mirror: Mirror
+
+
+class Slope(NamedTuple):
+    """A wall that falls or moves, in doubles, to a circle.
+
+    Attributes:
+        nx, ny: its normal.
+        strength: -(1 + e) / |n|^2, or 0 where a double does not hold it well.
+        pull: n.g.
+    """
+
+    nx: float
+    ny: float
+    strength: float
+    pull: float
 
 
 NO_MIRROR = Mirror()
@@ -128,6 +160,15 @@ class Bounds:
         self.beside += CARRIED + rounding / least
 
 
+def waited(late: arb | None) -> float:
+    """A bound of the time between a clock and its instant; infinite where there is none.
+
+    >>> waited(arb(-3)) >= 3.0
+    True
+    """
+    return inf if late is None else float(late.abs_upper()) * UP
+
+
 def scaled(mantissa: int, exponent: int, shift: int) -> float:
     """mantissa * 2**exponent / 2**shift as a double, not below it unless it vanishes.
 
@@ -137,6 +178,33 @@ def scaled(mantissa: int, exponent: int, shift: int) -> float:
     return ldexp(float(mantissa), max(exponent - shift, -1000)) * UP
 
 
+def counted_radius(number: arb, shift: int) -> float:
+    """A number's radius, divided by 2**shift; infinite where doubles do not tell it.
+
+    >>> 4.0 <= counted_radius(arb(0, 0.5), -3) < 4.001
+    True
+    """
+    if not number.is_finite():
+        return inf
+    mantissa, exponent = map(int, number.rad().man_exp())
+    return scaled(mantissa, exponent, shift) if exponent - shift < 900 else inf
+
+
+MOST_UNIT = 300
+"""The largest power of two that is taken for a unit of time."""
+
+
+def unit_of_time(bodies: Sequence[Body[arb]], falling: Gravity[arb] | None) -> int:
+    """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
+    gx, gy = (0.0, 0.0) if falling is None else (2.0 * float(falling.hx), 2.0 * float(falling.hy))
+    flights = [(body.flight, float(body.flight.t)) for body in bodies]
+    speed = max(max(abs(float(of.vx) + gx * t), abs(float(of.vy) + gy * t)) for of, t in flights)
+    width = sum(float(body.r) for body in bodies) / len(bodies)
+    if not (0.0 < width < inf and 0.0 < speed < inf):
+        return 0
+    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed))))
+
+
 # -- Derivatives of contacts in doubles, with a bound of what they are off wherever the truth may be.
 
 MOST_TURN = 2.0**100
@@ -144,6 +212,9 @@ MOST_TURN = 2.0**100
 
 LEAST = 1e-280
 """Squares of speeds, and speeds along a line, that doubles hold to a rounding, and some products of them."""
+
+LEAST_PULL = 1e-100
+"""What bends a flight, which doubles hold with all that is made of it, is more, and less than its inverse."""
 
 FLAT = 2.0**-30
 """Share of |n| |v| that n.v must have: in doubles it is off by less than 2**-51 of that, 2**-21 of itself."""
@@ -163,6 +234,8 @@ def pair_derivative(
     place: float,
     pace: float,
     near: float,
+    ax: float = 0.0,
+    ay: float = 0.0,
 ) -> Collision | None:
     """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
 
@@ -174,21 +247,33 @@ def pair_derivative(
         place: a bound of the deviation of d at the clock and beside it, however scaled.
         pace: of unit * v, scaled like that.
         near: `CLOSE`, scaled like that.
+        ax, ay: by which v changes in a unit of time, where one of the two falls and the other does not.
 
     With tau the time from the clock to the hit, the derivative is (b - tau a, -tau^2 a; a, b + tau a). The instant
-    moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
-    |d + tau v| = R (see `docs/studies/law_proofs.py`).
+    moves by -d.(dd + tau dv) / d.v, d at the hit by as much times v and what d itself does, and v by as much times what
+    it changes by: from |d + tau v| = R (see `docs/studies/law_proofs.py`).
+
+    >>> hit = pair_derivative(2.0, 0.0, -1.0, 0.0, 2.0, -1.0, 1.0, 1e-20, 1e-20, CLOSE, 3.0, 4.0)
+    >>> 5.5 <= hit.turn < 5.501, hit.pull
+    (True, 6.0)
+    >>> pair_derivative(2.0, 0.0, -1.0, 0.0, 2.0, -1.0, 1.0, 1e-17, 1e-17, CLOSE, 0.0, 100.0) is None
+    True
     """
     square, reach, fast = vx * vx + vy * vy, sqrt(dx * dx + dy * dy), abs(speed)
+    bend = sqrt(ax * ax + ay * ay)
     if not (strength < 0.0 and LEAST < fast < inf and LEAST < square < inf and reach > 0.0):
+        return None
+    if not (bend == 0.0 or LEAST_PULL < bend < 1.0 / LEAST_PULL):
         return None
     slow, steep = sqrt(square), reach / fast * UP
     slant = slow * steep
     apart = (1.0 + slant) * place * UP
-    turn = unit * square / fast * UP
-    if not (slant * (apart / reach + pace / (unit * slow)) * UP < near and turn < MOST_TURN):
+    turn = unit * (square + bend * reach) / fast * UP
+    swerved = slant * bend * place / square
+    if not (slant * (apart / reach + pace / (unit * slow) + swerved) * UP < near and turn < MOST_TURN):
         return None
-    return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength)
+    pull = dx * ax + dy * ay if bend else 0.0
+    return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength, pull)
 
 
 def fall_derivative(

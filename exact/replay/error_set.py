@@ -233,7 +233,7 @@ def _blocks(hits: Floats, unit: float) -> Floats:
     xx, xy, yy, *turn = pair_tangent_blocks(dx, dy, -speed, cross, square, strength)
     (fxx, fyx), (fxy, fyy) = (fall_turn(dx, dy, -2.0 / strength, -speed, pull, *one) for one in ((1, 0), (0, 1)))
     flat, fallen = square == 0.0, (fxx, fxy, fyx, fyy)  # v is 0 at walls alone
-    blocks: list[Floats] = [np.where(flat, more, part) * unit for more, part in zip(fallen, turn, strict=True)]
+    blocks: list[Floats] = [(np.where(flat, 0.0, part) + more) * unit for more, part in zip(fallen, turn, strict=True)]
     return np.array([xx, xy, yy, *blocks])
 
 

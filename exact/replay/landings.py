@@ -12,9 +12,9 @@ from flint import arb, fmpq, fmpq_poly
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle, Wall
 from ..laws.formulas import arc_range, pair_approach, pair_gap
-from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sign_of
+from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sign_of, use_bits
 from ..numbers.system import M, N
-from .contact import AtArc, Link, Round, can_push, is_arc, is_flat, is_pair
+from .contact import AtArc, Flown, Link, Round, can_push, is_arc, is_flat, is_pair
 from .round_falls import (
     EXACT_WEIGHTS,
     GREATEST,
@@ -242,6 +242,106 @@ def _holds(low: fmpq, high: fmpq, zero: Isolated) -> bool:
     """Whether what is between two fractions holds the ends of another zero, which is then its own."""
     one, other = (fmpq(*end.as_integer_ratio()) if isinstance(end, float) else end for end in zero)
     return bool(low <= one) and bool(other <= high)
+
+
+# -- The same of midpoints: the zero beside which the truth has its own.
+#
+# A circle that is known by a midpoint and a bound meets something round at a zero of a quartic for each state that it
+# may be in. Of the truth its balls tell which zero that is. The midpoint's is the one beside it, and the same zero
+# carried on from one to the other, if the gap falls throughout where both lie, whatever the state: then there is one.
+
+
+BRIEF_BITS = 320
+"""Of balls that tell where a zero is; twice as many, and so on, sharpen it."""
+
+GUARD_BITS = 64
+"""By which precision is higher than half of what it is next, as a zero is sharpened."""
+
+
+Met: TypeAlias = tuple[arb, RoundFall[arb]]
+"""A time until two meet, and how they stand to each other then."""
+
+
+class Window(NamedTuple):
+    """Where a meeting is of all states that a circle may be in.
+
+    Attributes:
+        wait: encloses the time from the clock to the hit.
+        fall: the two at the clock, in balls.
+        hollow: whether they part there.
+    """
+
+    wait: arb
+    fall: RoundFall[arb]
+    hollow: bool
+
+    def falls(self, until: arb) -> bool:
+        """Whether the gap falls all along an interval of time, in every state."""
+        speed = self.fall.after(until).approach()
+        return bool(speed > 0) if self.hollow else bool(speed < 0)
+
+
+def window_of(state: Flights[arb], link: Round) -> Window | None:
+    """Where the meeting of a circle that falls and something round is, that is certain to come; None: not told."""
+    bits = bits_in_use()
+    for few in (min(BRIEF_BITS, bits), bits):
+        use_bits(few)
+        found = landing(state, link, inf)
+        fall = state.peg_fall_at_clock(link)
+        use_bits(bits)
+        if isinstance(found, arb) and found.is_finite():
+            return Window(found, fall, link.hollow)
+    return None
+
+
+def met_beside(state: Flights[arb], link: Round, window: Window, flight: Flown[arb]) -> Met | None:
+    """The time until a flight of midpoints meets something round, and the two then; None where that is not told."""
+    fall = state.peg_fall_at_clock(link, flight)
+    wait = zero_beside(fall, window.wait)
+    return None if wait is None else (wait, fall.after(wait))
+
+
+def zero_beside(fall: RoundFall[arb], start: arb) -> arb | None:
+    """The zero of |d + v s - h s^2| - R beside a time, by Newton's rule, to the working precision; None if not told.
+
+    Each step is with twice the bits of the one before, and with a slope of half as many.
+
+    Args:
+        fall: the two at the time 0.
+        start: an interval; the zero is in it, or some radii beside it.
+
+    >>> from truebreak.exact.numbers.ball import precision
+    >>> with precision(2000):
+    ...     fall = RoundFall(*map(arb, (0, 4, 0, -1, 0, "0.5", 1)))
+    ...     zero = zero_beside(fall, arb("1.64575131106459059050161575363 +/- 1e-29"))
+    ...     off = abs(zero + 1 - arb(7).sqrt())
+    >>> zero.rel_accuracy_bits() > 1900, off.contains(0), zero_beside(fall, arb("2 +/- 1e-30")) is None
+    (True, True, True)
+    """
+    bits, middle = bits_in_use(), start.mid()
+    steps = [bits]
+    while steps[-1] > 2 * BRIEF_BITS:
+        steps.append(steps[-1] // 2 + GUARD_BITS)
+    wide = start + arb(0, 4) * start.rad() + middle * arb(0, arb((1, 40 - BRIEF_BITS)))
+    for step in reversed(steps):
+        for _ in range(MOST_SHARPENINGS):
+            use_bits(step // 2 + GUARD_BITS)
+            slope = fall.after(wide).approach()
+            use_bits(step)
+            middle = wide.mid()
+            there = fall.after(middle)
+            near = middle - there.gap() / (slope + slope)
+            if not wide.contains_interior(near):
+                use_bits(bits)
+                return None
+            wide = near
+            if near.rel_accuracy_bits() > step - 2 * GUARD_BITS:
+                break
+    return wide
+
+
+MOST_SHARPENINGS = 4
+"""Of a zero, with one precision: where there are few bits, and it is not yet known to half of them."""
 
 
 # -- The same in fractions, where the gap of a contact is a polynomial of them: by its factors, and common divisors.

@@ -167,11 +167,8 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if (
-            self.balls.stands
-            and self.balls.on_peg(link)
-            and not (is_pair(link) and (link.a in self.scene.pegs or link.b in self.scene.pegs))
-        ):
+        pegs = self.scene.pegs
+        if self.balls.stands and is_pair(link) and self.balls.on_peg(link) and pegs.isdisjoint(link):
             return False
         if self._in_play and not self._all_leave(link):
             return False

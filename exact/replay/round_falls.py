@@ -21,6 +21,7 @@ from ..numbers.system import N
 from .contact import (
     AtArc,
     Body,
+    Flown,
     Gravity,
     Link,
     Relation,
@@ -604,12 +605,11 @@ class RoundFalls(Generic[N]):
         """The other."""
         return self.bodies[link[1] if self._stands_first(link) else link[0]]
 
-    def peg_relation(self, link: Round) -> Relation[N]:
-        """The two at the clock of the one that falls, in true coordinates: so far apart, and with that velocity."""
+    def peg_relation(self, link: Round, flight: Flown[N] | None = None) -> Relation[N]:
+        """The two at the clock of the one that falls, or of a flight that it is to have, in true coordinates."""
         body, first = self.faller(link), self._stands_first(link)
         peg = link.ends(self)[0 if first else 1]
-        x, y, vx, vy, t, *_ = body.flight
-        falling = self.falling
+        (x, y, vx, vy, t, *_), falling = flight or body.flight, self.falling
         assert falling is not None
         if not falling.bent:
             wx, wy = falling.hx * t, falling.hy * t
@@ -624,13 +624,13 @@ class RoundFalls(Generic[N]):
         reach = self.reach(body, peg)
         return Relation(t, -dx, -dy, vx, vy, reach) if first else Relation(t, dx, dy, -vx, -vy, reach)
 
-    def peg_fall_at_clock(self, link: Round) -> RoundFall[N]:
-        """The two at the clock of the one that falls."""
+    def peg_fall_at_clock(self, link: Round, flight: Flown[N] | None = None) -> RoundFall[N]:
+        """As `peg_relation`."""
         falling = self.falling
         assert falling is not None
         first = self._stands_first(link)
         hx, hy = (-falling.hx, -falling.hy) if first else (falling.hx, falling.hy)
-        _, dx, dy, vx, vy, reach = self.peg_relation(link)
+        _, dx, dy, vx, vy, reach = self.peg_relation(link, flight)
         return RoundFall(dx, dy, vx, vy, hx, hy, reach)
 
     def peg_fall(self, link: Round) -> RoundFall[N]:

@@ -1,22 +1,27 @@
 """A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
 
 Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0, and
-within an arc the larger one; at a wall that falls it is the one at which the gap falls. An impulse turns approach
-speeds around, all but what the restitution takes; a derivative is what the rules of differentiation make of the very
-formulas that give the new lines. What a log's steps are called is all that both know.
+within an arc the larger one; at a wall that falls it is the one at which the gap falls. Onto something round that
+stands under gravity it is the first real zero of a quartic, of all that there are, at which the gap falls, on the arc
+as angles have it. An impulse turns approach speeds around, all but what the restitution takes; a derivative is what
+the rules of differentiation make of the very formulas that give the new lines. What a log's steps are called is all
+that both know.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from math import acos, atan2, hypot, pi, tau
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
 from flint import arb, arb_mat
 
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtArc, AtWall, Entry, Pair
 from truebreak.exact.replay.state import Flip, Go, Kick, Step, Take
 from truebreak.scenarios import Quantity, Scene
+from truebreak.scenarios.arcs import ArcSide
 
 BITS = 4096
 """Precision of the truth: a few thousand bits beyond what any bound here is about."""
@@ -107,15 +112,17 @@ class Plane(NamedTuple):
 
 class Table(NamedTuple):
     """What of a scene never changes, as enclosures: radii, inverse masses, walls, pockets, sides of arcs, the hollow
-    ones with a radius below zero, gravity, the restitution."""
+    ones with a radius below zero, the angles of each arc, gravity, the restitution; whether there is gravity."""
 
     r: list[arb]
     w: list[arb]
     walls: list[Plane]
     pockets: list[tuple[arb, arb, arb]]
     arcs: list[tuple[arb, arb, arb]]
+    angles: list[tuple[float, float]]
     g: tuple[arb, ...]
     e: arb
+    pulls: bool
 
 
 def table_of(scene: Scene) -> Table:
@@ -138,9 +145,17 @@ def table_of(scene: Scene) -> Table:
         walls,
         [of(p.x, p.y, p.r) for p in scene.pockets],
         [of(side.x, side.y, side.r) for side in scene.arc_sides],
+        [_angles(side) for side in scene.arc_sides],
         of(*g),
         *of(scene.restitution),
+        scene.gravity is not None,
     )
+
+
+def _angles(side: ArcSide) -> tuple[float, float]:
+    """The direction of the middle of an arc, and half of how wide it is."""
+    nx, ny = float(side.nx), float(side.ny)
+    return (0.0, tau) if side.full else (atan2(ny, nx), acos(float(side.h) / hypot(nx, ny)))
 
 
 def first_root(a: Any, half: Any, c: Any) -> Any:
@@ -187,6 +202,76 @@ def collided(
     return a.at(clock), b.at(clock)
 
 
+def quartic(a: Line, b: Line, reach: Any, g: Sequence[Any]) -> list[Any]:
+    """|d|^2 - reach^2 as a polynomial of the time from a's own on: a falls, and is told in the frame that falls; b does
+    not, and is told where it is."""
+    b = b.at(a.t)
+    gx, gy = g
+    px, py = a.x + gx * a.t * a.t / 2 - b.x, a.y + gy * a.t * a.t / 2 - b.y
+    qx, qy = a.vx + gx * a.t - b.vx, a.vy + gy * a.t - b.vy
+    return [
+        px * px + py * py - reach * reach,
+        2 * (px * qx + py * qy),
+        qx * qx + qy * qy + px * gx + py * gy,
+        qx * gx + qy * gy,
+        (gx * gx + gy * gy) / 4,
+    ]
+
+
+def value_at(c: Sequence[Any], s: Any) -> Any:
+    """The value of a polynomial."""
+    found = c[-1]
+    for part in reversed(c[:-1]):
+        found = found * s + part
+    return found
+
+
+def falls_at(a: Line, b: Line, reach: Any, g: Sequence[Any], within: Callable[[Any], bool], hollow: bool) -> arb:
+    """When, of all complex zeros of the quartic, the gap first falls while `within` says so of the time."""
+    c = quartic(a, b, reach, g)
+    slope, found = [k * part for k, part in enumerate(c)][1:], list[arb]()
+    for root in np.roots([float(part) for part in reversed(c)]).tolist():
+        s = arb(complex(root).real)
+        for _ in range(SHARPENINGS):
+            s = (s - value_at(c, s) / value_at(slope, s)).mid()
+        rate = value_at(slope, s)
+        s -= value_at(c, s) / value_at(slope, s + arb(0, NEAR_ZERO))
+        far = abs(complex(root) - float(s)) > 1e-3 * (1 + abs(root))
+        if not far and s > 0 and (rate > 0 if hollow else rate < 0) and within(a.t + s):
+            found.append(s)
+    return a.t + min(found, key=float)
+
+
+SHARPENINGS = 12
+"""Of a double, by Newton's rule: 50 bits become 4,096 long before."""
+
+NEAR_ZERO = 1e-300
+"""Beside a midpoint found by it, where the zero is."""
+
+
+def fallen(a: Line, b: Line, e: Any, g: Sequence[Any], t: Any, clock: Any) -> Line:
+    """The line of what falls after it has met, at a time, what takes no impulse, told at another."""
+    a, b = a.at(t), b.at(t)
+    gx, gy = g
+    dx, dy = a.x + gx * t * t / 2 - b.x, a.y + gy * t * t / 2 - b.y
+    push = (dx * (a.vx + gx * t - b.vx) + dy * (a.vy + gy * t - b.vy)) * (-1 - e) / (dx * dx + dy * dy)
+    return Line(a.x, a.y, a.vx + push * dx, a.vy + push * dy, t).at(clock)
+
+
+def fallen_beside(a: Line, b: Line, reach: arb, e: arb, g: Sequence[arb], clock: arb) -> Line:
+    """The same, of dual numbers: the time is the zero beside the clock, and its derivative that of a zero."""
+    c = quartic(a, b, reach, g)
+    plain = [part.value if isinstance(part, Dual) else part for part in c]
+    slope, start = [k * part for k, part in enumerate(plain)][1:], clock - a.t
+    wide = 4 * abs(value_at(plain, start) / value_at(slope, start)).upper()
+    around = start + arb(0, 1) * wide
+    rate = value_at(slope, around)
+    s = start - value_at(plain, start) / rate
+    assert around.contains(s), "no zero is beside the clock"
+    by = [-part / value_at(slope, s) for part in value_at(c, s).by]
+    return fallen(a, b, e, g, Dual(a.t + s, by), clock)
+
+
 def rebounded(a: Line, wall: Plane, r: Any, side: int, e: Any, clock: Any) -> Line:
     """The line after a circle has met a wall, told at a time."""
     nx, ny = wall.nx, wall.ny
@@ -229,6 +314,27 @@ class Truth:
         """How circle i flies after so many steps."""
         return next(line for count, line in reversed(self.lines[i]) if count <= steps)
 
+    def _seen(self, i: int) -> Line:
+        """A circle at the instant, where it truly is."""
+        line, (gx, gy), t = self._now[i].at(self._time), self._table.g, self._time
+        if not self._free[i]:
+            return line
+        x, y, vx, vy, _ = line
+        return Line(x + gx * t * t / 2, y + gy * t * t / 2, vx + gx * t, vy + gy * t, t)
+
+    def _onto(self, i: int, at: Line, reach: arb, arc: int | None = None) -> arb:
+        """When a circle that falls comes to something that stands."""
+        table, a = self._table, self._now[i]
+
+        def within(t: arb) -> bool:
+            if arc is None:
+                return True
+            (middle, half), (gx, gy), line = table.angles[arc], table.g, a.at(t)
+            x, y = line.x + gx * t * t / 2 - at.x, line.y + gy * t * t / 2 - at.y
+            return abs((atan2(float(y), float(x)) - middle + pi) % tau - pi) < half
+
+        return falls_at(a, at, reach, table.g, within, arc is not None and table.arcs[arc][2] < 0)
+
     def _side(self, i: int, k: int) -> int:
         x0, y0, nx, ny, *_ = self._table.walls[k]
         return 1 if nx * (self._now[i].x - x0) + ny * (self._now[i].y - y0) > 0 else -1
@@ -244,7 +350,8 @@ class Truth:
         if isinstance(step, Kick):
             return self._kick(step.links)
         if isinstance(step, Take):
-            x, y, *_ = now[step.body].at(self._time)
+            x, y, *_ = self._seen(step.body)
+            self._free[step.body] = False
             now[step.body] = Line(x, y, arb(0), arb(0), self._time)
             return (step.body,)
         assert isinstance(step, Flip)
@@ -258,17 +365,24 @@ class Truth:
         now, table = self._now, self._table
         if isinstance(source, int):
             return now[source].t
+        if table.pulls and isinstance(source, Pair) and self._free[source.a] is not self._free[source.b]:
+            i, k = source if self._free[source.a] else source[::-1]
+            return self._onto(i, now[k], table.r[i] + table.r[k])
         if isinstance(source, Pair):
             return meeting_time(now[source.a], now[source.b], table.r[source.a] + table.r[source.b])
         if isinstance(source, AtWall):
             i, k = source.circle, source.wall
             return wall_time(now[i], table.walls[k], table.r[i], self.sides[i][k])
         if isinstance(source, AtArc):
-            return meeting_time(now[source.circle], *middle(table, source))
+            at, reach, hollow = middle(table, source)
+            if table.pulls:
+                return self._onto(source.circle, at, reach, source.arc)
+            return meeting_time(now[source.circle], at, reach, hollow)
         if isinstance(source, Entry):
             x, y, r = table.pockets[source.pocket]
             zero = arb(0)
-            return meeting_time(now[source.circle], Line(x, y, zero, zero, zero), r)
+            at = Line(x, y, zero, zero, zero)
+            return self._onto(source.circle, at, r) if table.pulls else meeting_time(now[source.circle], at, r)
         return source.ball(BITS)
 
     def _arms(self, link: Any) -> dict[int, tuple[arb, arb]]:
@@ -279,9 +393,9 @@ class Truth:
             return {i: (nx * self.sides[i][k], ny * self.sides[i][k])}
         if isinstance(link, AtArc):
             at, _, hollow = middle(self._table, link)
-            x, y, *_ = self._now[link.circle].at(self._time)
+            x, y, *_ = self._seen(link.circle)
             return {link.circle: (at.x - x, at.y - y) if hollow else (x - at.x, y - at.y)}
-        a, b = (self._now[i].at(self._time) for i in link)
+        a, b = (self._seen(i) for i in link)
         dx, dy = b.x - a.x, b.y - a.y
         return {link.a: (-dx, -dy), link.b: (dx, dy)}
 
@@ -292,7 +406,8 @@ class Truth:
             both = [(w[i], *one[i], *other[i]) for i in one if i in other]
             return sum((m * (x * p + y * q) for m, x, y, p, q in both), arb(0))
 
-        speeds = [sum((x * now[i].vx + y * now[i].vy for i, (x, y) in arm.items()), arb(0)) for arm in arms]
+        seen = {i: self._seen(i) for arm in arms for i in arm}
+        speeds = [sum((x * seen[i].vx + y * seen[i].vy for i, (x, y) in arm.items()), arb(0)) for arm in arms]
         for k, link in enumerate(links):
             if isinstance(link, AtWall):
                 wall, i = self._table.walls[link.wall], link.circle

@@ -267,17 +267,58 @@ def dropped(room: Room) -> None:
         room.settings["restitution"] = "99/100"
 
 
+def onto_pegs(room: Room) -> None:
+    """Under gravity, fixed circles among those that fall, some of radius 0: quartics."""
+    falling(room)
+    for ball in room.rows[1::3]:
+        rest(ball, m="oo", **room.draw.choice([{}, {"r": F(0), "point": True}]))
+
+
+def onto_bows(room: Room) -> None:
+    """Under gravity, arcs met from without, from within and at their ends."""
+    bows(room)
+    lossy = room.settings.pop("restitution", None)
+    falling(room)
+    room.settings |= {} if lossy is None else {"restitution": lossy}
+
+
+def in_a_ring(room: Room) -> None:
+    """Under gravity in a ring that is wider than the room in parts."""
+    falling(room)
+    ring(room)
+
+
+def into_holes(room: Room) -> None:
+    """Under gravity, pockets that capture, or do not."""
+    falling(room)
+    (pockets if room.draw.random() < 0.5 else holes)(room)
+
+
+def peg_alone(room: Room) -> None:
+    """One circle that falls among fixed ones, between walls."""
+    room.settings["gravity"] = (F(1, 7), -F(room.draw.randrange(20, 100), 31))
+    for ball in room.rows[1:]:
+        rest(ball, m="oo")
+
+
+def ring_alone(room: Room) -> None:
+    """One circle that falls in a ring within the room, and bounces off it for good."""
+    room.settings["gravity"] = (F(1, 7), -F(room.draw.randrange(20, 100), 31))
+    room.settings["arcs"] = [Arc(0, 0, F(5, 2), full=True)]
+
+
 KINDS: dict[str, Callable[[Room], None]] = {
     kind.__name__: kind
     for kind in (
         oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
         swift, huge, tiny, beyond, hall, lossy, level_and_lossy, ring, bows,
         falling, level_and_falling, pressed, swept, falling_back, dropped,
+        onto_pegs, onto_bows, in_a_ring, into_holes, peg_alone, ring_alone,
     )
 }  # fmt: skip
 """The kinds of rooms, by name."""
 
-COUNTS = {"hall": 12, "together": 6, "row": 4, "dropped": 1}
+COUNTS = {"hall": 12, "together": 6, "row": 4, "dropped": 1, "peg_alone": 4, "ring_alone": 1}
 
 
 def scene_of(name: str) -> Scene:

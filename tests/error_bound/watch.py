@@ -174,6 +174,7 @@ class Watch:
                 (lone_centred, "carry_pair", carried(lone_centred.carry_pair, 5)),
                 (lone_centred, "carry_wall", carried(lone_centred.carry_wall, 5)),
                 (lone_centred, "carry_fall", carried(lone_centred.carry_fall, 5)),
+                (lone_centred, "carry_round", lone_centred.carry_round),  # Python, by `recentre`
             ):  # fmt: skip
                 stack.enter_context(patch.object(place, name, new))
             yield

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from flint import arb, arb_mat
 
-from error_bound.oracle import Dual, Line, Table, collided, middle, rebounded
+from error_bound.oracle import Dual, Line, Table, collided, fallen_beside, middle, rebounded
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtArc, AtWall, Pair, Touch
 
@@ -91,6 +91,8 @@ class Zonotope:
 
     def _carried(self, link: Touch | None, ends: list[Line], clock: arb) -> Sequence[Line]:
         table = self._table
+        if table.pulls and isinstance(link, Pair) and (table.w[link.a] == 0) is not (table.w[link.b] == 0):
+            return self._fallen(link, ends, clock)
         if isinstance(link, Pair):
             a, b = link
             return collided(ends[0], ends[1], table.r[a] + table.r[b], table.w[a], table.w[b], table.e, clock)
@@ -99,8 +101,18 @@ class Zonotope:
             return [rebounded(ends[0], table.walls[k], table.r[i], self._sides[i][k], table.e, clock)]
         if isinstance(link, AtArc):
             at, reach, hollow = middle(table, link)
+            if table.pulls:
+                return [fallen_beside(ends[0], at, reach, table.e, table.g, clock)]
             return collided(ends[0], at, reach, table.w[link.circle], arb(0), table.e, clock, hollow)[:1]
         return [line.at(clock) for line in ends]
+
+    def _fallen(self, link: Pair, ends: list[Line], clock: arb) -> Sequence[Line]:
+        """One that falls onto one that stands; in their order."""
+        table, turned = self._table, bool(self._table.w[link.a] == 0)
+        a, b = reversed(ends) if turned else ends
+        still = Line(*(part.value for part in b[:4]), b.t)
+        after = fallen_beside(a, still, table.r[link.a] + table.r[link.b], table.e, table.g, clock)
+        return [b, after] if turned else [after, b]
 
     def hull(self, i: int) -> list[arb]:
         """The largest deviation of each of a circle's four numbers."""

@@ -116,6 +116,33 @@ def test_a_block_s_matrix_is_the_derived_map_of_a_bounce_off_a_wall_that_falls(m
     assert found.steep * w.speed == w.root(nn)
 
 
+def test_a_block_s_matrix_is_the_derived_map_of_a_fall_onto_something_round(monkeypatch):
+    """`pair_derivative`, `_blocks` and `_maps`: `pair_tangent` and `fall_turn`, of one that falls onto the other."""
+    w = contact()
+    ax, ay = w.number(0.75), w.number(-1.25)
+    monkeypatch.setattr(error_set, "np", Objects())
+    monkeypatch.setattr(derivatives, "UP", 1)
+    monkeypatch.setattr(derivatives, "sqrt", root_of)
+    approach, small, strength = w.dx * w.vx + w.dy * w.vy, w.number(1e-30), -2 / (w.square * w.wb)
+    found = derivatives.pair_derivative(
+        w.dx, w.dy, w.vx, w.vy, -approach, strength, w.unit, small, small, derivatives.CLOSE, ax, ay
+    )
+    legs = error_set._then(error_set.STILL, w.flown_b / w.unit, Mirror())
+    hits = np.array([[*error_set.STILL, *legs, w.zero, w.wb, *found[3:]]], dtype=object)
+    (matrix,) = error_set._maps(hits, error_set._blocks(hits, w.unit))
+    px, py, qx, qy = w.b
+    flown = [px + qx * w.flown_b, py + qy * w.flown_b, qx, qy]
+    gain = pair_tangent(w.dx, w.dy, w.vx, w.vy, w.reach, w.zero, w.wb, *flown)
+    more = fall_turn(w.dx, w.dy, w.square * w.wb, approach, w.dx * ax + w.dy * ay, *flown[:2])
+    gain = [*gain[:2], *(one + other for one, other in zip(gain[2:], more, strict=True))]
+    scale = (1, 1, w.unit, w.unit)
+    expected = [(p + w.wb * g) * k for p, g, k in zip(flown, gain, scale, strict=True)]
+    scaled = [p * k for p, k in zip(w.b, scale, strict=True)]
+    assert [sum((k * v for k, v in zip(line[4:], scaled, strict=True)), w.zero) for line in matrix[4:]] == expected
+    bend = w.root(ax * ax + ay * ay)
+    assert found.turn * -approach == w.unit * (w.vx * w.vx + w.vy * w.vy + bend * w.reach)
+
+
 def test_the_bounds_of_a_derivative_are_the_norms_of_the_derived_one(monkeypatch):
     """|d| + |v| t = R, differentiated: the instant moves by -d.p / d.v at most, for |p| = 1 by |d| / |d.v|."""
     w = contact()
