@@ -22,6 +22,7 @@ from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Settl
 from .certified.cascade import TieRule
 from .certified.certified_decider import FIRST_BITS, CertifiedDecider
 from .exact_motion import (
+    START,
     ExactMotion,
     ExactValue,
     RunTime,
@@ -30,7 +31,6 @@ from .exact_motion import (
     ending_of,
     time_of,
     time_of_return,
-    time_zero,
 )
 from .numbers import ball
 from .numbers.ball import Known, known_ball
@@ -503,5 +503,5 @@ def _end(log: RunLog, history: History[Known], limits: Limits, stop: Stop) -> Ru
         assert limits.until is not None
         return limits.until
     if history.last is None:
-        return time_zero(log, history.knots[0][0][0])
+        return time_of(log, Mark(0, history.knots[0][0][0], 0, START))  # nothing happened
     return time_of(log, history.last)

@@ -237,9 +237,14 @@ class ExactValue:
         >>> ExactEngine().run(scene).events[0].time.text()
         '-sqrt(3) + 4'
         """
-        from .texts import definition, normal_form  # which know this class
+        from .texts import definition
 
-        return normal_form(self) or definition(self)
+        return self.normal_form() or definition(self.log, self.upto, self.bodies, self.formula)
+
+    def normal_form(self) -> str | None:
+        """As `text`, but None of what has a `definition` only."""
+        exact = self.near if isinstance(self.near, fmpq) else self.exact()
+        return None if exact is None else ball.field_text(exact)
 
 
 DOUBLE_BITS = 64
@@ -309,11 +314,6 @@ def time_of(log: RunLog, mark: Mark[Known]) -> ExactValue:
 def time_of_return(log: RunLog, reversal: Mark[Known], instant: int) -> ExactValue:
     """Twice the time of the reversal; `instant` is the last at which anything happens."""
     return time_of(log, Mark(instant, reversal.time * 2, reversal.step, RETURN))
-
-
-def time_zero(log: RunLog, zero: Known) -> ExactValue:
-    """Time 0 of a run in which nothing happened."""
-    return time_of(log, Mark(0, zero, 0, START))
 
 
 def ending_of(log: RunLog, last: int | None, bounces: Accumulating | Constant | None) -> ExactValue | None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 from flint import arb, fmpq
 
-from ..scenarios.numbers.quantity import Quantity, real
-from .exact_motion import ExactValue
+from ..scenarios.numbers.quantity import Quantity
 from .numbers import ball
 from .numbers.system import Undecided
 from .replay.contact import Round
@@ -19,7 +18,8 @@ from .replay.round_falls import horner_slope
 from .replay.state import ReplayState, causal_past, replay
 
 if TYPE_CHECKING:
-    from .simulation.decider import RunLog
+    from .simulation.decider import Formula, RunLog
+
 
 NAME = re.compile(r"\bn\d+\b")
 """A name in a text."""
@@ -153,7 +153,15 @@ def _decimal(units: int, places: int) -> str:
     return f"{whole}.{part:0{places}d}"
 
 
-def definitions(values: Sequence[ExactValue]) -> Definitions:
+class InRun(Protocol):
+    """A number of a run: see `ExactValue`."""
+
+    log: RunLog
+    upto: int
+    formula: Formula
+
+
+def definitions(values: Sequence[InRun]) -> Definitions:
     """Text for values of one run, whatever their depth: steps of + - * / and square roots, in text.
 
     zero(a, b, ..., low, high) is the one number between low and high at which the polynomial a + b s + ... is 0.
@@ -170,28 +178,14 @@ def definitions(values: Sequence[ExactValue]) -> Definitions:
     (('n1',), ['n1'])
     >>> falls = Scene([Circle(0, 5), Circle("1/2", 0, m="oo")], gravity=(0, -10))
     >>> definitions([ExactEngine().run(falls, events=1).events[0].time]).names[0][1][-20:]
-    ', 0.782752, 0.782753)'
+    ' 0.782752, 0.782753)'
     """
     if not values:
         return Definitions((), ())
     return _in_text(values, _Replay(values[0].log, book := _Book()), book)
 
 
-def normal_form(value: Any) -> str | None:
-    """A number of any engine in the grammar of scene files; None where it is not known, or has no short closed form.
-
-    >>> normal_form(0.375)
-    '3/8'
-    """
-    if not isinstance(value, ExactValue):
-        return real(value).text()
-    if isinstance(value.near, fmpq):
-        return str(value.near)
-    exact = value.exact()
-    return None if exact is None else exact.text()
-
-
-def definition(value: ExactValue) -> str | None:
+def definition(log: RunLog, upto: int, bodies: Sequence[int], formula: Formula) -> str | None:
     """A number after a zero of a quartic as the run computes it, in one text; None of any other number.
 
     No square roots give such a number, so that no scene file takes it.
@@ -202,16 +196,16 @@ def definition(value: ExactValue) -> str | None:
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
     >>> falls = Scene([Circle(0, 5), Circle("1/2", 0, m="oo")], gravity=(0, -10))
-    >>> definition(ExactEngine().run(falls, events=1).events[0].time)[-25:]
-    '*(-5), 0.782752, 0.782753); n1'
+    >>> ExactEngine().run(falls, events=1).events[0].time.text()[-25:]
+    ', 0.782752, 0.782753); n1'
     """
-    if value.log.scene.gravity is None:
+    if log.scene.gravity is None:
         return None
-    log, book = value.log, _Book()
-    needed, held = causal_past(log.steps[: value.upto], value.bodies)
+    book = _Book()
+    needed, held = causal_past(log.steps[:upto], bodies)
     state = _Replay(log, book, held)
-    state.to(value.upto, needed)
-    text = value.formula(state).text
+    state.to(upto, needed)
+    text = formula(state).text
     names = {name: told for told, name in book.names.items()}
     used, new = set[str](), {text}
     while new:  # the texts that it uses, and those that they use
@@ -221,7 +215,7 @@ def definition(value: ExactValue) -> str | None:
     return "; ".join([*told, text]) if any("zero(" in part for part in (*told, text)) else None
 
 
-def _in_text(values: Sequence[ExactValue], state: _Replay, book: _Book) -> Definitions:
+def _in_text(values: Sequence[InRun], state: _Replay, book: _Book) -> Definitions:
     texts = [""] * len(values)
     for k in sorted(range(len(values)), key=lambda k: values[k].upto):
         state.to(values[k].upto)

@@ -209,6 +209,7 @@ FLOORS = (
     "log_symmetry",
     "simulation",
     "certified",
+    "texts",
     "exact_motion",
     "exact_engine",
     "literal",  # which itself imports of these only numbers and laws

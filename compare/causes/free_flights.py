@@ -30,8 +30,8 @@ from ...exact.replay.contact import AtArc, is_arc, is_flat, is_pair
 from ...exact.replay.landings import faces_arc
 from ...exact.replay.round_falls import RoundFall, horner, horner_slope
 from ...exact.replay.wall_flights import fall_of
-from ...exact.texts import normal_form
-from ...scenarios.numbers.quantity import ZERO, Quantity, Real
+from ...scenarios.numbers.quantity import ZERO, Quantity, Real, real
+from ..files.amounts import normal_form
 from ..tangent.flight_aside import RoundSide, middle, out_of, stretches
 
 if TYPE_CHECKING:
@@ -652,7 +652,7 @@ def exact_flight(flight: OwnFlight | None, gravity: tuple[Quantity, Quantity] | 
 
 def short_quantity(value: Real) -> Quantity | None:
     """A number as a `Quantity`, if it is exact and short."""
-    text = normal_form(value)
+    text = normal_form(real(value))
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
 
 

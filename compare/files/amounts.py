@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,17 @@ def double(value: Any) -> float | None:
     except OverflowError:
         return None
     return number if math.isfinite(number) else None
+
+
+def normal_form(value: Real) -> str | None:
+    """A number in the grammar of scene files; None where it is not known, or has no short closed form.
+
+    >>> from truebreak.scenarios import Quantity
+    >>> normal_form(Quantity.of("sqrt(8)"))
+    'sqrt(8)'
+    """
+    own: Callable[[], str | None] = getattr(value, "normal_form", value.text)  # of an exact run, whose text may be more
+    return own()
 
 
 FORMULA = re.compile(r"[=@\t\r]|[+-].*[^0-9a-z+*/(). -]", re.DOTALL)

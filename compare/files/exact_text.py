@@ -8,7 +8,7 @@ from typing import Any
 from flint import arb
 
 from ...exact.exact_motion import ExactValue
-from ...exact.texts import definitions, normal_form
+from ...exact.texts import definitions
 from ...scenarios.numbers.quantity import Real
 from ..deadline import Clock
 
@@ -72,7 +72,7 @@ class ExactTexts:
             or any(value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items())
         ):
             return None
-        text = normal_form(value)
+        text = value.normal_form()
         if text is None:
             self.work -= FAILED_UNITS
             self._failed[value.bodies] = min(value.upto, self._failed.get(value.bodies, value.upto))

@@ -6,10 +6,9 @@ import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat, cast
 
 from ...exact.numbers.system import Undecided
-from ...exact.texts import normal_form
 from ...scenarios.errors import printable
 from ...scenarios.numbers.quantity import real
-from ..files.amounts import bounds, counted, double
+from ..files.amounts import bounds, counted, double, normal_form
 from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
@@ -229,7 +228,7 @@ def number(value: SupportsFloat, exact: bool) -> str:
     if ends is not None and ends[0] != ends[1]:
         return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
     if exact:
-        text = normal_form(value)
+        text = normal_form(real(value))
         if text is not None and len(text) <= SHOWN_DIGITS:
             return text
         if text is not None:

@@ -10,7 +10,7 @@ from flint import arb, ctx
 from truebreak.exact import ExactEngine
 from truebreak.exact.replay.state import replay
 from truebreak.exact.simulation import decider
-from truebreak.exact.texts import definitions, normal_form
+from truebreak.exact.texts import definitions
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])
@@ -105,7 +105,7 @@ def test_a_number_after_a_quartic_is_told_by_its_definition_and_any_other_is_not
     value = run.events[-1].time
     *names, last = value.text().split("; ")
     told = evaluated(type("Told", (), {"names": [name.split(" = ") for name in names], "values": [last]}))[0]
-    assert normal_form(value) is None
+    assert value.normal_form() is None
     assert told.overlaps(value.ball(300))
     assert told.rad() < arb(2) ** -100
     assert all(any(name.split(" = ")[0] in other for other in [*names[k + 1 :], last]) for k, name in enumerate(names))

@@ -17,7 +17,6 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.literal import symbolic_contacts, symbolic_engine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import landings, round_falls, state
-from truebreak.exact.texts import normal_form
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import NoClosedForm
@@ -322,7 +321,7 @@ def test_numbers_after_a_quartic_have_digits_and_a_definition_and_no_closed_form
     time = run.events[2].time
     assert time.ball(500).rel_accuracy_bits() >= 500
     assert time.digits(60).startswith(time.digits(30)[:28])
-    assert normal_form(time) is None
+    assert time.normal_form() is None
     assert "zero(" in time.text()
     with pytest.raises(NoClosedForm, match="zero of a quartic"):
         time.sympy()
