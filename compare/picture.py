@@ -220,21 +220,26 @@ def states_at(run: Trajectory, time: float) -> list[list[float]]:
     if time < final:
         return [list(row) for row in rows_of(run, [time])[0]]
     flown = time - final if run.stop.reason is StopReason.QUIET else 0.0
-    stand = standing(run, final)
-    gx, gy = (float(part) * flown for part in run.scene.gravity or (0, 0))
     return [
-        [x + vx * flown, y + vy * flown, vx, vy]
-        if i in stand
-        else [x + (vx + gx / 2) * flown, y + (vy + gy / 2) * flown, vx + gx, vy + gy]
-        for i, (x, y, vx, vy) in enumerate(run.final.rows())
+        [x + (vx + gx / 2 * flown) * flown, y + (vy + gy / 2 * flown) * flown, vx + gx * flown, vy + gy * flown]
+        for (x, y, vx, vy), (gx, gy) in zip(run.final.rows(), pulls(run, final), strict=True)
     ]
 
 
-def standing(run: Trajectory, time: float) -> set[int]:
-    """The circles, by place, that do not fall at a time: fixed, carried by a wall, or out of play."""
+def pulls(run: Trajectory, time: float) -> list[tuple[float, float]]:
+    """What bends the flight of each circle at a time: gravity, or what it has along a slope that it slides down.
+
+    Nothing of one that is fixed, carried by a wall, or out of play.
+    """
     carries = getattr(run.motion, "carries", None) if run.scene.settle or run.scene.capture else None
-    at = time if time < float(run.final_time) else run.final_time
-    return {i for i, circle in enumerate(run.scene.circles) if circle.fixed or (carries is not None and carries(i, at))}
+    at, slides = time if time < float(run.final_time) else run.final_time, run.slides if run.scene.settle else {}
+    gx, gy = run.scene.gravity or (0, 0)
+    found: list[tuple[float, float]] = []
+    for i, circle in enumerate(run.scene.circles):
+        begun, slope = slides.get(str(circle.id), (math.inf, (0.0, 0.0)))
+        stands = circle.fixed or (carries is not None and carries(i, at))
+        found.append(slope if begun <= time else (0.0, 0.0) if stands else (float(gx), float(gy)))
+    return found
 
 
 def _discs_at(

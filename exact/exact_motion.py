@@ -5,7 +5,7 @@ from __future__ import annotations
 import copyreg
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from operator import itemgetter
+from operator import itemgetter, sub
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
@@ -351,14 +351,22 @@ class Place:
     time: ExactValue | Quantity
 
     def __call__(self, state: ReplayState[N]) -> N:
-        flight, falling = state.bodies[self.body].flight, None if self.body in state.pegs else state.falling
+        flight, bend = state.bodies[self.body].flight, state.bend(self.body)
         place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
-        if flight.rest and falling is None:
+        if flight.rest and bend is None:
             return place
         when = _moment(self.time, state)
-        if falling is None:
+        if bend is None:
             return advance(place, speed, when - flight.t)
-        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, falling.half(self.axis), when)
+        if bend.bent:
+            return sag(place, speed, bend.half(self.axis), when - flight.t)
+        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, bend.half(self.axis), when)
+
+
+def _halved(vector: Sequence[Quantity]) -> tuple[Known, Known]:
+    halves = [part / 2 for part in vector]
+    x, y = (half.ball(READ_BITS) if half.rational is None else half.rational for half in halves)
+    return x, y
 
 
 def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
@@ -374,11 +382,11 @@ class FallSpeed:
     time: ExactValue | Quantity
 
     def __call__(self, state: ReplayState[N]) -> N:
-        assert state.falling is not None
-        speed = Velocity(self.body, self.axis)(state)
-        if self.body in state.pegs:
+        speed, bend = Velocity(self.body, self.axis)(state), state.bend(self.body)
+        if bend is None:
             return speed
-        return fall_speed(speed, state.falling.half(self.axis), _moment(self.time, state))
+        when = _moment(self.time, state)
+        return fall_speed(speed, bend.half(self.axis), when - state.bodies[self.body].flight.t if bend.bent else when)
 
 
 class ExactMotion:
@@ -419,17 +427,19 @@ class ExactMotion:
     def _halves(self) -> tuple[Known, Known] | None:
         """Half of gravity: then knots are in the falling frame (see `Gravity`), but those of what stands."""
         g = self.log.scene.gravity
-        if g is None:
-            return None
-        hx, hy = ((part / 2).rational if part.rational is not None else (part / 2).ball(READ_BITS) for part in g)
-        assert hx is not None
-        assert hy is not None
-        return hx, hy
+        return None if g is None else _halved(g)
 
-    def _falls(self, i: int, k: int) -> bool:
-        """Whether a circle falls from a knot on: then that is in the falling frame (see `Gravity`)."""
-        stands = self._halves is None or i in self.log.scene.pegs
-        return not stands and not self.log.carries(i, self.knots[i][k][5])
+    def _bend(self, i: int, k: int) -> tuple[Known, Known] | None:
+        """Half of what bends a circle's flight from a knot on; None of a straight one.
+
+        That is `_halves`, or what there is of it along a slope that the circle slides down: in true coordinates.
+        """
+        scene, upto = self.log.scene, self.knots[i][k][5]
+        if scene.gravity is None or i in scene.pegs:
+            return None
+        if (wall := self.log.slope(i, upto)) is not None:
+            return _halved(scene.walls[wall].along(*scene.gravity))
+        return None if self.log.carries(i, upto) else self._halves
 
     def carries(self, place: int, time: ExactValue | QuantityLike) -> bool:
         """Whether a wall carries a circle, by its place in the scene, from a time on."""
@@ -551,27 +561,16 @@ class ExactMotion:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
 
-        near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
-        make = ExactValue
-        if self._falls(i, k):
-            assert self._halves is not None
-            speeds: list[ExactValue] = []
-            for axis, v in enumerate((vx, vy)):
-                near = ball.combined(fall_speed, (v, self._halves[axis], near_time), READ_BITS)
-                speed = OtherRun() if isinstance(where(axis), OtherRun) else FallSpeed(i, axis, time)
-                speeds.append(make(self.log, upto, bodies, speed, near))
-            near_x, near_y = (
-                ball.combined(_sunk, (near, half, near_time), READ_BITS)
-                for near, half in zip((near_x, near_y), self._halves, strict=True)
-            )
-            places = (make(self.log, upto, bodies, where(axis), near) for axis, near in enumerate((near_x, near_y)))
-            return (*places, *speeds)  # pyright: ignore[reportReturnType]
-        return (
-            make(self.log, upto, bodies, where(0), near_x),
-            make(self.log, upto, bodies, where(1), near_y),
-            make(self.log, upto, bodies, Velocity(i, 0), vx),
-            make(self.log, upto, bodies, Velocity(i, 1), vy),
-        )
+        near = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS), vx, vy
+        formulas: list[Formula] = [where(0), where(1), Velocity(i, 0), Velocity(i, 1)]
+        if (halves := self._bend(i, k)) is not None:
+            lag = near_time if halves is self._halves else ball.combined(sub, (near_time, t), READ_BITS)
+            bent = zip((_sunk, _sunk, fall_speed, fall_speed), near, halves * 2, strict=True)
+            near = tuple(ball.combined(formula, (number, half, lag), READ_BITS) for formula, number, half in bent)
+            other = isinstance(formulas[0], OtherRun)
+            formulas[2:] = formulas[:2] if other else [FallSpeed(i, 0, time), FallSpeed(i, 1, time)]
+        rows = zip(formulas, near, strict=True)
+        return tuple(ExactValue(self.log, upto, bodies, *row) for row in rows)  # pyright: ignore[reportReturnType]
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4), as doubles; times within the run, ascending.
@@ -584,16 +583,18 @@ class ExactMotion:
         result = np.empty((len(at), len(self.knots), 4))
         for i, found in enumerate(self._knots_at(at)):
             used, which = np.unique(found, return_inverse=True)
-            falls = np.array([self._falls(i, int(k)) for k in used])[which]
+            bends = [self._bend(i, int(k)) for k in used]
             pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
             sizes = np.abs(pairs[:, :, 0])
             if np.all(np.abs(at) < 1 / SMALL) and np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
                 t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
-                if self._halves is not None and falls.any():
-                    hx, hy = (pair_of(_ball(half)) for half in self._halves)
-                    result[:, i, 0], result[:, i, 2] = fallen_pairs(x, vx, hx, t, at)
-                    result[:, i, 1], result[:, i, 3] = fallen_pairs(y, vy, hy, t, at)
-                on = ~falls
+                on = np.ones(len(at), dtype=bool)
+                for halves in {id(halves): halves for halves in bends if halves is not None}.values():
+                    hx, hy = (pair_of(_ball(half)) for half in halves)
+                    bent = np.array([other is halves for other in bends])[which]
+                    now, on = at[bent], on & ~bent
+                    result[bent, i, 0], result[bent, i, 2] = fallen_pairs(x[bent], vx[bent], hx, t[bent], now)
+                    result[bent, i, 1], result[bent, i, 3] = fallen_pairs(y[bent], vy[bent], hy, t[bent], now)
                 t, x, y, vx, vy = (part[on] for part in (t, x, y, vx, vy))
                 result[on, i, 0], result[on, i, 1] = advanced_pairs(x, vx, t, at[on]), advanced_pairs(y, vy, t, at[on])
                 result[on, i, 2], result[on, i, 3] = vx[:, 0], vy[:, 0]
@@ -637,10 +638,9 @@ class ExactMotion:
         Under gravity in true coordinates, at the knot.
         """
         t, x, y, vx, vy, *_ = map(_ball, self.knots[i][k][:5])
-        if self._falls(i, k):
-            assert self._halves is not None
+        if (halves := self._bend(i, k)) is not None and halves is self._halves:
             with ball.precision(READ_BITS):
-                hx, hy = map(_ball, self._halves)
+                hx, hy = map(_ball, halves)
                 x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)
         return [pair_of(number) for number in (t, x, y, vx, vy)]
 

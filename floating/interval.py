@@ -268,6 +268,7 @@ class IntervalMotion:
         falling: half of gravity; None without.
         pegs: the circles that stand under it.
         carried: by circle, its knots from which on a wall carries it, by their place.
+        slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
     """
 
     def __init__(
@@ -278,13 +279,14 @@ class IntervalMotion:
         falling: Gravity[Any] | None = None,
         pegs: Collection[int] = (),
         carried: Mapping[int, frozenset[int]] | None = None,
+        slides: Mapping[int, Gravity[Any]] | None = None,
     ) -> None:
         self.knots = knots
         self.bits = bits
         self.end = end
         self.falling = falling
         self.pegs = pegs
-        self.carried = carried or {}
+        self.carried, self.slides = carried or {}, slides or {}
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -306,7 +308,11 @@ class IntervalMotion:
             for i in circles:
                 knots, falling = self.knots[i], None if i in self.pegs else self.falling
                 carried = self.carried.get(i, ())
-                ways = [_flown(knots[k], at, None if k in carried else falling) for k in self._places(i, time, at)]
+                last = self.slides.get(i)
+                ways = [
+                    _flown(knots[k], at, falling if k not in carried else last if k == len(knots) - 1 else None)
+                    for k in self._places(i, time, at)
+                ]
                 rows.append(tuple(map(IntervalNumber, _hull(ways))))
             return rows
 
@@ -420,7 +426,7 @@ class IntervalEngine(EventDriven):
                 {"bits": self.bits},
                 decider,
                 lambda knots, end: IntervalMotion(
-                    knots, self.bits, end, state.falling, pegs, carried_knots(decider.history)
+                    knots, self.bits, end, state.falling, pegs, carried_knots(decider.history), state.slides
                 ),
                 IntervalNumber,
                 until=until,

@@ -91,6 +91,18 @@ class DoubleMotion:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
 
 
+def bent(knot: DoubleKnot, time: float, halves: tuple[float, float]) -> DoubleRow:
+    """x, y, vx, vy at a time after a knot, with half of what bends the flight.
+
+    >>> bent((1.0, 0.0, 8.0, 1.0, 0.0), 2.0, (0.0, -5.0))
+    (1.0, 3.0, 1.0, -10.0)
+    """
+    (t0, x, y, vx, vy), (hx, hy) = knot, halves
+    lag = time - t0
+    x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
+    return x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag
+
+
 @dataclass(frozen=True)
 class FallingMotion(DoubleMotion):
     """The same under gravity: flights between knots are parabolas.
@@ -99,6 +111,7 @@ class FallingMotion(DoubleMotion):
         halves: half of gravity, along x and along y.
         pegs: the circles that stand.
         carried: by circle, its knots from which on a wall carries it, by their place.
+        slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
 
     >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
     >>> motion.state(1.0), motion.sample([2.0]).tolist()
@@ -108,6 +121,7 @@ class FallingMotion(DoubleMotion):
     halves: tuple[float, float] = (0.0, 0.0)
     pegs: Collection[int] = ()
     carried: Mapping[int, frozenset[int]] = field(default_factory=dict[int, frozenset[int]])
+    slides: Mapping[int, tuple[float, float]] = field(default_factory=dict[int, tuple[float, float]])
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
@@ -117,8 +131,11 @@ class FallingMotion(DoubleMotion):
 
     def flown_from(self, place: int, number: int, time: float) -> DoubleRow:
         """See `DoubleMotion.flown_from`."""
-        flown = DoubleMotion.flown if number in self.carried.get(place, ()) else FallingMotion.flown
-        return flown(self, place, self.knots[place][number], time)
+        knot = self.knots[place][number]
+        if number not in self.carried.get(place, ()):
+            return FallingMotion.flown(self, place, knot, time)
+        slides = place in self.slides and number == len(self.knots[place]) - 1
+        return bent(knot, time, self.slides[place]) if slides else DoubleMotion.flown(self, place, knot, time)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""
@@ -126,10 +143,7 @@ class FallingMotion(DoubleMotion):
 
     def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
         """See `DoubleMotion.flown`; of a circle that falls."""
-        (t0, x, y, vx, vy), (hx, hy) = knot, self.halves
-        lag = 0.0 if place in self.pegs else time - t0
-        x, y = x + (vx + hx * lag) * lag, y + (vy + hy * lag) * lag
-        return x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag
+        return bent(knot, knot[0] if place in self.pegs else time, self.halves)
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """See `DoubleMotion.sample`."""

@@ -26,7 +26,7 @@ from ..exact.replay.contact import (
 from ..exact.replay.landings import told_wait
 from ..exact.replay.state import Lift, ReplayState, Settle, Step, Take
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
-from ..exact.simulation.endings import Accumulating, Rows, true_rows
+from ..exact.simulation.endings import Accumulating, Rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
 from ..exact.simulation.prediction import ArrivalQueue, Predictor
@@ -194,7 +194,7 @@ class PlainReading(Generic[M]):
         """In the numbers that there are."""
         told = self._ball
         time = self._state.bodies[circle].flight.instant
-        return told(time), [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in true_rows(self._state, time)]
+        return told(time), [(told(x), told(y), told(vx), told(vy)) for x, y, vx, vy in self._state.true_rows(time)]
 
     def bounces(self, end: Accumulating) -> arb:
         """In the numbers that there are."""
@@ -499,11 +499,16 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         falling: Gravity[F],
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
+        slides: Mapping[int, Gravity[F]],
     ) -> Motion:
-        """As `motion`, under gravity; some circles stand, and of some walls carry, from these of their knots on."""
+        """As `motion`, under gravity; some circles stand, and some walls carry, from these of their knots on.
+
+        Some slide down a slope from their last knot on, with what there is of half of gravity along that.
+        """
         halves = float(falling.hx), float(falling.hy)
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
-        return FallingMotion(rows, float(end), halves, pegs, carried)
+        along = {i: (float(bend.hx), float(bend.hy)) for i, bend in slides.items()}
+        return FallingMotion(rows, float(end), halves, pegs, carried, along)
 
     def decider(self, scene: Scene, state: ReplayState[F]) -> PlainDecider[F]:
         """What decides, of a state in these numbers."""
@@ -550,7 +555,8 @@ class EventEngine(EventDriven, ABC, Generic[F]):
 
         def fallen(knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
             assert falling is not None
-            return self.fallen_motion(knots, end, falling, inner.pegs, carried_knots(decider.history))
+            carried, slides = carried_knots(decider.history), state.slides
+            return self.fallen_motion(knots, end, falling, inner.pegs, carried, slides)
 
         return run_plain(
             scene,

@@ -195,6 +195,7 @@ class QuadMotion:
         falling: half of gravity; None without.
         pegs: the circles that stand under it.
         carried: by circle, its knots from which on a wall carries it, by their place.
+        slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
     """
 
     def __init__(
@@ -204,12 +205,13 @@ class QuadMotion:
         falling: Gravity[DoubleDouble] | None = None,
         pegs: Collection[int] = (),
         carried: Mapping[int, frozenset[int]] | None = None,
+        slides: Mapping[int, Gravity[DoubleDouble]] | None = None,
     ) -> None:
         self.knots = knots
         self.end = end
         self.falling = falling
         self.pegs = pegs
-        self.carried = carried or {}
+        self.carried, self.slides = carried or {}, slides or {}
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
@@ -225,8 +227,10 @@ class QuadMotion:
             k = _place(knots, time, at)
             t, x, y, vx, vy, _ = knots[k]
             lag = at - t
-            if self.falling is not None and i not in self.pegs and k not in self.carried.get(i, ()):
-                x, y, vx, vy = map(float, self.falling.flown((x, y, vx, vy), lag))
+            falls = i not in self.pegs and k not in self.carried.get(i, ())
+            bend = self.falling if falls else self.slides.get(i) if k == len(knots) - 1 else None
+            if bend is not None:
+                x, y, vx, vy = map(float, bend.flown((x, y, vx, vy), lag))
                 rows.append((x, y, vx, vy))
                 continue
             rows.append((float(advance(x, vx, lag)), float(advance(y, vy, lag)), float(vx), float(vy)))
@@ -422,9 +426,10 @@ class QuadEngine(EventEngine[DoubleDouble]):
         falling: Gravity[DoubleDouble],
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
+        slides: Mapping[int, Gravity[DoubleDouble]],
     ) -> Motion:
         """See `EventEngine.fallen_motion`."""
-        return QuadMotion(knots, end, falling, pegs, carried)
+        return QuadMotion(knots, end, falling, pegs, carried, slides)
 
     def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
         """See `EventEngine.shown`."""

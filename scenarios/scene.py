@@ -52,8 +52,8 @@ class Scene:
         arcs: parts of circles, after the polygons in that order.
         restitution: e of every contact, 0 <= e <= 1: what approaches with speed u parts with e u; 1 keeps the energy.
         gravity: (gx, gy), a uniform acceleration of every circle; None without.
-        settle: whether a circle that comes to rest on a wall across gravity, or slides along it, goes on so; else a run
-            ends there.
+        settle: whether a circle that comes to rest on a wall across gravity, or slides along it, goes on so, and down a
+            slope where nothing can meet it any more; else a run ends there.
         touching: the contacts at gap zero at time 0, in scene order, by index in `ids`.
         surfaces: the same scene as engines see it: faces, sides and ends of segments, polygons and arcs.
 

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
 
 from .lazy import frozen, kept
-from .numbers.quantity import Quantity, Real, real
+from .numbers.quantity import ZERO, Quantity, Real, real
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -345,6 +345,21 @@ class Trajectory:
         scene = as_at(self.scene, float(self.final_time))
         picture = lambda: state_picture(scene, final.array().tolist(), title, standalone=True)  # noqa: E731
         return shown(table, self.scene, picture, title)
+
+    @property
+    def slides(self) -> dict[str, tuple[float, tuple[float, float]]]:
+        """The circles that slide down slopes, by id: from when on, and what there is of gravity along those.
+
+        >>> from truebreak.exact import ExactEngine
+        >>> from truebreak.scenarios import Circle, Scene, Wall
+        >>> slope = Wall(0, 0, 4, -3, id="slope")
+        >>> scene = Scene([Circle("3/5", "4/5", id="a")], [slope], gravity=(0, -10), settle=True)
+        >>> ExactEngine().run(scene, until=1).slides
+        {'a': (0.0, (4.8, -3.6))}
+        """
+        walls, (gx, gy) = {wall.id: wall for wall in self.scene.walls}, self.scene.gravity or (ZERO, ZERO)
+        along = [(s, walls[s.wall].along(gx, gy)) for s in self.settlings if s.wall in walls]
+        return {s.circle: (float(s.time), (float(x), float(y))) for s, (x, y) in along if x.sign() or y.sign()}
 
     @property
     def collisions(self) -> int:

@@ -236,8 +236,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         digits: decimals after the point of the times and of the final state.
 
     Raises:
-        CertificateError: for a run of another engine, one that rests on an assumption, a scene whose numbers need too
-            many roots, or a zero for which no witness is found.
+        CertificateError: for a run of another engine, one that rests on an assumption or in which a circle slides down
+            a slope, a scene whose numbers need too many roots, or a zero for which no witness is found.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -316,6 +316,8 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         raise CertificateError(
             f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"
         )
+    for circle, (time, _) in trajectory.slides.items():
+        raise CertificateError(f"{circle} slides down a slope from time {time:.9g} on, which they do not know yet")
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
 

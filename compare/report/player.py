@@ -13,7 +13,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.pictures import DrawnDisc, arc_line, polygon_outline, segment_line, view_of, wall_line
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import rows_of
-from ..picture import instant_of, names_of, standing
+from ..picture import instant_of, names_of, pulls
 from .charts import COASTING, errors_shown, predictions
 from .sentences import headline
 from .terminal import later
@@ -111,7 +111,8 @@ def played(
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
         of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
         changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; under gravity `still`, the places
-        of those from which on nothing falls: a wall carries it, or it is out of play; `events`, [index, time, pairs],
+        of those from which on nothing falls: a wall carries it, or it is out of play; `slides`, [place, x, y] of those
+        from which on one slides down a slope, with what there is of gravity along it; `events`, [index, time, pairs],
         and how much later than the one before, where a double does not tell; `matches`, for each event of the first
         run, which of its own that is, -1 for none.
     """
@@ -173,11 +174,12 @@ def _run(run: Trajectory, begin: float, end: float, count: int, matched: Collect
     others = [mark.time for mark in (*run.pocketings, *run.settlings, *([run.reversal] if run.reversal else ()))]
     marks = {min(float(event.time), last) for event in events} | {t for t in map(float, others) if begin <= t <= last}
     times = sorted({begin, *marks})
-    knots, still = _knots(run, times, last)
+    knots, still, slides = _knots(run, times, last)
     return {
         "times": times,
         "knots": knots,
         **({"still": still} if still else {}),
+        **({"slides": slides} if slides else {}),
         "events": [_event(e, before) for e, before in zip(events, [None, *events], strict=False)],
         "end": last,
         "stop": run.stop.message,
@@ -192,10 +194,13 @@ def _event(event: Event, before: Event | None) -> list[Any]:
     return row
 
 
-def _knots(run: Trajectory, times: list[float], last: float) -> tuple[list[list[float]], list[int]]:
+def _knots(
+    run: Trajectory, times: list[float], last: float
+) -> tuple[list[list[float]], list[int], list[tuple[float, ...]]]:
     """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight.
 
-    With the places of the knots from which on a circle does not fall, where others do.
+    With the places of the knots from which on a circle does not fall, where others do, and of those from which on it
+    slides.
     """
     final = float(run.final_time)
     middles = [min(a + (b - a) / 2, final) for a, b in zip(times, [*times[1:], last], strict=True)]
@@ -209,21 +214,23 @@ def _knots(run: Trajectory, times: list[float], last: float) -> tuple[list[list[
     size = _size(run.scene, rows)
     room, decimals = JUMP * size, DIGITS - math.floor(math.log10(size))
     gravities = _gravities(run.scene)
-    stood, still = set[int](), list[int]()
+    now, still, slides = gravities, list[int](), list[tuple[float, ...]]()
     for (k, begin, middle), row in zip(flights, rows, strict=True):
-        before, stood = stood, standing(run, middle) if run.scene.gravity is not None else stood
-        for i, ((x, y, vx, vy), gravity) in enumerate(zip(row, gravities, strict=True)):
-            stands, same = i in stood and gravity != (0.0, 0.0), (i in stood) is (i in before)
-            gravity = (0.0, 0.0) if stands else gravity
+        before, now = now, pulls(run, middle) if run.scene.gravity is not None else now
+        for i, ((x, y, vx, vy), gravity) in enumerate(zip(row, now, strict=True)):
+            same = gravity == before[i]
             if i in known and same and _follows(known[i], middle, (x, y, vx, vy), room, gravity):
                 continue
             known[i] = (begin, *_flown((x, y, vx, vy), begin - middle, gravity))
-            still += [len(knots)] if stands else []
+            if gravity == (0.0, 0.0) != gravities[i]:
+                still.append(len(knots))
+            elif gravity != gravities[i]:
+                slides.append((len(knots), *gravity))
             _, *place, vx, vy = known[i]
             knots.append(
                 [k, i, *(round(value, decimals) for value in place), *(float(f"{v:.{DIGITS}g}") for v in (vx, vy))]
             )
-    return knots, still
+    return knots, still, slides
 
 
 def _size(scene: Scene, rows: Sequence[Sequence[Sequence[float]]]) -> float:
@@ -281,11 +288,12 @@ def _passed(scene: Scene, run: Mapping[str, Any]) -> list[list[float]]:
     gravities, knots, times = _gravities(scene), run["knots"], run["times"]
     if _gravity(scene) == (0.0, 0.0):
         return knots
-    ends, still = [*times[1:], run["end"]], {*run.get("still", ())}
-    pulls = [(0.0, 0.0) if n in still else gravities[int(i)] for n, (_, i, *_) in enumerate(knots)]
+    ends, slides = [*times[1:], run["end"]], {n: (x, y) for n, x, y in run.get("slides", ())}
+    bent = dict.fromkeys(run.get("still", ()), (0.0, 0.0)) | slides
+    bends = [bent.get(n, gravities[int(i)]) for n, (_, i, *_) in enumerate(knots)]
     return [
         [k, i, *_flown(state, (ends[int(k)] - times[int(k)]) * piece / PIECES, pull)]
-        for (k, i, *state), pull in zip(knots, pulls, strict=True)
+        for (k, i, *state), pull in zip(knots, bends, strict=True)
         for piece in range(PIECES + 1)
     ]
 

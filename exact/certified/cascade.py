@@ -26,7 +26,7 @@ from ..replay.contact import Body, Entry, Link
 from ..replay.landings import ExactMoment, exact_moment, order_exactly
 from ..replay.refinable import RefinableState
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
-from ..simulation.endings import Accumulating, Rows, true_rows
+from ..simulation.endings import Accumulating, Rows
 from .filtered import QUICK_BITS
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.
@@ -492,7 +492,7 @@ class CertifiedReading:
         self._state.sync(tuple(range(self._state.n)))
         balls = self._state.balls
         time = balls.bodies[circle].flight.instant
-        return time, true_rows(balls, time)
+        return time, balls.true_rows(time)
 
     def bounces(self, end: Accumulating) -> arb:
         """In balls of full precision."""

@@ -158,6 +158,8 @@ class RefinableState:
         if other is None or other.falling is None or not isinstance(step, Settle | Lift | Take):
             return
         other.pegs = other.pegs - {step.body} if isinstance(step, Lift) else other.pegs | {step.body}
+        if isinstance(step, Settle) and not other.sides.level(step.wall):
+            other.slopes = {**other.slopes, step.body: step.wall}
 
     def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:
         """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.

@@ -77,11 +77,12 @@ class Take(NamedTuple):
 class Settle(NamedTuple):
     """From the instant at which a body stands on, a wall carries it, against gravity: it flies straight along it.
 
-    Its flight is kept in true coordinates from then on.
+    Its flight is kept in true coordinates from then on. Down a slope it slides for ever, out of play, with what
+    there is of gravity along that.
 
     Attributes:
         body: the circle.
-        wall: what carries it: a wall across gravity.
+        wall: what carries it: a wall across gravity, or a slope.
         slides: whether it moves along the wall.
     """
 
@@ -209,7 +210,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self.arcs = [self._still(k, side, False) for k, side in enumerate(scene.arc_sides)]
         self._lines = {}
         self.sides = Sides(scene)
-        self.pegs, self.contacts = scene.pegs, {}
+        self.pegs, self.contacts, self.slopes = scene.pegs, {}, {}
         self.paces = {i: (constant(end.drift[0]), constant(end.drift[1])) for i, end in scene.moving_ends.items()}
         self.curved = self.bends or (scene.gravity is not None and any(part.sign() for part in scene.gravity))
         self.stands = scene.gravity is not None and bool(scene.settle or self.pegs or self.arcs or self.pockets)

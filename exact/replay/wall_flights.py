@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, NamedTuple
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeAlias
 
 from ..laws.formulas import (
     advance,
@@ -22,10 +22,15 @@ from ..numbers.system import M, N
 from .contact import AtWall, Body, Flight, Gravity, Sides, WallFall
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
+
+    from flint import arb
 
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
+
+Rows: TypeAlias = "Sequence[tuple[arb, arb, arb, arb]]"
+"""x, y, vx, vy of every circle at an instant, in true coordinates, in balls."""
 
 # -- In the frame that falls, X = x - g t^2 / 2, a circle flies straight and a wall rises: with n the normal to the
 # circle's side, p a point of the wall at time 0 and u its velocity, the gap is
@@ -173,6 +178,8 @@ class WallFlights(Generic[N]):
     pegs: frozenset[int]
     falling: Gravity[N] | None
     drifts: dict[int, tuple[N, N]]
+    slopes: dict[int, int]
+    paces: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
 
     def line(self, circle: int, wall: int) -> SeenWall[N]:
@@ -301,6 +308,30 @@ class WallFlights(Generic[N]):
             return along, slide, bend, flight.t
         return line.nn - along, -slide, None if bend is None else -bend, flight.t
 
+    def true_rows(self, time: N) -> list[tuple[N, N, N, N]]:
+        """(x, y, vx, vy) of every circle at a time, in true coordinates."""
+        rows: list[tuple[N, N, N, N]] = []
+        for body in self.bodies.values():
+            x, y, vx, vy, t, *_ = body.flight
+            bend, lag = self.bend(body.index), time - t
+            if (pace := self.paces.get(body.index)) is not None:
+                rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
+            elif bend is None:
+                still = body.index in self.pegs and body.flight.rest
+                rows.append((x, y, vx, vy) if still else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
+            elif bend.bent:
+                rows.append(bend.flown((x, y, vx, vy), lag))
+            else:
+                rows.append(
+                    (
+                        x + vx * lag + sag(self.zero, self.zero, bend.hx, time),
+                        y + vy * lag + sag(self.zero, self.zero, bend.hy, time),
+                        fall_speed(vx, bend.hx, time),
+                        fall_speed(vy, bend.hy, time),
+                    )
+                )
+        return rows
+
     # -- circles that walls carry
 
     def true_row(self, body: Body[N]) -> tuple[N, N, N, N]:
@@ -313,8 +344,26 @@ class WallFlights(Generic[N]):
             vx, vy = vx + (falls.hx + falls.hx) * t, vy + (falls.hy + falls.hy) * t
         return (x, y, vx, vy) if late is None else falls.flown((x, y, vx, vy), late)
 
+    def bend(self, index: int) -> Gravity[N] | None:
+        """Half of what bends the flight of a circle: gravity, or what a slope that it slides down leaves of it.
+
+        None of one that stands or flies straight.
+        """
+        if index in self.slopes:
+            hx, hy = self.scene.walls[self.slopes[index]].along(*(part / 2 for part in self.scene.gravity or ()))
+            return Gravity(self.constant(hx), self.constant(hy), True)
+        return self.falls(index)
+
+    @property
+    def slides(self) -> dict[int, Gravity[N]]:
+        """The circles that slide down slopes, with half of what there is of gravity along those."""
+        return {i: bend for i in self.slopes if (bend := self.bend(i)) is not None}
+
     def settle(self, index: int, wall: int, slides: bool) -> None:
-        """Has a wall carry a body; its velocity across the wall, which is zero, is left out."""
+        """Has a wall carry a body; its velocity across the wall, which is zero, is left out.
+
+        A wall that is a slope bears all of gravity but what there is along it.
+        """
         body, zero = self.bodies[index], self.zero
         _, _, _, _, t, instant, late, last, _ = body.flight
         x, y, vx, vy = self.true_row(body)
@@ -322,7 +371,13 @@ class WallFlights(Generic[N]):
             line = self.line(index, wall)
             slide = face_along(vx, vy, zero, zero, line.nx, line.ny) / line.nn
             vx, vy = line.ny * slide, -(line.nx * slide)
-            if late is not None:
+            if not self.sides.level(wall):
+                self.slopes = {**self.slopes, index: wall}
+                bend = self.bend(index)
+                assert bend is not None
+                if late is not None:
+                    x, y, vx, vy = bend.flown((x, y, vx, vy), -late)
+            elif late is not None:
                 x, y = advance(x, vx, -late), advance(y, vy, -late)
         else:
             vx = vy = zero

@@ -1,11 +1,15 @@
-"""When a circle meets an arc next, or, under gravity, something round that stands or a face."""
+"""When a circle meets an arc next, or, under gravity, something round that stands or a face; never, of what slides."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
+from itertools import combinations
 from typing import Generic, Protocol
 
+from flint import arb
+
+from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ..laws.formulas import (
     advance,
@@ -23,12 +27,13 @@ from ..laws.formulas import (
     sag,
     wall_hit_time,
 )
+from ..numbers import ball
 from ..numbers.system import M, Undecided
 from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Onward, Question, Within
-from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round
+from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round, Sides, is_flat
 from ..replay.landings import arc_chord
-from ..replay.state import ReplayState
-from ..replay.wall_flights import SeenWall, along_of, fall_of
+from ..replay.state import Kick, ReplayState, Settle, Step
+from ..replay.wall_flights import Rows, SeenWall, along_of, fall_of
 
 # -- Arcs: the outside is met as a path comes to it, the inside as it leaves what is within.
 #
@@ -390,3 +395,128 @@ def _time_to_face(predictor: FaceMeetings[M], a: Body[M], link: AtWall, stands: 
     if foot < zero or beyond < zero:
         return False
     return at + wait if foot > zero and beyond > zero else True
+
+
+# -- Down a slope a circle slides, and that is no straight flight. So it goes on there only where nothing ever meets it
+# any more, and is out of play. With s the way down the slope and h the height above it: as long as circles push nothing
+# but walls parallel to the slope, all fall alike along it, so that s' - s of any two is linear in time; and a bounce
+# with e <= 1 adds nothing to u^2 / 2 + |g_n| h, with u the speed across the slope, so that each stays in a strip: s is
+# never less than it becomes on the way up, and h is from r to h + u^2 / (2 |g_n|). Two that are apart along the slope,
+# and do not come nearer along it, never meet. A wall, a fixed circle or a face from which the strip keeps clear is
+# never met, nor, by the circle that slides, any that are behind such a wall, whatever becomes of them. That two come no
+# nearer is seen of what they start with, exactly, if both have pushed nothing but such walls so far; else of their
+# velocities.
+
+
+class Incline:
+    """A slope, and where circles are along it, s, downwards, and above it, h: in balls.
+
+    Args:
+        scene, sides: what runs.
+        link: a circle that stands on it, and it.
+        rows: where all are.
+    """
+
+    def __init__(self, scene: Scene, sides: Sides, link: AtWall, rows: Rows) -> None:
+        self._scene, self._sides, self._link = scene, sides, link
+        (nx, ny), (gx, gy) = self._normal(*link[:2]), scene.gravity or (ZERO, ZERO)
+        down = (ny * gx - nx * gy).sign()
+        self._down = ny * down, -nx * down
+        length = ball.constant(nx * nx + ny * ny).sqrt()
+        self._along, self._up = ([ball.constant(q) / length for q in axis] for axis in (self._down, (nx, ny)))
+        self._pull, self._lift = self._seen(ball.constant(gx), ball.constant(gy))
+        own = scene.walls[link.wall]
+        _, self._foot = self._seen(ball.constant(own.x0), ball.constant(own.y0))
+        self._radii = [ball.constant(circle.r) for circle in scene.circles]
+        self._places = [(*self._seen(x, y), *self._seen(vx, vy)) for x, y, vx, vy in rows]
+
+    def _seen(self, x: arb, y: arb) -> tuple[arb, arb]:
+        (tx, ty), (nx, ny) = self._along, self._up
+        return tx * x + ty * y, nx * x + ny * y
+
+    def _normal(self, circle: int, wall: int) -> tuple[Quantity, Quantity]:
+        """Of a wall, to a circle's side."""
+        nx, ny = self._scene.walls[wall].normal
+        return (-nx, -ny) if self._sides.negative(circle, wall) else (nx, ny)
+
+    def meets_nothing(self, away: Collection[int], carried: Collection[int], steps: Sequence[Step]) -> bool:
+        """Whether the circle that stands on it surely meets nothing any more but for it.
+
+        Args:
+            away: those of which that has been proved.
+            carried: those that other walls carry.
+            steps: the log.
+        """
+        scene, (i, own, *_), is_behind = self._scene, self._link, self._sides.negative
+        if not self._is_clear(i):
+            return False
+        walls = [k for k in range(len(scene.walls)) if k != own and k not in scene.faces]
+        near = [i]
+        for j, circle in enumerate(scene.circles):
+            if j == i or circle.fixed or j in away or any(is_behind(i, k) != is_behind(j, k) for k in walls):
+                continue
+            if j in carried or is_behind(i, own) != is_behind(j, own) or not self._is_clear(j):
+                return False
+            near.append(j)
+        struck = self._struck(steps)
+        return all(self._part(a, b, exactly=struck.isdisjoint((a, b))) for a, b in combinations(near, 2))
+
+    def _is_clear(self, j: int) -> bool:
+        """Whether a circle surely meets nothing that stands, as long as it meets no other circle: but for walls along
+        the slope, which the one that slides on it does not meet either."""
+        scene, (i, own, *_), r = self._scene, self._link, self._radii[j]
+        s, h, along, up = self._places[j]
+        first = s if along > 0 else s - along * along / (2 * self._pull)
+        least, most = self._foot + r, h - up * up / (2 * self._lift)
+
+        def is_beside(places: Sequence[tuple[arb, arb]], room: arb) -> bool:
+            """Whether what is between some places is above, below or before all that the circle comes to."""
+            return (
+                all(height > most + room for _, height in places)
+                or all(height < least - room for _, height in places)
+                or all(place < first - room for place, _ in places)
+            )
+
+        for k in range(len(scene.circles)):
+            if scene.circles[k].fixed and not is_beside([self._places[k][:2]], r + self._radii[k]):
+                return False
+        for k, wall in enumerate(scene.walls):
+            x0, y0, x1, y1 = map(ball.constant, (wall.x0, wall.y0, wall.x1, wall.y1))
+            if k in scene.faces and not is_beside([self._seen(x0, y0), self._seen(x1, y1)], r):
+                return False
+            if k in scene.faces or k == own:
+                continue
+            nx, ny = self._normal(j, k)
+            leans = (nx * self._down[0] + ny * self._down[1]).sign()
+            if leans == 0 and j != i:
+                continue
+            mx, my = ball.constant(nx), ball.constant(ny)
+            (tx, ty), (ux, uy), room = self._along, self._up, r * (mx * mx + my * my).sqrt()
+            corners = [(tx * first + ux * height, ty * first + uy * height) for height in (least, most)]
+            if leans < 0 or not all(mx * (x - x0) + my * (y - y0) > room for x, y in corners):
+                return False
+        return True
+
+    def _struck(self, steps: Sequence[Step]) -> set[int]:
+        """The circles whose velocity along the slope has been changed by more than gravity."""
+        (tx, ty), walls = self._down, self._scene.walls
+        sloped = {k for k, (nx, ny) in enumerate(wall.normal for wall in walls) if (nx * tx + ny * ty).sign() == 0}
+        found = {step.body for step in steps if isinstance(step, Settle)}
+        for step in steps:
+            for link in step.links if isinstance(step, Kick) else ():
+                if not (is_flat(link) and link.wall in sloped):
+                    found.update(link.circles)
+        return found
+
+    def _part(self, a: int, b: int, exactly: bool) -> bool:
+        """Whether two are apart along the slope, and surely come no nearer along it."""
+        (one, _, fast, _), (other, _, slow, _) = self._places[a], self._places[b]
+        apart, speed = one - other, fast - slow
+        if not abs(apart) > self._radii[a] + self._radii[b]:
+            return False
+        if not exactly:
+            return bool(apart * speed > 0)
+        mine, theirs = self._scene.circles[a], self._scene.circles[b]
+        tx, ty = self._down
+        sign = ((mine.vx - theirs.vx) * tx + (mine.vy - theirs.vy) * ty).sign()
+        return sign == 0 or (sign > 0) is bool(apart > 0)

@@ -27,7 +27,7 @@ from ..numbers.ball import Known, NestedNumbers
 from ..numbers.system import N, number_system
 from ..question import Decision, Question
 from ..replay.centred_state import CentredState
-from ..replay.contact import AtWall, Body, Entry, Link, Touch
+from ..replay.contact import AtWall, Body, Entry, Link, Sides, Touch
 from ..replay.state import Lift, ReplayState, Settle, Step, Take, causal_past, replay, step_units
 from .endings import Accumulating, Rows
 from .prediction import Arrival, ArrivalQueue
@@ -438,6 +438,17 @@ class RunLog:
         before = bisect_right(known, upto, key=itemgetter(0))
         return before > 0 and known[before - 1][1]
 
+    def slope(self, circle: int, upto: int) -> int | None:
+        """The wall that a circle slides down after the first `upto` steps (see `Settle`); None of any other."""
+        known = self._slopes.get(circle)
+        return known[1] if known is not None and known[0] <= upto else None
+
+    @cached_property
+    def _slopes(self) -> dict[int, tuple[int, int]]:
+        """For each circle that slides down a wall for ever, how many steps led to where it does, and that."""
+        sides, steps = Sides(self.scene), enumerate(self.steps if self.given.settle else (), start=1)
+        return {s.body: (k, s.wall) for k, s in steps if isinstance(s, Settle) and not sides.level(s.wall)}
+
     @cached_property
     def _carried(self) -> dict[int, list[tuple[int, bool]]]:
         """For each circle that walls have carried, how many steps led to where one does, or none any more; of one that
@@ -576,7 +587,7 @@ class Reading(Protocol[N, K]):
         ...
 
     def fallen(self, circle: int) -> tuple[arb, Rows]:
-        """Right after a bounce of a circle: when it was, and where all circles are (see `true_rows`)."""
+        """Right after a bounce of a circle: when it was, and where all circles are (see `WallFlights.true_rows`)."""
         ...
 
     def bounces(self, end: Accumulating) -> arb:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import combinations
 from math import ceil, inf, log
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from flint import arb
 
@@ -15,12 +15,14 @@ from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
-from ..laws.formulas import advance, face_along, fall_speed, sag
+from ..laws.formulas import face_along
 from ..numbers import ball
 from ..numbers.system import N, Undecided
 from ..question import Question, Slide
 from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
-from ..replay.state import Constant, Go, Lift, ReplayState, Settle
+from ..replay.state import Constant, Go, Lift, ReplayState, Settle, Step
+from ..replay.wall_flights import Rows
+from .arc_meetings import Incline
 from .policies import Collapse, LineRallies, may_collapse
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
@@ -49,9 +51,14 @@ from .policies import Collapse, LineRallies, may_collapse
 # then flies straight in true coordinates. One that falls meets it at a zero of a quartic, as it meets what is fixed;
 # what does not fall, at that of a quadratic. As something comes to it, it is let fall, so that its wall is one of the
 # contacts of that instant; and what these leave at the wall, neither approaching nor parting, is carried again.
+# Down a slope it slides, and that is no straight flight: there it goes on only where nothing ever meets it any more,
+# out of play (see `Incline`).
 
-SLIDES = ", a slope, on which gravity makes it slide, and that is not followed"
+SLIDES = ", a slope, down which it slides"
 """What the stop says of a circle that neither approaches a wall nor parts from it, and does not stay where it is."""
+
+UNPROVED = ": it is not proved that nothing meets it there"
+"""What it says besides where a scene may go on with what slides."""
 
 SHRUNK = 20
 """A bounce counts as one of the last once its speed is 2**-SHRUNK of the first one's: before that they are all told."""
@@ -76,10 +83,6 @@ class Rally(NamedTuple):
     last: int
     other: int
     since: float
-
-
-Rows: TypeAlias = Sequence[tuple[arb, arb, arb, arb]]
-"""x, y, vx, vy of every circle at an instant, in true coordinates, in balls."""
 
 
 @frozen
@@ -121,6 +124,7 @@ class Carrier:
 
     Attributes:
         walls: the circles, with the wall of each.
+        away: those that slide down a slope, for ever: they are out of play.
     """
 
     def __init__(
@@ -131,9 +135,15 @@ class Carrier:
         do: Callable[[Go | Settle | Lift], None],
     ) -> None:
         self.walls: dict[int, int] = {}
+        self.away: set[int] = set()
         self._scene, self._ask, self._ask_cheaply, self._do = scene, ask, ask_cheaply, do
         self._sides = Sides(scene)
         self._changed: set[int] = set()
+
+    @property
+    def begun(self) -> set[int]:
+        """All that a wall bears now."""
+        return self.away.union(self.walls)
 
     def anchored(self, at_hand: Collection[int]) -> set[int]:
         """The circles whose flights are new as a wall has begun to carry one, or has let it go, since last asked.
@@ -147,7 +157,7 @@ class Carrier:
         changed, self._changed = self._changed, set()
         if not changed:
             return changed
-        stand = self._scene.pegs.union(self.walls)
+        stand = self._scene.pegs.union(self.begun)
         falling = [i for i in range(len(self._scene.circles)) if i not in stand]
         others = tuple(i for i in falling if i not in at_hand)
         if others:
@@ -174,6 +184,31 @@ class Carrier:
         for link in found:
             self.carry(link)
         return found
+
+    def slide(
+        self, standing: Mapping[Link, int], fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]
+    ) -> list[int]:
+        """Lets circles slide down slopes, each for ever, that surely meet nothing any more; which these are.
+
+        Args:
+            standing: contacts at gap zero, with the sign of their closing speed.
+            fallen: gives where all circles are at the instant at which one stands.
+            steps: the log.
+        """
+        done: list[int] = []
+        for link in sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link)):
+            i, wall = link.circle, link.wall
+            if i in self.away or i in self._scene.pegs or wall in self._scene.faces or self._sides.level(wall):
+                continue
+            if self._sides.pull(i, wall) < 0 and self._is_alone(link, fallen(i)[1], steps):
+                self._do(Settle(i, wall, True))
+                self.away.add(i)
+                done.append(i)
+        return done
+
+    def _is_alone(self, link: AtWall, rows: Rows, steps: Sequence[Step]) -> bool:
+        with ball.precision(PROOF_BITS):
+            return Incline(self._scene, self._sides, link, rows).meets_nothing(self.away, self.walls, steps)
 
     def carries(self, link: AtWall) -> bool:
         """Whether a wall can carry a circle, and carries it not yet."""
@@ -248,8 +283,9 @@ class Endings:
                     f"{name_of(self.scene, link)} touch, and neither approach nor part, {where}: whether one "
                     "rests on the other, slides along it or flies off is not followed"
                 )
+        slides = SLIDES + (UNPROVED if self.scene.settle else "")
         names = [
-            name_of(self.scene, link) + ("" if self._sides.level(link.wall) else SLIDES)
+            name_of(self.scene, link) + ("" if self._sides.level(link.wall) else slides)
             for link, sign in standing.items()
             if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in stands
         ]
@@ -600,32 +636,3 @@ class Endings:
         span = time - last
         self._spans[i] = (link, time, span if first == inf else first)
         return span * 2.0**SHRUNK < first < inf
-
-
-def true_rows(state: ReplayState[N], time: N) -> list[tuple[N, N, N, N]]:
-    """(x, y, vx, vy) of every circle at a time, in true coordinates."""
-    falling = state.falling
-    rows: list[tuple[N, N, N, N]] = []
-    for body in state.bodies.values():
-        x, y, vx, vy, t, *_ = body.flight
-        if body.index in state.pegs:
-            lag = time - t
-            if (pace := state.paces.get(body.index)) is not None:
-                rows.append((advance(x, pace[0], time), advance(y, pace[1], time), *pace))
-            else:
-                rows.append((x, y, vx, vy) if body.flight.rest else (advance(x, vx, lag), advance(y, vy, lag), vx, vy))
-        elif falling is None:
-            rows.append((advance(x, vx, time - t), advance(y, vy, time - t), vx, vy))
-        elif falling.bent:
-            rows.append(falling.flown((x, y, vx, vy), time - t))
-        else:
-            zero = state.zero
-            rows.append(
-                (
-                    x + vx * (time - t) + sag(zero, zero, falling.hx, time),
-                    y + vy * (time - t) + sag(zero, zero, falling.hy, time),
-                    fall_speed(vx, falling.hx, time),
-                    fall_speed(vy, falling.hy, time),
-                )
-            )
-    return rows

@@ -144,8 +144,11 @@ class Resolver(Generic[N, K]):
         elif instant.hits:
             self._contacts(instant.hits, instant.touches, instant, done)
         if self.carrier is not None:
-            for link in self.carrier.settle({**instant.touches, **done.standing}):
+            standing = {**instant.touches, **done.standing}
+            for link in self.carrier.settle(standing):
                 self.touching.add(link)
+            for i in self.carrier.slide(standing, self.decider.reading.fallen, self.decider.history.steps):
+                self._leave(i, done)
             here = range(self.n) if done.number == 0 else done.advanced | done.moved
             done.moved |= self.carrier.anchored(here)
         if self.scene.pockets:
@@ -176,8 +179,8 @@ class Resolver(Generic[N, K]):
             elif note.last is None:
                 note.last = Mark(done.number, decider.reading.entry_time(link), step, link)
             note.entries.append(Arrived(i, link.pocket, note.last))
-        if done.number == 0 and note.last is None and self.carrier is not None and self.carrier.walls:
-            first = min(self.carrier.walls)  # what settles as time begins is kept
+        if done.number == 0 and note.last is None and self.carrier is not None and self.carrier.begun:
+            first = min(self.carrier.begun)  # what settles as time begins is kept
             note.last = Mark(0, decider.reading.now(bodies[first]), step, first)
         note.knots = [(i, (*decider.reading.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
         return note
@@ -207,8 +210,7 @@ class Resolver(Generic[N, K]):
         found = components([*hits, *touches], self.touching)
         struck = [(coming[0], c) for c in found if (coming := [k for k in c.links if known[k] < 0])]
         struck.sort(key=lambda one: scene_order(one[0]))
-        for link, sign in touches.items():
-            done.standing[link] = sign
+        done.standing.update(touches.items())
         impulses: list[Touch] = []
         taking_part: set[Touch] = set()
         coupled = False
@@ -311,11 +313,8 @@ class Resolver(Generic[N, K]):
             self.decider.ask_cheaply(Coupling(first, second)) != 0
             for k, second in enumerate(links)
             for first in links[:k]
-            if self._share_a_mover(first, second)
+            if any(i in second.circles and not self.scene.circles[i].fixed for i in first.circles)
         )
-
-    def _share_a_mover(self, first: Touch, second: Touch) -> bool:
-        return any(i in second.circles and not self.scene.circles[i].fixed for i in first.circles)
 
     def _keep_lasting(self, rounds: Rounds, lasting: frozenset[Touch]) -> None:
         """Keeps the contacts that last through an instant, and drops those that it ends."""
@@ -368,8 +367,11 @@ class Resolver(Generic[N, K]):
         i = link.circle
         if i not in done.moved and done.number > 0:
             self.decider.do(Go(link, (i,)))
-        done.moved.add(i)
         self.decider.do(Take(i))
+        self._leave(i, done)
+
+    def _leave(self, i: int, done: Resolved[K]) -> None:
+        done.moved.add(i)
         self.gone.add(i)
         for contact in self.touching.all():
             if i in contact.circles:

@@ -293,7 +293,8 @@ class Loop(Generic[N, K]):
             return None
         if self.scene.restitution.sign() == 0:
             return None
-        return None if self.scene.pockets or self.resolver.touching else self.decider.stride
+        out = self.scene.pockets or self.resolver.touching or self.resolver.gone
+        return None if out else self.decider.stride
 
     def _look(self) -> None:
         self.tape.mark(self.history)
@@ -436,7 +437,7 @@ class Loop(Generic[N, K]):
         if endings is None or self._ended is not None:
             return
         carrier = self.resolver.carrier
-        resting = endings.at_rest(standing, () if carrier is None else carrier.walls)
+        resting = endings.at_rest(standing, () if carrier is None else carrier.begun)
         if resting is not None:
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return

@@ -163,11 +163,12 @@ def test_a_corner_and_a_platform_hold_what_comes_to_rest() -> None:
 
 
 def test_a_slope_and_a_stack_end_by_name() -> None:
-    slope = Scene([Circle(0, 9, id="ball")], [Wall(0, 0, 4, -1, id="slope")], gravity=DOWN, restitution=0, settle=True)
+    end, slope = Wall(30, 0, 30, 1, id="end"), Wall(0, 0, 4, -1, id="slope")
+    slope = Scene([Circle(0, 9, id="ball")], [slope, end], gravity=DOWN, restitution=0, settle=True)
     stop = ExactEngine().run(slope, until=9).stop
     told = "at rest: a circle stands on a wall to which gravity pulls it: ball and slope"
     assert stop.reason is StopReason.REST
-    assert stop.message == f"{told}, a slope, on which gravity makes it slide, and that is not followed"
+    assert stop.message == f"{told}, a slope, down which it slides: it is not proved that nothing meets it there"
     level = slope.with_changes(walls=[Wall(0, 0, 4, 0, id="floor")], settle=False)
     assert ExactEngine().run(level, until=9).stop.message == told.replace("slope", "floor")
     on_top = ran([Circle(0, 1, id="low"), Circle(0, 3, id="high")]).stop
