@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -299,6 +299,7 @@ class Transcript:
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.gone: dict[int, float] = {}
+        self._flown: list[list[ReportedFlight]] | None = None
         told = not run.scene.settle or isinstance(motion, FallingMotion)
         self.carries: Callable[[int, Any], bool] | None = (
             (lambda *_: False) if told else getattr(motion, "carries", None)
@@ -413,10 +414,9 @@ class Transcript:
         fixed = [[_middle(self._end(k))] for k in self.scene.ends]
         if isinstance(self._motion, DoubleMotion):
             return [*self._motion.knots, *fixed] if fixed else self._motion.knots
-        flown = [[flight] for flight in self._first()]
-        for instant in self._from_rows():
-            for k, flight in instant.after.items():
-                flown[k].append(flight)
+        if self._flown is None:
+            deque(self._from_rows(), maxlen=0)
+        flown = self._flown or []
         self.carried = {k: {n for n, flight in enumerate(row) if flight.carried} for k, row in enumerate(flown)}
         return [*([_middle(flight) for flight in row] for row in flown), *fixed]
 
@@ -508,9 +508,18 @@ class Transcript:
     # -- from states read at every event
 
     def _from_rows(self) -> Iterator[ReportedInstant]:
-        """By the state after every event: of circles that are in it, or whose velocity is no longer the same."""
-        run, after = self.run, getattr(self._motion, "after", None)
+        """By the state after every event; once all are read, what has flown is known too."""
         flying = self._first()
+        flown = [[flight] for flight in flying]
+        for instant in self._by_rows(flying):
+            for k, flight in instant.after.items():
+                flown[k].append(flight)
+            yield instant
+        self._flown = flown
+
+    def _by_rows(self, flying: list[ReportedFlight]) -> Iterator[ReportedInstant]:
+        """Of each event the circles that are in it, or whose velocity is no longer the same."""
+        run, after = self.run, getattr(self._motion, "after", None)
         turn = None if run.reversal is None else float(run.reversal.time)
         before = len(run.events) if run.reversal is None else run.reversal.after
         at_once = [event.index for event in run.events[:before] if float(event.time) == turn]
