@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, log2
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 import numpy as np
 from flint import arb
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Motion, Trajectory
 
 Indices = tuple[int, int]
 """A contact by index in `Scene.surfaces`: two circles, or circle i and wall or face j - n, n the number of circles."""
@@ -82,14 +82,23 @@ def recorded(trajectory: Trajectory, events: int) -> OrbitRecord:
         if len(set(met)) < len(met):
             twice = next(scene.ids[i] for i in met if met.count(i) > 1)
             raise NoTangentMap(f"event {event.index}: {twice} has several contacts at one instant", event.index)
-        time, states = float(event.time), trajectory.motion.state(event.time)
-        for i in met:
-            x, y, vx, vy = (float(value) for value in states[i])
+        time, rows = float(event.time), _rows(trajectory.motion, met, event.time)
+        for i, row in zip(met, rows, strict=True):
+            x, y, vx, vy = map(float, row)
             flights[i].append((time, x, y, vx, vy))
         links += [_part(scene, part_of, link, flights) for link in mine]
         owners += [event.index] * len(mine)
         times += [time] * len(mine)
     return OrbitRecord(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
+
+
+def _rows(motion: Motion, circles: Sequence[int], time: Any) -> Sequence[Sequence[SupportsFloat]]:
+    """(x, y, vx, vy) of some circles, without the others where the motion can tell."""
+    one: Callable[[int, Any], Sequence[SupportsFloat]] | None = getattr(motion, "circle", None)
+    if one is not None:
+        return [one(i, time) for i in circles]
+    states = motion.state(time)
+    return [states[i] for i in circles]
 
 
 def in_the_frame(scene: Scene, flight: DoubleFlight) -> DoubleFlight:
