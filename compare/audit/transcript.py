@@ -508,37 +508,30 @@ class Transcript:
     # -- from states read at every event
 
     def _from_rows(self) -> Iterator[ReportedInstant]:
-        """By the state after every event; once all are read, what has flown is known too."""
-        flying = self._first()
-        flown = [[flight] for flight in flying]
-        for instant in self._by_rows(flying):
-            for k, flight in instant.after.items():
-                flown[k].append(flight)
-            yield instant
-        self._flown = flown
-
-    def _by_rows(self, flying: list[ReportedFlight]) -> Iterator[ReportedInstant]:
-        """Of each event the circles that are in it, or whose velocity is no longer the same."""
+        """By the state after every event: of circles that are in it, or whose velocity is no longer the same."""
         run, after = self.run, getattr(self._motion, "after", None)
+        flown = [[flight] for flight in self._first()]
         turn = None if run.reversal is None else float(run.reversal.time)
         before = len(run.events) if run.reversal is None else run.reversal.after
         at_once = [event.index for event in run.events[:before] if float(event.time) == turn]
         for index, event in enumerate(run.events):
             if self.wide and index * self._count > WIDE_STATES:
                 self.end = float(run.events[index - 1].time)
-                return
+                break
             mine, now = (index,), float(event.time)
             if turn is not None and now >= turn:
                 if now > turn or index not in at_once:
-                    yield self._read((), run.reversal and run.reversal.time, turn, index, flying, None)
+                    yield self._read((), run.reversal and run.reversal.time, turn, index, flown, None)
                     turn = None
                 else:
                     mine = tuple(at_once)
             if index not in at_once or index == at_once[-1]:
-                yield self._read(mine, event.time, turn, index + 1, flying, after)
+                yield self._read(mine, event.time, turn, index + 1, flown, after)
             turn = None if now == turn and index == at_once[-1] else turn
-        if run.reversal is not None and turn is not None:
-            yield self._read((), run.reversal.time, turn, len(run.events), flying, None)
+        else:
+            if run.reversal is not None and turn is not None:
+                yield self._read((), run.reversal.time, turn, len(run.events), flown, None)
+        self._flown = flown
 
     def _read(
         self,
@@ -546,7 +539,7 @@ class Transcript:
         time: Any,
         turn: float | None,
         made: int,
-        flying: list[ReportedFlight],
+        flown: list[list[ReportedFlight]],
         after: Any,
     ) -> ReportedInstant:
         """An instant by the state that it leaves."""
@@ -560,11 +553,12 @@ class Transcript:
         hit = instant.circles(self._count)
         for k, row in enumerate(rows):
             found = self._flight((time, *row), made, k, time)
-            known = flying[k] if self.fall is None else self.fall.straight(flying[k], found.t, made)
+            last = flown[k][-1]
+            known = last if self.fall is None else self.fall.straight(last, found.t, made)
             same = found.vx.overlaps(known.vx) and found.vy.overlaps(known.vy) and found.carried == known.carried
             if k in hit or turned or (self._moving[k] and not same):
-                instant.before[k] = flying[k]
-                flying[k] = instant.after[k] = found
+                instant.before[k], instant.after[k] = last, found
+                flown[k].append(found)
         return instant
 
     def _flight(self, row: Row, made: int, k: int = 0, since: Any = None) -> ReportedFlight:
