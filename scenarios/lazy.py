@@ -19,7 +19,7 @@ T = TypeVar("T")
 VERSION = "0.1.0"
 
 
-# -- A frozen dataclass for which nothing is compiled before many of its objects are made.
+# -- A frozen dataclass for which nothing is compiled.
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
@@ -27,9 +27,8 @@ def frozen(kind: type[T]) -> type[T]:
     """What `dataclass(frozen=True)` makes of a class, in a tenth of the time: a command makes dozens as it starts.
 
     Python compiles six functions for each class. Here all classes have the methods of `_Frozen`, where they have none
-    of their own; one function is compiled for a class with `OFTEN` objects. `fields`, `replace`, `asdict` and
-    `inspect.signature` take these classes as any dataclass; fields that are given by name alone, or hashed but not
-    compared, are not provided for.
+    of their own. `fields`, `replace`, `asdict` and `inspect.signature` take these classes as any dataclass; fields that
+    are given by name alone, or hashed but not compared, are not provided for.
 
     >>> @frozen
     ... class Place:
@@ -56,73 +55,40 @@ def frozen(kind: type[T]) -> type[T]:
     return kind
 
 
-OFTEN = 100
-"""Objects of a class after which a function is compiled that makes the next ones in half the time."""
-
-
 class _Form:
     """What objects of a class are made of.
 
     Attributes:
+        names: of the fields.
         compared: gives the values by which objects are compared.
-        fill: gives a new object the values of its fields, some by place, some by name.
-        after: whether the class has something to do after that.
     """
 
     def __init__(self, kind: Any) -> None:
-        self._kind, self._made = kind, 0
+        self._kind = kind
         self._fields = fields(kind)
-        self._names = tuple(one.name for one in self._fields)
+        self.names = tuple(one.name for one in self._fields)
         compared = [one.name for one in self._fields if one.compare]
         self.compared: Callable[[Any], tuple[Any, ...]]
         if len(compared) > 1:
             self.compared = attrgetter(*compared)
         else:
             self.compared = lambda each: tuple(getattr(each, name) for name in compared)
-        self.fill: Callable[..., None] = self._filled
-        self.after = hasattr(kind, "__post_init__")
 
-    def _filled(self, each: Any, /, *given: Any, **named: Any) -> None:
-        self._made += 1
-        if self._made == OFTEN:
-            self.fill = self._compiled()
-        rest = self._fields[len(given) :]
-        values = [*given, *(named[one.name] if one.name in named else _default(one) for one in rest)]
-        strange = len(given) > len(self._names) or not named.keys() <= {one.name for one in rest}
-        if strange or any(value is MISSING for value in values):
-            raise TypeError
-        for name, value in zip(self._names, values, strict=True):
-            object.__setattr__(each, name, value)
-
-    def _compiled(self) -> Callable[..., None]:
-        """The same for this class alone, as Python's own dataclasses have it."""
-        known: dict[str, Any] = {"_put": object.__setattr__, "_missing": MISSING}
-        head, body = ["_each", "/"], list[str]()
-        for k, one in enumerate(self._fields):
-            value, name = one.name, one.name
-            if one.default_factory is not MISSING:
-                known[f"_make{k}"] = one.default_factory
-                head.append(f"{name}=_missing")
-                value = f"_make{k}() if {name} is _missing else {name}"
-            elif one.default is not MISSING:
-                known[f"_default{k}"] = one.default
-                head.append(f"{name}=_default{k}")
-            else:
-                head.append(name)
-            body.append(f" _put(_each, {name!r}, {value})")
-        exec(f"def fill({', '.join(head)}):\n" + "\n".join(body or [" pass"]), known)
-        return known["fill"]
-
-    def refuse(self, given: tuple[Any, ...], named: dict[str, Any]) -> None:
-        """Says what is wrong with values that the fields do not take, if something is.
+    def values(self, given: tuple[Any, ...], named: dict[str, Any]) -> list[Any]:
+        """The values of all fields, of which some are given by place, some by name.
 
         Raises:
             TypeError: as a function with these parameters does.
         """
-        try:
-            inspect.signature(self._kind).bind(*given, **named)
-        except TypeError as error:
-            raise TypeError(f"{self._kind.__name__}(): {error}") from None
+        rest = self._fields[len(given) :]
+        values = [*given, *(named[one.name] if one.name in named else _default(one) for one in rest)]
+        strange = len(given) > len(self.names) or not named.keys() <= {one.name for one in rest}
+        if strange or any(value is MISSING for value in values):
+            try:
+                inspect.signature(self._kind).bind(*given, **named)
+            except TypeError as error:
+                raise TypeError(f"{self._kind.__name__}(): {error}") from None
+        return values
 
 
 _form = cache(_Form)
@@ -159,13 +125,11 @@ class _Frozen:
     __signature__ = _Signature()
 
     def __init__(self: Any, *given: Any, **named: Any) -> None:
-        form = _form(self.__class__)
-        try:
-            form.fill(self, *given, **named)
-        except TypeError:
-            form.refuse(given, named)
-            raise
-        if form.after:
+        form, put = _form(self.__class__), object.__setattr__
+        whole = not named and len(given) == len(form.names)
+        for name, value in zip(form.names, given if whole else form.values(given, named), strict=True):
+            put(self, name, value)
+        if hasattr(self, "__post_init__"):
             self.__post_init__()
 
     def __setattr__(self: Any, name: str, value: Any) -> None:
