@@ -117,9 +117,14 @@ def landing_wait(state: Flights[arb], link: Round, end: float) -> arb:
     return found
 
 
-def landing(state: Flights[arb], link: Round, end: float) -> Landing:
-    """As `landing_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out."""
-    at_clock, late, stood = state.peg_fall_at_clock(link), state.faller(link).flight.late, state.stood(link)
+def landing(state: Flights[arb], link: Round, end: float, at_clock: RoundFall[arb] | None = None) -> Landing:
+    """As `landing_wait`: what is known of it. Beyond `end`, reckoned from the instant, it may be left out.
+
+    Args:
+        at_clock: the two at the clock, where that is known already.
+    """
+    at_clock = at_clock or state.peg_fall_at_clock(link)
+    late, stood = state.faller(link).flight.late, state.stood(link)
     fall = at_clock if late is None else at_clock.after(late)
     gap = gap_of(link, fall, stood)
     hollow = link.hollow
@@ -251,8 +256,8 @@ def _holds(low: fmpq, high: fmpq, zero: Isolated) -> bool:
 # carried on from one to the other, if the gap falls throughout where both lie, whatever the state: then there is one.
 
 
-BRIEF_BITS = 320
-"""Of balls that tell where a zero is; twice as many, and so on, sharpen it."""
+BRIEF_BITS = 160
+"""Of balls that tell where a zero is; then it is sharpened with twice as many, and so on."""
 
 GUARD_BITS = 64
 """By which precision is higher than half of what it is next, as a zero is sharpened."""
@@ -286,8 +291,8 @@ def window_of(state: Flights[arb], link: Round) -> Window | None:
     bits = bits_in_use()
     for few in (min(BRIEF_BITS, bits), bits):
         use_bits(few)
-        found = landing(state, link, inf)
         fall = state.peg_fall_at_clock(link)
+        found = landing(state, link, inf, fall)
         use_bits(bits)
         if isinstance(found, arb) and found.is_finite():
             return Window(found, fall, link.hollow)
@@ -304,11 +309,12 @@ def met_beside(state: Flights[arb], link: Round, window: Window, flight: Flown[a
 def zero_beside(fall: RoundFall[arb], start: arb) -> arb | None:
     """The zero of |d + v s - h s^2| - R beside a time, by Newton's rule, to the working precision; None if not told.
 
-    Each step is with twice the bits of the one before, and with a slope of half as many.
+    Each step is with twice the bits of the one before. The last is that of interval Newton, with a slope of half as
+    many, which proves that there is a zero: so nothing has to be known of the steps before.
 
     Args:
         fall: the two at the time 0.
-        start: an interval; the zero is in it, or some radii beside it.
+        start: an interval in which the zero is, or beside it.
 
     >>> from truebreak.exact.numbers.ball import precision
     >>> with precision(2000):
@@ -318,30 +324,26 @@ def zero_beside(fall: RoundFall[arb], start: arb) -> arb | None:
     >>> zero.rel_accuracy_bits() > 1900, off.contains(0), zero_beside(fall, arb("2 +/- 1e-30")) is None
     (True, True, True)
     """
-    bits, middle = bits_in_use(), start.mid()
-    steps = [bits]
+    bits = bits_in_use()
+    half = bits // 2 + GUARD_BITS
+    steps, s = [half], start.mid()
     while steps[-1] > 2 * BRIEF_BITS:
         steps.append(steps[-1] // 2 + GUARD_BITS)
-    wide = start + arb(0, 4) * start.rad() + middle * arb(0, arb((1, 40 - BRIEF_BITS)))
     for step in reversed(steps):
-        for _ in range(MOST_SHARPENINGS):
-            use_bits(step // 2 + GUARD_BITS)
-            slope = fall.after(wide).approach()
-            use_bits(step)
-            middle = wide.mid()
-            there = fall.after(middle)
-            near = middle - there.gap() / (slope + slope)
-            if not wide.contains_interior(near):
-                use_bits(bits)
-                return None
-            wide = near
-            if near.rel_accuracy_bits() > step - 2 * GUARD_BITS:
-                break
-    return wide
-
-
-MOST_SHARPENINGS = 4
-"""Of a zero, with one precision: where there are few bits, and it is not yet known to half of them."""
+        use_bits(step)
+        there = fall.after(s)
+        slope = there.approach()
+        s = (s - there.gap() / (slope + slope)).mid()
+    use_bits(bits)
+    there = fall.after(s)
+    gap = there.gap()
+    use_bits(half)
+    slope = there.approach()
+    wide = s + arb(0, 2) * (gap / slope).abs_upper()
+    slope = fall.after(wide).approach()
+    use_bits(bits)
+    zero = s - gap / (slope + slope)
+    return zero if wide.contains_interior(zero) else None
 
 
 # -- The same in fractions, where the gap of a contact is a polynomial of them: by its factors, and common divisors.
