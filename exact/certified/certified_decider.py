@@ -127,9 +127,9 @@ class Precision:
         if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
         lost = self._state.bits - self._state.lowest
-        self._state.rise(bits, centred)
-        if begun and self._state.bits - self._state.lowest > max(lost, ONCE):
-            centred, bits = False, max(bits, long)  # a set that loses more than balls is given up
+        if begun and not self._state.is_held_in_set(bits, max(lost, ONCE)):
+            begun, centred, bits = False, False, max(bits, long)  # a set that loses more than balls is given up
+        if not begun:
             self._state.rise(bits, centred)
         self._history.rises.append((bits, centred))
 

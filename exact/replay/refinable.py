@@ -18,6 +18,7 @@ from ..numbers import ball
 from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
 from .centred_state import CentredState, lone_contacts
 from .contact import Body, Flight, Link, Touch, can_push, is_pair
+from .landings import Unsharp
 from .state import Flights, Flip, Go, Kick, Lift, ReplayState, Settle, Step, Take, circles_of
 
 FIELD_BITS = 768
@@ -309,6 +310,14 @@ class RefinableState:
         self.lone = lone_contacts(self.balls)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
+
+    def is_held_in_set(self, bits: int, most: int) -> bool:
+        """Computes the balls again in sets, as `rise` does; whether so many bits are lost, at most."""
+        try:
+            self.rise(bits, centred=True)
+        except Unsharp:  # so much is lost that it is not told any more which zero of a quartic a step of the log is
+            return False
+        return self.bits - self.lowest <= most
 
     def _alone(self, k: int) -> Touch | None:
         """The contact of steps k and k + 1, where they were tried in one go, and carried out in balls; else None."""

@@ -1,7 +1,7 @@
 """Exact midpoints and one set of their deviations: every number lies in its ball, and few bits are lost."""
 
 import random
-from math import log
+from math import ldexp, log
 
 import pytest
 from flint import arb
@@ -15,6 +15,7 @@ from truebreak.exact.replay import centred_state
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.contact import AtArc, Pair
+from truebreak.exact.replay.deviations import Deviations
 from truebreak.exact.replay.error_bounds import Collision, Mirror, Spent
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.exact.replay.landings import Window
@@ -413,6 +414,25 @@ def test_a_set_that_doubles_cannot_carry_says_so():
         errors.close()
     with pytest.raises(Spent):
         errors.power_of(errors.bounds.pace[0])
+
+
+@pytest.mark.parametrize("name", ["pinball-table:e=1", "galton:e=1"])
+def test_a_set_that_loses_so_much_that_no_zero_is_told_is_given_up(name, monkeypatch):
+    """With roundings of 2**-9 at each contact: the log cannot be carried out in it at all."""
+    scene = scene_by(name)
+    plain, real, seen = ExactEngine().run(scene, events=200), Deviations.recentre, []
+
+    def rough(held, *given):
+        rounding, doubles = real(held, *given)
+        seen.append(ldexp(1.0, max(-900, -9 - held.errors.shift)))
+        return max(rounding, seen[-1]), doubles
+
+    monkeypatch.setattr(Deviations, "recentre", rough)
+    monkeypatch.setattr(precision, "LONG_BITS", 100)
+    run = ExactEngine().run(scene, events=200)
+    assert seen
+    assert not run.motion.log.centred
+    assert [e.contacts for e in run.events] == [e.contacts for e in plain.events]
 
 
 WEDGE = """\
