@@ -28,7 +28,7 @@ from ..replay.contact import (
     name_of,
     touching_at_start,
 )
-from ..replay.refinable import Projection, RefinableState
+from ..replay.refinable import Projection, RefinableState, rises_in_sets
 from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
 from ..simulation.arc_meetings import arc_contact
 from ..simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record
@@ -127,7 +127,7 @@ class Precision:
         if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
         lost = self._state.bits - self._state.lowest
-        if begun and not self._state.is_held_in_set(bits, max(lost, ONCE)):
+        if begun and not rises_in_sets(self._state, bits, max(lost, ONCE)):
             begun, centred, bits = False, False, max(bits, long)  # a set that loses more than balls is given up
         if not begun:
             self._state.rise(bits, centred)

@@ -311,14 +311,6 @@ class RefinableState:
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
 
-    def is_held_in_set(self, bits: int, most: int) -> bool:
-        """Computes the balls again in sets, as `rise` does; whether so many bits are lost, at most."""
-        try:
-            self.rise(bits, centred=True)
-        except Unsharp:  # so much is lost that it is not told any more which zero of a quartic a step of the log is
-            return False
-        return self.bits - self.lowest <= most
-
     def _alone(self, k: int) -> Touch | None:
         """The contact of steps k and k + 1, where they were tried in one go, and carried out in balls; else None."""
         if k not in self._tried or self._in_field[k] or k + 1 in self._left:
@@ -349,6 +341,15 @@ class RefinableState:
         for i, flight in self._left[k]:
             _enter(state.bodies[i], flight, bits)
             state.outside.discard(i)
+
+
+def rises_in_sets(state: RefinableState, bits: int, most: int) -> bool:
+    """Computes a state's balls again in sets (see `RefinableState.rise`); whether so many bits are lost, at most."""
+    try:
+        state.rise(bits, centred=True)
+    except Unsharp:  # so much is lost that it is not told any more which zero of a quartic a step of the log is
+        return False
+    return state.bits - state.lowest <= most
 
 
 def _project_all(state: CentredState, held: Iterable[tuple[int, Projection]]) -> None:
