@@ -649,10 +649,10 @@ class RoundFalls(Generic[N]):
     # -- contacts at gap zero as a flight begins
 
     def note_stood(self, links: Sequence[Link]) -> None:
-        """Told which contacts are at gap zero, at the instant at which their circles stand."""
+        """Told which contacts are at gap zero, at the instant at which their circles stand; some may not be held."""
         for link in links:
             for i in link.circles:
-                if i in self.pegs:
+                if i in self.pegs or i not in self.bodies:
                     continue
                 last, before = self.bodies[i].flight.last, self.contacts.get(i)
                 mine = frozenset(other for other in links if i in other.circles)

@@ -101,15 +101,15 @@ def test_many_histories_are_those_of_the_referee(block: int) -> None:
 # -- Planted faults: each is found.
 
 
-def light(self: Any, link: Any) -> Any:
+def light(self: Any, *of: Any) -> Any:
     """Gravity is half of what it is."""
-    found = FALL(self, link)
+    found = FALL(self, *of)
     return found._replace(hx=found.hx / 2, hy=found.hy / 2)
 
 
-def other_side(self: Any, link: Any) -> Any:
+def other_side(self: Any, *of: Any) -> Any:
     """Velocity along x has the other sign."""
-    found = SOUND(self, link)
+    found = SOUND(self, *of)
     return found._replace(vx=-found.vx)
 
 
@@ -221,6 +221,17 @@ def test_a_graze_of_other_numbers_is_undecided_and_says_why() -> None:
     assert run.stop.reason is StopReason.UNDECIDED
     assert "ball and peg hit, graze or miss" in run.stop.message
     assert "zero of a quartic, which no field holds" in run.stop.message
+
+
+def test_what_approaches_and_pushes_nothing_is_no_part_of_a_past() -> None:
+    """`idle` is outrun at time 0 by what `hit` pushes: whatever asked for that one's past fell over `idle`."""
+    ball, hit = Circle(0, 0, id="ball"), Circle(0, -2, vy=2, id="hit")
+    idle, far = Circle("-48/25", "-14/25", vx="1/10", id="idle"), Circle("1/2", 3, id="far")
+    peg = Circle(9, 9, 1, m="oo", id="peg")
+    run = ExactEngine().run(Scene([ball, hit, idle, far, peg], gravity=(0, -1)), until=1)
+    assert [event.contacts for event in run.events] == [(("ball", "hit"), ("ball", "idle")), (("ball", "far"),)]
+    assert run.events[0].impulses == (("ball", "hit"),)
+    assert run.final["ball"].y.text() == "-15/32*sqrt(15) + 39/16"
 
 
 @pytest.mark.parametrize("restitution", ["1", "1/2"])
