@@ -238,7 +238,7 @@ def pulls(run: Trajectory, time: float) -> list[tuple[float, float]]:
     for i, circle in enumerate(run.scene.circles):
         begun, slope = slides.get(str(circle.id), (math.inf, (0.0, 0.0)))
         stands = circle.fixed or (carries is not None and carries(i, at))
-        found.append(slope if begun <= time else (0.0, 0.0) if stands else (float(gx), float(gy)))
+        found.append((float(gx), float(gy)) if not stands else slope if begun <= time else (0.0, 0.0))
     return found
 
 

@@ -91,6 +91,10 @@ class DoubleMotion:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
 
 
+Slides: TypeAlias = "Mapping[int, tuple[float, float]]"
+"""Half of what there is of gravity along a slope, by the knots of a circle from which on it slides down that."""
+
+
 def bent(knot: DoubleKnot, time: float, halves: tuple[float, float]) -> DoubleRow:
     """x, y, vx, vy at a time after a knot, with half of what bends the flight.
 
@@ -111,7 +115,7 @@ class FallingMotion(DoubleMotion):
         halves: half of gravity, along x and along y.
         pegs: the circles that stand.
         carried: by circle, its knots from which on a wall carries it, by their place.
-        slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
+        slides: those of them from which on it slides down a slope, with half of what there is of gravity along that.
 
     >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
     >>> motion.state(1.0), motion.sample([2.0]).tolist()
@@ -121,7 +125,7 @@ class FallingMotion(DoubleMotion):
     halves: tuple[float, float] = (0.0, 0.0)
     pegs: Collection[int] = ()
     carried: Mapping[int, frozenset[int]] = field(default_factory=dict[int, frozenset[int]])
-    slides: Mapping[int, tuple[float, float]] = field(default_factory=dict[int, tuple[float, float]])
+    slides: Mapping[int, Slides] = field(default_factory=dict[int, "Slides"])
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
@@ -134,8 +138,8 @@ class FallingMotion(DoubleMotion):
         knot = self.knots[place][number]
         if number not in self.carried.get(place, ()):
             return FallingMotion.flown(self, place, knot, time)
-        slides = place in self.slides and number == len(self.knots[place]) - 1
-        return bent(knot, time, self.slides[place]) if slides else DoubleMotion.flown(self, place, knot, time)
+        slope = self.slides.get(place, {}).get(number)
+        return DoubleMotion.flown(self, place, knot, time) if slope is None else bent(knot, time, slope)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""

@@ -507,7 +507,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         """
         halves = float(falling.hx), float(falling.hy)
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
-        along = {i: (float(bend.hx), float(bend.hy)) for i, bend in slides.items()}
+        along = {i: {len(rows[i]) - 1: (float(bend.hx), float(bend.hy))} for i, bend in slides.items()}
         return FallingMotion(rows, float(end), halves, pegs, carried, along)
 
     def decider(self, scene: Scene, state: ReplayState[F]) -> PlainDecider[F]:

@@ -358,7 +358,8 @@ class Trajectory:
         {'a': (0.0, (4.8, -3.6))}
         """
         walls, (gx, gy) = {wall.id: wall for wall in self.scene.walls}, self.scene.gravity or (ZERO, ZERO)
-        along = [(s, walls[s.wall].along(gx, gy)) for s in self.settlings if s.wall in walls]
+        last = {s.circle: s for s in self.settlings}.values()
+        along = [(s, walls[s.wall].along(gx, gy)) for s in last if s.wall in walls]
         return {s.circle: (float(s.time), (float(x), float(y))) for s, (x, y) in along if x.sign() or y.sign()}
 
     @property

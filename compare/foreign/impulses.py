@@ -302,6 +302,7 @@ class Shelf(NamedTuple):
         nx, ny: of length 1, to the circle.
         ux, uy: of length 1, along it, from its first point to its second.
         length: of a face; infinite of a wall.
+        slope: half of what there is of gravity along it, where it is not level.
     """
 
     place: int
@@ -312,10 +313,11 @@ class Shelf(NamedTuple):
     ux: float
     uy: float
     length: float
+    slope: tuple[float, float] | None
 
 
 class Supports:
-    """The walls and faces that can carry the circles of a scene: those across gravity, to which that pulls them.
+    """The walls and faces that can carry the circles of a scene, or that they slide down: those to which gravity pulls.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> scene = Scene([Circle(0, 3)], [Wall(0, 0, 1, 0), Wall(0, -9, 1, -8)], gravity=(0, -1), settle=True)
@@ -332,8 +334,9 @@ class Supports:
             return
         sides = Sides(whole)
         owners = {wall: place for place, parts in parts_of(scene).items() for wall in parts.faces}
-        for w in filter(sides.level, range(len(whole.walls))):
-            wall = whole.walls[w]
+        for w, wall in enumerate(whole.walls):
+            hx, hy = map(float, wall.along(*(part / 2 for part in scene.gravity or ())))
+            slope = None if sides.level(w) else (hx, hy)
             x0, y0, x1, y1 = (float(v) for v in (wall.x0, wall.y0, wall.x1, wall.y1))
             length, place = math.hypot(x1 - x0, y1 - y0), owners.get(w, count + w)
             for k in range(count):
@@ -341,7 +344,7 @@ class Supports:
                     sign = -1.0 if sides.negative(k, w) else 1.0
                     ux, uy = (x1 - x0) / length, (y1 - y0) / length
                     ends = length if w in whole.faces else math.inf
-                    self.shelves[k].append(Shelf(place, x0, y0, -sign * uy, sign * ux, ux, uy, ends))
+                    self.shelves[k].append(Shelf(place, x0, y0, -sign * uy, sign * ux, ux, uy, ends, slope))
 
     def under(self, k: int, row: Row, share: float, still: float, flown: float = 0.0) -> int | None:
         """The place of what a circle lies on or slides along; None where it neither touches such a thing nor stays.
@@ -352,7 +355,7 @@ class Supports:
             flown: a way, by a share of which places may be off, too.
         """
         x, y, vx, vy = row
-        for place, x0, y0, nx, ny, ux, uy, length in self.shelves[k]:
+        for place, x0, y0, nx, ny, ux, uy, length, _ in self.shelves[k]:
             size = abs(x) + abs(y) + abs(x0) + abs(y0) + self._radii[k] + flown
             foot, off = ux * (x - x0) + uy * (y - y0), nx * (x - x0) + ny * (y - y0) - self._radii[k]
             if (
@@ -362,6 +365,21 @@ class Supports:
             ):
                 return place
         return None
+
+    def slope(self, k: int, place: int, row: Row) -> tuple[float, float] | None:
+        """Half of what there is of gravity along what a circle stands on; None where that is level, or nothing known.
+
+        Args:
+            place: of the wall, segment or polygon.
+            row: x, y, vx, vy: of several faces the nearest one counts.
+        """
+        x, y, radius = *row[:2], self._radii[k]
+        near = [
+            (abs(s.nx * (x - s.x) + s.ny * (y - s.y) - radius), n)
+            for n, s in enumerate(self.shelves[k])
+            if s.place == place
+        ]
+        return self.shelves[k][min(near)[1]].slope if near else None
 
 
 def _normal(part: NearestPart[float]) -> Normal:

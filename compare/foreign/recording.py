@@ -15,6 +15,7 @@ from ...floating.knots import (
     StepFall,
     SteppedEvents,
     SteppedFall,
+    bent,
     step_fall,
 )
 from ...floating.pocket_entries import entries, last_entry
@@ -67,9 +68,11 @@ class RunSoFar:
         left: for each event its time, and how many knots each circle has once it is over.
         reckoned: the events that came without states.
         carried: for each circle the knots from which on a wall carries it, by their place, with the place of the wall.
+        slides: those of them from which on it slides down a slope, with half of what there is of gravity along that.
     """
 
     def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], steps: Steps) -> None:
+        self.supports = Supports(scene)
         self.scene, self._impacts, self._steps = scene, impacts, steps
         self._gravity = None if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
         self._way = self._flights()
@@ -78,6 +81,7 @@ class RunSoFar:
         self.left: list[tuple[float, tuple[int, ...]]] = []
         self.reckoned: set[int] = set()
         self.carried: list[dict[int, int]] = [{} for _ in rows]
+        self.slides: list[dict[int, tuple[float, float]]] = [{} for _ in rows]
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
 
@@ -119,6 +123,8 @@ class RunSoFar:
             if self._impacts.moves(k):
                 if carried is not None and k in carried:
                     self.carried[k][len(self.knots[k])] = carried[k]
+                    if (slope := self.supports.slope(k, carried[k], row)) is not None:
+                        self.slides[k][len(self.knots[k])] = slope
                 self.knots[k].append((now, *row))
 
     def support(self, k: int) -> int | None:
@@ -145,11 +151,12 @@ class RunSoFar:
 
     def rows(self, now: float) -> list[Row]:
         """Where every circle is by its last flight."""
-        straight = DoubleMotion(())
-        return [
-            (self._way if self.support(k) is None else straight).flown(k, row[-1], now)
-            for k, row in enumerate(self.knots)
-        ]
+        straight, found = DoubleMotion(()), list[Row]()
+        for k, row in enumerate(self.knots):
+            slope = self.slides[k].get(len(row) - 1)
+            way = self._way if self.support(k) is None else straight
+            found.append(way.flown(k, row[-1], now) if slope is None else bent(row[-1], now, slope))
+        return found
 
     def rounds(self, now: float) -> float:
         """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
@@ -186,7 +193,8 @@ class RunSoFar:
             carried = {
                 k: frozenset(n for n in told if n < len(knots[k])) for k, told in enumerate(self.carried) if told
             }
-            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, carried, left=left, reckoned=reckoned)
+            slides = dict(enumerate(self.slides))
+            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, carried, slides, left=left, reckoned=reckoned)
         return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 
@@ -395,7 +403,6 @@ class Recording:
         self._course = RunSoFar(scene, self._impacts, rows, Steps(bits, step, fall))
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
         self._now, self._end, self._steps = 0.0, 0.0, 0
-        self._supports = Supports(scene)
         self._unit = 4.0 * 2.0 ** -(53 if bits is None else bits)
         if carried := self._carried_by(0.0, dict(enumerate(rows)), rows):
             self._course.fly(0.0, {k: rows[k] for k in carried}, carried)
@@ -612,7 +619,7 @@ class Recording:
             return told or {}
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *left.values()])
         found = {
-            k: self._supports.under(k, row, max(FLIGHT, self._unit), self._unit * fastest, fastest * now)
+            k: self._course.supports.under(k, row, max(FLIGHT, self._unit), self._unit * fastest, fastest * now)
             for k, row in left.items()
         }
         return {k: wall for k, wall in found.items() if wall is not None and self._impacts.moves(k)}

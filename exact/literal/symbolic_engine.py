@@ -408,7 +408,8 @@ class _Run:
                 side = sign(normal(ux * (a.y - b.y0) - uy * (a.x - b.x0)))
                 along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
                 if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
-                    found.append(" and ".join(_contact(self, pair)))
+                    slides = sign(normal(ux * self.g[0] + uy * self.g[1])) != 0
+                    found.append(" and ".join(_contact(self, pair)) + ", a slope, down which it slides" * slides)
         return " as well as ".join(found)
 
     def _enter(self, lasts: Any, last: bool = False) -> None:

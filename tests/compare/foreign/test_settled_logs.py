@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
 import pytest
 from settle_campaign import drawn
 
@@ -233,3 +234,37 @@ def test_without_settle_nothing_is_carried(tmp_path: Path) -> None:
         logged([{"time": 1, "carried": {"a": "floor"}}], SLIDES.with_changes(settle=False), tmp_path / "log.jsonl")
     with pytest.raises(EngineError, match="carried = None; must be walls by the ids of circles"):
         logged([{"time": 1, "carried": None}], SLIDES, tmp_path / "log.jsonl")
+
+
+SLOPE = Wall(0, 0, 4, -3, id="slope")
+
+
+@pytest.mark.parametrize("told", [{}, {"carried": True}, {"states": False}], ids=["states", "carried", "times alone"])
+def test_logs_of_discs_that_slide_down_slopes(told: Mapping[str, bool], tmp_path: Path) -> None:
+    """Where they are is followed, and no law is said to be broken."""
+    discs = [Circle("3/5", "4/5", id="a"), Circle("27/5", "19/5", vx=1, id="b")]
+    scene = Scene(discs, [SLOPE], gravity=(0, -10), restitution=0, settle=True)
+    run = engine("double").run(scene, until=5)
+    log = logged(lines_of(run, **told), scene, tmp_path / "log.jsonl")
+    found = compare(scene, [log], until=5).candidates[0]
+    assert (found.verdict, audit_run(found.trajectory, log).kept) == ("agree", None)
+    assert settled(found.trajectory) == settled(run)
+    assert np.abs(found.trajectory.at(4.5).array() - run.at(4.5).array()).max() < 1e-9
+    assert found.trajectory.slides.keys() == {"a", "b"}
+
+
+def test_states_on_the_way_down_a_slope_are_no_contacts(tmp_path: Path) -> None:
+    """Of a segment that is one, too: the certified run ends as a disc comes to rest across it, the log goes on."""
+    plank = Segment(0, 0, 40, -30, id="plank")
+    for scene in (
+        Scene([Circle("3/5", "4/5", id="a")], [SLOPE], gravity=(0, -10), restitution=0, settle=True),
+        Scene([Circle("43/5", "-26/5", id="a")], segments=[plank], gravity=(0, -10), restitution=0, settle=True),
+    ):
+        x, y = (float(part) for part in (scene.circles[0].x, scene.circles[0].y))
+        rows = [[x + 2.4 * t * t, y - 1.8 * t * t, 4.8 * t, -3.6 * t] for t in (0.5, 1.0, 1.5)]
+        lines: Lines = [{"time": row[2] / 4.8, "states": {"a": row}} for row in rows]
+        log = logged([*lines, {"end": 2.0}], scene, tmp_path / "log.jsonl")
+        run = log.run(scene)
+        assert not run.events
+        assert run.at(1.75).rows()[0] == pytest.approx([x + 2.4 * 1.75**2, y - 1.8 * 1.75**2, 8.4, -6.3])
+        assert audit_run(run, log).kept is None
