@@ -174,7 +174,7 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     """
     if run.scene.settle and engine.step is not None:
         return Audit(None, "what walls carry is not audited yet in steps")
-    if run.scene.settle and (run.slides or any(getattr(run.motion, "slides", {}).values())):
+    if run.scene.settle and any(getattr(run.motion, "slides", run.slides).values()):
         return Audit(None, "what slides down a slope is not audited yet")
     if run.scene.moving_solid is not None and engine.step is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet in steps")
