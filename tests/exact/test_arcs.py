@@ -30,7 +30,7 @@ from truebreak.compare.chaos.certified_chaos import chaos
 from truebreak.compare.outcomes.outcome import mirror
 from truebreak.compare.validation import unsupported
 from truebreak.exact import ExactEngine, log_symmetry, question
-from truebreak.exact.certified import filtered_arcs
+from truebreak.exact.certified import certified_decider, filtered_arcs
 from truebreak.exact.certified.filtered import DoubleFilter
 from truebreak.exact.certified.filtered_arcs import FloatArc, ShortArcSides
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
@@ -463,10 +463,15 @@ def test_no_run_goes_through_what_begins_or_ends_where_it_is_touched(family):
         assert not found, case.words
 
 
-def test_what_goes_through_an_arc_is_seen(monkeypatch):
-    monkeypatch.setattr(arc_meetings, "_may_go_along", lambda *_: False)
-    case = range_campaign.case_of("arc", 501)
-    _, found = range_campaign.judged(case)
+@pytest.mark.parametrize(
+    ("family", "seed", "sound"),
+    [("arc", 501, "_may_go_along(link, sign)"), ("level", 8, "sign(Gap(link)) == 0 == sign(Approach(link))")],
+)
+def test_what_goes_through_an_arc_is_seen(monkeypatch, family, seed, sound):
+    scope = dict(vars(arc_meetings))
+    exec(inspect.getsource(arc_meetings.arc_contact).replace(sound, "False"), scope)
+    monkeypatch.setattr(certified_decider, "arc_contact", scope["arc_contact"])
+    _, found = range_campaign.judged(range_campaign.case_of(family, seed))
     assert [text.partition(" from ")[0] for text in found] == ["disc0 in bow0"]
 
 
