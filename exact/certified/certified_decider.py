@@ -120,7 +120,7 @@ class Precision:
                 f"{self.where()}; allow more bits to go on"
             )
         self._history.plan["precision raised"] += 1
-        long = LONG_BITS * self._state.balls.costs
+        long = int(LONG_BITS * self._state.balls.costs)
         given_up = any(many >= long and not in_set for many, in_set in self._history.rises)
         centred = self._state.centred or (bits >= long and not (given_up or self._state.scene.settle))
         begun = centred and not self._state.centred

@@ -320,6 +320,7 @@ def watched(
         watch.watching(),
         patch.object(precision, "LONG_BITS", long_bits),
         patch.object(lone_centred, "FALLING_COSTS", 1),
+        patch.object(lone_centred, "ROUND_COSTS", 1),
         patch.object(lone_centred, "CLOSING_COSTS", 1),
         patch.object(decider, "FIRST_BITS", first_bits),
         patch.object(refinable, "FIELD_BITS", FEWEST_BITS),

@@ -191,6 +191,18 @@ def test_every_number_lies_in_its_ball_onto_something_round(name):
     assert max(deviations(scene_by(name).surfaces, 120)) <= 0.0
 
 
+def test_every_number_lies_in_its_ball_at_ends_that_move_under_gravity():
+    plain = catalogue.build("gas:n=4,seed=3").with_changes(until=None, events=None)
+    paddles = (
+        Segment(3, "1/2", 5, 1, vx="1/50", vy="1/90"),
+        Segment(1, "1/2", 2, "1/4", r="1/9", vx="1/40", vy="1/30"),
+    )
+    scene = plain.with_changes(segments=paddles, gravity=("1/7", -1))
+    steps = ExactEngine().run(scene, events=200).motion.log.steps
+    assert sum(isinstance(step, Go) and is_end(scene.surfaces, step.source) for step in steps) > 20
+    assert max(deviations(scene.surfaces, 200)) <= 0.0
+
+
 def test_a_bowl_loses_a_tenth_of_what_balls_do():
     """Next to nothing grows there: what is lost is by the boxes of the set, at the end of each block."""
     scene = catalogue.build("bowl").with_changes(until=None, events=None)
