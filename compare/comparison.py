@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..floating.knots import SteppedEvents
 from ..scenarios.errors import SceneError
-from ..scenarios.pictures import html_table, shown
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS, not_measured, return_miss, separation
@@ -108,6 +107,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
+        from ..scenarios.pictures import html_table, shown
         from .picture import notebook_picture
 
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from verdict_costs import IMPORTED
 
 SHORT_RUN = {
     "compare": "deadline engines scene_argument validation cli.commands.run cli.completion cli.entry cli.options "
@@ -47,6 +48,14 @@ def test_what_a_short_run_loads(engine: str, tmp_path: Path) -> None:
         rooms = {name for name in names if any(one.startswith(f"{name}.") for one in listed)}
         within = {name for name in names if any(f"{name}.".startswith(f"{one}.") for one in listed)}
         assert names == rooms | within, f"{layer}: {sorted(names - rooms - within)}"
+
+
+def test_what_a_comparison_loads_before_its_first_line(tmp_path: Path) -> None:
+    """Not what draws, forecasts, or reads records of others: of runs that agree nothing asks for these."""
+    script = f"import sys, {', '.join(IMPORTED)}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True)
+    spared = "scenarios.pictures compare.chaos.horizon compare.foreign.recording"
+    assert not {"html", "numpy", *(f"truebreak.{name}" for name in spared.split())} & {*done.stdout.split()}
 
 
 @pytest.mark.parametrize("given", [None, "3"])

@@ -12,7 +12,6 @@ from ..alignment.align import UNKNOWING, VERDICTS
 from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
 from ..files.amounts import counted
-from ..foreign.recording import RECORD_ENDS
 from ..outcomes.permitted import PatternRelation
 from ..tangent.growth import error_growth
 
@@ -265,6 +264,8 @@ def until_phrase(candidate: Candidate) -> str | None:
     """How far a run tells outcomes that ends before the span does; None if it tells all of the span."""
     if candidate.until is None:
         return None
+    from ..foreign.recording import RECORD_ENDS
+
     recorded = candidate.trajectory.stop.message.startswith(RECORD_ENDS)
     return f"up to t = {candidate.until:.9g}, where its {'record' if recorded else 'run'} ends"
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ..alignment.walk import history
-from ..chaos.foreseen import foreseen
 from .answers import answers, scene_word, stopped, subject, tone, verdict_line
 from .listing import LEAST_NORMAL, number
 from .output import TextTable, Tinted, console, grid, say
@@ -214,7 +213,12 @@ def _print_answers(comparison: Comparison, verbose: bool, scene: str | None) -> 
     """Where, why, so what, what now; of an engine that agrees, what now alone, as the verdict says the rest."""
     lead = subject(comparison)
     agrees = lead.verdict == "agree" and not stopped(comparison, lead)
-    out, found = console(), answers(comparison, lead, None if agrees else foreseen(comparison, FORESEEN_WORK))
+    ahead = None
+    if not agrees:
+        from ..chaos.foreseen import foreseen
+
+        ahead = foreseen(comparison, FORESEEN_WORK)
+    out, found = console(), answers(comparison, lead, ahead)
     for name, told in (("where", found.where), ("why", found.why), ("so what", found.so_what)):
         if not agrees or (name == "why" and lead.lawless):
             say(out, told, label=f"{name:<10}")
