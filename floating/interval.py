@@ -323,9 +323,13 @@ class IntervalMotion:
             return [len(knots) - 1]
         if isinstance(time, IntervalNumber) and time.instant is not None:
             return [max(bisect_right(knots, time.instant, key=_instant) - 1, 0)]
-        held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
-        sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
-        return [k for k in held if k >= sure] or [0]
+        found: list[int] = []
+        for k in range(len(knots) - 1, -1, -1):
+            if (knots[k][0] > at) is not True:
+                found.append(k)
+                if (knots[k][0] <= at) is True:  # by then it no longer flies as before
+                    break
+        return found[::-1] or [0]
 
     def carries(self, place: int, time: Any) -> bool:
         """Whether a wall certainly carries a circle, by its place in the scene, from a time on."""

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from truebreak.compare.engines import engine
 from truebreak.floating import interval, knots
 from truebreak.floating.knots import DoubleKnot, DoubleMotion
-from truebreak.scenarios import Quantity, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 BOUNCE = DoubleMotion(
     [
@@ -86,3 +86,12 @@ def test_a_run_in_intervals_looks_up_what_stands_once(monkeypatch: pytest.Monkey
     assert run.motion.sample(times).tolist() == each
     hit = sum(len(row) > 1 for row in run.motion.knots)
     assert 0 < len(flown) <= hit * len(times) < len(run.motion.knots)
+
+
+def test_a_time_on_either_side_of_an_event_gets_what_encloses_both() -> None:
+    """In intervals nothing says whether a double is before an event that an interval round it is of."""
+    run = engine("interval").run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]), until=5)
+    [event] = run.events
+    before, after, between = (run.motion.state(time)[0][2] for time in (2.0, event.time, float(event.time)))
+    assert between.low <= after.low < after.high < before.low <= between.high
+    assert run.motion.state(math.nextafter(event.time.high, 5))[0][2].high < before.low
