@@ -269,6 +269,23 @@ def test_a_gap_that_turns_within_a_window_falls_not_throughout():
         assert Window(until, fall, hollow).falls(time) is falls
 
 
+@pytest.mark.parametrize("at_once", [True, False])
+def test_where_a_gap_may_turn_nothing_is_carried(at_once, monkeypatch):
+    """What is looked at holds the truth's zero, and the midpoint's with all that it may be off."""
+    asked, answers = [], [True, False]
+    monkeypatch.setattr(Window, "falls", lambda window, until: asked.append((window, until)) or answers[len(asked) - 1])
+    with ball.precision(400):
+        for carried in answers:
+            state = grazing(arb("1e-9"))
+            if at_once:
+                assert (centred_state.LoneCentred(state).strike(Pair(0, 1), 400, 0) is not None) is carried
+            else:
+                state.go(Pair(0, 1), (0, 1))
+                assert (state._deviations is not None) is carried
+            window, until = asked[-1]
+            assert until.contains(window.wait) and (not carried or until.contains(state.instant))
+
+
 @pytest.mark.parametrize(
     ("name", "events", "balls"), [("wedge:slope=2", 1500, 2.5), ("pinball-table:e=1", 1500, 1.8), ("pegs", 1500, 1.7)]
 )
