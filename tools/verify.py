@@ -772,7 +772,7 @@ class Checker(KeptApart):
         bits = max(max(sharp, default=0) + KEEP, self.few.bits)
         if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
-        found = {c for i in circles & self.movable for c in self.of[i]} - self.known.keys()
+        found = {c for i in circles - self.ball.fixed for c in self.of[i]} - self.known.keys()
         for c in found & self.meets: self.clear(c, self.age)
     def resolve(self, rounds, entry, moved):  # rounds; then entries; then what lasts
         known, pushes, self.count = self.known, {}, self.count + bool(rounds)

@@ -10,7 +10,7 @@ import pytest
 
 from certificate.checkers import both_verify
 from certificate.forging import SAME, TINY, Told, refused_by_both, row, told, witness
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Segment, Wall
 
 FLY = [Circle(0, 0, vx=1), Circle(9, 0)]
 """One flies at the other; they meet at 7, and fly on or not by what is beside them."""
@@ -47,6 +47,15 @@ def an_entry_hidden_by_the_leaving() -> Told:
     cert = told(Scene(circles, pockets=[Pocket(9, 0, 1)]))
     cert["instants"] = [part for part in cert["instants"] if "enter" not in part]
     cert["instants"][-1]["met"].append([0, -1])
+    return cert
+
+
+def through_what_another_hits_later(*things: Circle, **more: Any) -> Told:
+    """A circle flies through something fixed; the flight of that ends only then, as another circle hits it."""
+    through, hits = Circle(-4, -6, vx=4, id="through"), Circle(0, 10, vy=-1, id="hits")
+    cert = told(Scene([through, hits, *things], **more), until=20)
+    assert [part["rounds"] for part in cert["instants"][1:]]
+    cert["scene"]["circles"][0]["y"] = cert["final"]["circles"][0][1] = "0"
     return cert
 
 
@@ -221,6 +230,10 @@ def told_outside_the_ring(key: str) -> Told:
 
 
 LOOPHOLES: dict[str, Callable[[], Told]] = {
+    "through a fixed circle that is hit later": lambda: through_what_another_hits_later(Circle(0, 0, m="oo", id="peg")),
+    "through an end that is hit later": lambda: through_what_another_hits_later(
+        segments=[Segment(0, 0, 0, -4, r="1/4", id="post")]
+    ),
     "a touch at time 0 of one that is struck": a_touch_at_time_0_left_out,
     "a touch at time 0 of two that approach": lambda: a_touch_at_time_0_left_out(vx=-1),
     **{f"meeting {k} of a row of four left out": lambda k=k: in_a_row(k) for k in (1, 2, 3)},
