@@ -538,15 +538,15 @@ LOOPS = (
     Mutant(
         "stride_with_pockets",
         LOOP,
-        "return None if self.scene.pockets or self.resolver.touching else self.decider.stride",
-        "return None if self.resolver.touching else self.decider.stride",
+        "out = self.scene.pockets or self.resolver.touching or self.resolver.gone",
+        "out = self.resolver.touching or self.resolver.gone",
         "strides pass by pockets",
     ),
     Mutant(
         "stride_with_lasting",
         LOOP,
-        "return None if self.scene.pockets or self.resolver.touching else self.decider.stride",
-        "return None if self.scene.pockets else self.decider.stride",
+        "out = self.scene.pockets or self.resolver.touching or self.resolver.gone",
+        "out = self.scene.pockets or self.resolver.gone",
         "strides pass by contacts that last",
     ),
     Mutant(
