@@ -317,7 +317,9 @@ def _check_certifiable(trajectory: Trajectory) -> None:
             f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"
         )
     for circle, (time, _) in trajectory.slides.items():
-        raise CertificateError(f"{circle} slides down a slope from time {time:.9g} on, which they do not know yet")
+        raise CertificateError(
+            f"{circle} slides down a slope from time {time:.9g} on: certificates do not tell that yet"
+        )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
 
