@@ -21,17 +21,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Settling, Stop, StopReason, Trajectory
 from .certified.cascade import TieRule
 from .certified.certified_decider import FIRST_BITS, CertifiedDecider
-from .exact_motion import (
-    START,
-    ExactMotion,
-    ExactValue,
-    RunTime,
-    Source,
-    TimeFormula,
-    ending_of,
-    time_of,
-    time_of_return,
-)
+from .exact_motion import ExactMotion, RunTime
 from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
@@ -42,6 +32,7 @@ from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecord
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy
+from .values import START, ExactValue, Source, TimeFormula, ending_of, time_of, time_of_return
 
 # -- A history carried out again from a saved run gets the numbers and counts that the run had.
 
@@ -435,6 +426,8 @@ class ExactEngine(Declared):
             home = decider.retrace.home
             notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
+        if stop.reason is StopReason.QUIET:
+            motion.wait_for_rest()
         log.events = records if isinstance(records, PackedRecords) else None
         reversal = None
         if history.reversal is not None:
@@ -445,7 +438,7 @@ class ExactEngine(Declared):
             parameters={"max_bits": self.max_bits, "ties": self.ties, "work": self.work},
             events=Late(len(records), lambda: _events(log, records)),
             stop=stop,
-            final_time=end,
+            final_time=motion.end,
             motion=motion,
             reversal=reversal,
             pocketings=tuple(
@@ -465,14 +458,17 @@ class ExactEngine(Declared):
 def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
     """Where walls began to carry circles, told by the log; not where one was let fall and carried on at one instant."""
     log, knots = motion.log, motion.knots
-    found: list[tuple[int, int, Settling]] = []
+    found: list[tuple[float, int, Settling]] = []
     for k, step in enumerate(log.steps if log.given.settle else (), start=1):
         if isinstance(step, Settle):
             i, row = step.body, knots[step.body]
             at = bisect_left(row, k, key=itemgetter(5))
             if at == 0 or not log.carries(i, row[at - 1][5]):
                 circle, wall = contact_of(log.scene, AtWall(i, step.wall))
-                found.append((row[at][6], i, Settling(circle, wall, motion.knot_time(i, at))))
+                begun, end = motion.knot_time(i, at), motion.bounced(i, at)
+                time, since = (begun, None) if end is None else (end, begun)
+                if motion.reaches(time):
+                    found.append((float(time), i, Settling(circle, wall, time, since)))
     return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1)))
 
 

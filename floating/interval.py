@@ -29,14 +29,17 @@ from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain import PlainDecider, PlainState, carried_knots, run_plain
+from .plain import LastBounces, PlainDecider, PlainState, bounced_knots, carried_knots, run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
 QUARTIC_BITS = 64
 """Least precision at which the zeros of quartics are told apart."""
 
+WHOLE = Quantity.of(1)
+
 ZERO: Any = mpmath.iv.mpf(0)
+ONE: Any = mpmath.iv.mpf(1)
 """An interval already: what mpmath must convert first, it converts where a Ctrl-C would be dropped."""
 
 
@@ -269,6 +272,8 @@ class IntervalMotion:
         pegs: the circles that stand under it.
         carried: by circle, its knots from which on a wall carries it, by their place.
         slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
+        bounced: by circle, its knots before which infinitely many bounces come, with these.
+        e: the restitution.
     """
 
     def __init__(
@@ -280,13 +285,15 @@ class IntervalMotion:
         pegs: Collection[int] = (),
         carried: Mapping[int, frozenset[int]] | None = None,
         slides: Mapping[int, Gravity[Any]] | None = None,
+        bounced: Mapping[int, Mapping[int, LastBounces[Any]]] | None = None,
+        e: Quantity = WHOLE,
     ) -> None:
         self.knots = knots
         self.bits = bits
         self.end = end
         self.falling = falling
-        self.pegs = pegs
-        self.carried, self.slides = carried or {}, slides or {}
+        self.pegs, self.e = pegs, e
+        self.carried, self.slides, self.bounced = carried or {}, slides or {}, bounced or {}
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -313,6 +320,9 @@ class IntervalMotion:
                     _flown(knots[k], at, falling if k not in carried else last if k == len(knots) - 1 else None)
                     for k in self._places(i, time, at)
                 ]
+                for k in self._places(i, time, at):
+                    if k in self.bounced.get(i, {}):
+                        ways += _beside(self.bounced[i][k], at, ways, self.e)
                 rows.append(tuple(map(IntervalNumber, _hull(ways))))
             return rows
 
@@ -360,6 +370,17 @@ def _flown(knot: tuple[Any, ...], time: Any, falling: Gravity[Any] | None) -> tu
     if falling is not None:
         return falling.flown((x, y, vx, vy), time - t)
     return advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
+
+
+def _beside(known: LastBounces[Any], at: Any, ways: list[tuple[Any, ...]], e: Quantity) -> list[tuple[Any, ...]]:
+    """How far a circle may be beside its ways along a wall while it bounces on it, and how fast across it."""
+    if (at >= known.until) is True:
+        return []
+    line, up = known.line, known.speed / known.line.nn
+    height = up * (known.until - known.start) * (ONE - enclosure(e)) / 4
+    across = _hull([(ZERO, -up), (height, up)])
+    beside = [part * wide for wide in across for part in (line.nx, line.ny)]
+    return [tuple(one + other for one, other in zip(way, beside, strict=True)) for way in ways]
 
 
 def _hull(states: list[tuple[Any, ...]]) -> list[Any]:
@@ -430,7 +451,15 @@ class IntervalEngine(EventDriven):
                 {"bits": self.bits},
                 decider,
                 lambda knots, end: IntervalMotion(
-                    knots, self.bits, end, state.falling, pegs, carried_knots(decider.history), state.slides
+                    knots,
+                    self.bits,
+                    end,
+                    state.falling,
+                    pegs,
+                    carried_knots(decider.history),
+                    state.slides,
+                    bounced_knots(state, decider.history),
+                    scene.restitution,
                 ),
                 IntervalNumber,
                 until=until,

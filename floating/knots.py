@@ -107,6 +107,53 @@ def bent(knot: DoubleKnot, time: float, halves: tuple[float, float]) -> DoubleRo
     return x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag
 
 
+def beside(row: DoubleRow, bounces: Bounces, time: float) -> DoubleRow:
+    """A circle that bounces so at a time, from where it would be along the wall."""
+    x, y, vx, vy = (one + other for one, other in zip(row, bounces.beside(time), strict=True))
+    return x, y, vx, vy
+
+
+class Bounces(NamedTuple):
+    """The infinitely many bounces of a circle on a wall, ever lower, of which an engine tells the first alone.
+
+    Attributes:
+        start: the time of that.
+        until: when they have come to their end.
+        nx, ny: the unit normal of the wall, to the circle's side.
+        speed: along it, after the first.
+        e: the restitution.
+    """
+
+    start: float
+    until: float
+    nx: float
+    ny: float
+    speed: float
+    e: float
+
+    @property
+    def highest(self) -> float:
+        """How high the circle comes over the wall: after a bounce with speed v under a pull a that is v^2 / (2 a)."""
+        return self.speed * (self.until - self.start) * (1.0 - self.e) / 4.0
+
+    def beside(self, time: float) -> DoubleRow:
+        """By how much place and velocity at a time are beside those along the wall.
+
+        >>> fall = Bounces(start=1.0, until=3.0, nx=0.0, ny=1.0, speed=4.0, e=0.5)  # v = 4, 2, 1, ... under a pull of 8
+        >>> fall.beside(1.5), fall.beside(2.25), fall.beside(3.0)
+        ((0.0, 1.0, 0.0, 0.0), (0.0, 0.25, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
+        """
+        span = self.until - self.start
+        left = (self.until - time) / span if span > 0.0 else 0.0
+        if not 0.0 < left <= 1.0:
+            return 0.0, 0.0, 0.0, 0.0
+        part = self.e ** math.floor(math.log(left) / math.log(self.e))
+        up, lag = self.speed * part, (part - left) * span
+        pull = 2.0 * self.speed / (span * (1.0 - self.e))
+        height, rise = max((up - pull * lag / 2.0) * lag, 0.0), up - pull * lag
+        return self.nx * height, self.ny * height, self.nx * rise, self.ny * rise
+
+
 @dataclass(frozen=True)
 class FallingMotion(DoubleMotion):
     """The same under gravity: flights between knots are parabolas.
@@ -116,6 +163,7 @@ class FallingMotion(DoubleMotion):
         pegs: the circles that stand.
         carried: by circle, its knots from which on a wall carries it, by their place.
         slides: those of them from which on it slides down a slope, with half of what there is of gravity along that.
+        bounced: those of them before which infinitely many bounces come, with these.
 
     >>> motion = FallingMotion([[(0.0, 0.0, 8.0, 1.0, 0.0)]], halves=(0.0, -2.0))
     >>> motion.state(1.0), motion.sample([2.0]).tolist()
@@ -126,6 +174,7 @@ class FallingMotion(DoubleMotion):
     pegs: Collection[int] = ()
     carried: Mapping[int, frozenset[int]] = field(default_factory=dict[int, frozenset[int]])
     slides: Mapping[int, Slides] = field(default_factory=dict[int, "Slides"])
+    bounced: Mapping[int, Mapping[int, Bounces]] = field(default_factory=dict[int, Mapping[int, Bounces]])
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
@@ -139,7 +188,9 @@ class FallingMotion(DoubleMotion):
         if number not in self.carried.get(place, ()):
             return FallingMotion.flown(self, place, knot, time)
         slope = self.slides.get(place, {}).get(number)
-        return DoubleMotion.flown(self, place, knot, time) if slope is None else bent(knot, time, slope)
+        row = DoubleMotion.flown(self, place, knot, time) if slope is None else bent(knot, time, slope)
+        bounces = self.bounced.get(place, {}).get(number)
+        return row if bounces is None else beside(row, bounces, time)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""

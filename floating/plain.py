@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
-from math import inf
+from math import hypot, inf
 from operator import itemgetter
-from typing import Any, ClassVar, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, SupportsFloat, TypeAlias, TypeVar
 
 from flint import arb
 
@@ -25,6 +25,7 @@ from ..exact.replay.contact import (
 )
 from ..exact.replay.landings import told_wait
 from ..exact.replay.state import Lift, ReplayState, Settle, Step, Take
+from ..exact.replay.wall_flights import SeenWall
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.endings import Accumulating, Rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
@@ -37,7 +38,7 @@ from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, Settling, StopReason, Trajectory
-from .knots import DoubleMotion, FallingMotion
+from .knots import Bounces, DoubleMotion, FallingMotion
 from .plain_meetings import PlainMeetings
 
 # -- The state of a run in finite precision.
@@ -57,10 +58,10 @@ class PlainState(ReplayState[M]):
         """See `Flights.surely_falls`."""
         return bool(speed < self.zero)
 
-    def settle(self, index: int, wall: int, slides: bool) -> None:
+    def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
         """See `ReplayState.settle`; at a wall along an axis a circle is put where the wall has it, to the last bit."""
         x, y, vx, vy, *_ = self.bodies[index].flight
-        super().settle(index, wall, slides)
+        super().settle(index, wall, slides, bounces)
         body, line, zero = self.bodies[index], self.line(index, wall), self.zero
         flight, level, upright = body.flight, *(part.sign() == 0 for part in self.scene.walls[wall].normal)
         if level:
@@ -338,7 +339,7 @@ def run_plain(
     parameters: Mapping[str, Any],
     decider: PlainDecider[M],
     motion: Callable[[Sequence[Sequence[Passed[M]]], Real], Motion],
-    shown: Callable[[M, int], Real],
+    shown: Callable[[M, int | None], Real],
     *,
     until: QuantityLike | None,
     events: int | None,
@@ -360,7 +361,7 @@ def run_plain(
     inner = decider.scene
     made = Loop(inner, decider, limits, progress, policy) if loop is None else loop(limits)
     stop = made.run()
-    ending = None
+    ending, bounced = None, bounced_knots(decider.state, decider.history)
     if made.endings is not None and made.endings.found is not None:
         ending = shown(made.endings.found(decider.state), 0)
     ids, history, finish, named = scene.ids, decider.history, decider.finish, NamedContacts(inner)
@@ -394,6 +395,9 @@ def run_plain(
         end = at(history.last) if history.last is not None and late else limits.until  # rounded up, it let this in
     else:
         end = shown(decider.state.zero, 0) if history.last is None else at(history.last)
+        if stop.reason is StopReason.QUIET:
+            ends = (shown(known.until, None) for row in bounced.values() for known in row.values())
+            end = max((end, *ends), key=float)
     decider.close()
     return Trajectory(
         scene=scene,
@@ -409,7 +413,7 @@ def run_plain(
         ),
         plan=dict(sorted(history.plan.items())),
         ending=ending,
-        settlings=tuple(_settlings(inner, history, at)),
+        settlings=tuple(s for s in _settlings(inner, history, bounced, shown) if float(s.time) <= float(end)),
     )
 
 
@@ -430,22 +434,64 @@ def carried_knots(history: History[M]) -> dict[int, frozenset[int]]:
     return found
 
 
-def _settlings(scene: Scene, history: History[M], at: Callable[[Mark[M]], Real]) -> Iterator[Settling]:
+class LastBounces(NamedTuple, Generic[M]):
+    """Infinitely many bounces of a circle on a wall that come to an end.
+
+    Attributes:
+        start, until: when the first of them is, which is listed, and when they have all happened.
+        speed: after the first, in the scale of the wall's normal.
+        line: the wall as the circle sees it.
+    """
+
+    start: M
+    until: M
+    speed: M
+    line: SeenWall[M]
+
+
+def bounced_knots(state: ReplayState[M], history: History[M]) -> dict[int, dict[int, LastBounces[M]]]:
+    """For each circle that settles after infinitely many bounces: those, by the place of the knot that comes after."""
+    found: dict[int, dict[int, LastBounces[M]]] = {}
+    falls, e = state.falling, state.scene.restitution
+    for k, step in enumerate(history.steps, 1):
+        if isinstance(step, Settle) and step.bounces:
+            row = history.knots[step.body]
+            place = next(n for n, knot in enumerate(row) if knot[5] >= k)
+            start, _, _, vx, vy, *_ = row[place - 1]
+            line = state.line(step.body, step.wall)
+            assert falls is not None
+            assert falls.bent
+            speed, half = line.nx * vx + line.ny * vy, line.nx * falls.hx + line.ny * falls.hy
+            until = start - speed / (half * state.constant(1 - e))
+            found.setdefault(step.body, {})[place] = LastBounces(start, until, speed, line)
+    return found
+
+
+def _settlings(
+    scene: Scene,
+    history: History[M],
+    bounced: Mapping[int, Mapping[int, LastBounces[M]]],
+    shown: Callable[[M, int | None], Real],
+) -> Iterator[Settling]:
     """Where walls began to carry circles; not where one was let fall and carried on at one instant."""
     if not scene.settle:
         return
     walls = {k: (step.body, step.wall) for k, step in enumerate(history.steps, 1) if isinstance(step, Settle)}
-    rows: list[tuple[int, int, int, M, int]] = []
+    rows: list[tuple[float, int, int, Real, Real | None]] = []
     for body, places in carried_knots(history).items():
         row = history.knots[body]
         for place in sorted(places):
             time, step, number = row[place][0], row[place][5], row[place][6]
             wall = next(w for k in range(step, 0, -1) if k in walls for i, w in (walls[k],) if i == body)
             if place == 0 or place - 1 not in places:
-                rows.append((number, body, wall, time, step))
-    for number, body, wall, time, step in sorted(rows, key=itemgetter(0, 1)):
+                last, since = bounced.get(body, {}).get(place), None
+                when = shown(time, number)
+                if last is not None:
+                    when, since = shown(last.until, None), when
+                rows.append((float(when), body, wall, when, since))
+    for _, body, wall, when, since in sorted(rows, key=itemgetter(0, 1)):
         circle, name = contact_of(scene, AtWall(body, wall))
-        yield Settling(circle, name, at(Mark(number, time, step, body)))
+        yield Settling(circle, name, when, since)
 
 
 # -- What event-driven engines without certainty share: the event loop, fed numbers of one system that always answers.
@@ -456,6 +502,18 @@ class Counted(Ordered, SupportsFloat, Protocol):
 
 
 F = TypeVar("F", bound=Counted)
+
+
+def in_doubles(found: Mapping[int, Mapping[int, LastBounces[F]]], e: float) -> dict[int, dict[int, Bounces]]:
+    """Bounces that come to an end, as a motion in doubles shows them."""
+
+    def told(known: LastBounces[F]) -> Bounces:
+        start, until, speed, line = float(known.start), float(known.until), float(known.speed), known.line
+        nx, ny = float(line.nx), float(line.ny)
+        length = hypot(nx, ny)
+        return Bounces(start, until, nx / length, ny / length, speed / length, e)
+
+    return {i: {place: told(known) for place, known in row.items()} for i, row in found.items()}
 
 
 class EventEngine(EventDriven, ABC, Generic[F]):
@@ -500,22 +558,24 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
         slides: Mapping[int, Gravity[F]],
+        bounced: Mapping[int, Mapping[int, Bounces]],
     ) -> Motion:
         """As `motion`, under gravity; some circles stand, and some walls carry, from these of their knots on.
 
-        Some slide down a slope from their last knot on, with what there is of half of gravity along that.
+        Some slide down a slope from their last knot on, with what there is of half of gravity along that. Some bounce
+        infinitely often first.
         """
         halves = float(falling.hx), float(falling.hy)
         rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
         along = {i: {len(rows[i]) - 1: (float(bend.hx), float(bend.hy))} for i, bend in slides.items()}
-        return FallingMotion(rows, float(end), halves, pegs, carried, along)
+        return FallingMotion(rows, float(end), halves, pegs, carried, along, bounced)
 
     def decider(self, scene: Scene, state: ReplayState[F]) -> PlainDecider[F]:
         """What decides, of a state in these numbers."""
         return PlainDecider(scene, state, self.numbers)
 
-    def shown(self, time: F, instant: int) -> Real:
-        """A time of the trajectory, from a number and the number of its instant."""
+    def shown(self, time: F, instant: int | None) -> Real:
+        """A time of the trajectory, from a number and the number of its instant, if it is that of one."""
         return Double(float(time))
 
     def run(
@@ -556,7 +616,8 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         def fallen(knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
             assert falling is not None
             carried, slides = carried_knots(decider.history), state.slides
-            return self.fallen_motion(knots, end, falling, inner.pegs, carried, slides)
+            bounced = in_doubles(bounced_knots(state, decider.history), float(scene.restitution))
+            return self.fallen_motion(knots, end, falling, inner.pegs, carried, slides, bounced)
 
         return run_plain(
             scene,

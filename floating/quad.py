@@ -22,6 +22,7 @@ from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion
+from .knots import Bounces, beside
 from .plain import EventEngine, Passed, PlainDecider
 
 if TYPE_CHECKING:
@@ -172,14 +173,14 @@ class QuadTime(Double):
 
     Attributes:
         value: all of its 106 bits.
-        instant: the number of its instant.
+        instant: the number of its instant; None of the end of infinitely many bounces.
     """
 
     value: DoubleDouble
-    instant: int
+    instant: int | None
 
     @classmethod
-    def of(cls, value: DoubleDouble, instant: int) -> QuadTime:
+    def of(cls, value: DoubleDouble, instant: int | None) -> QuadTime:
         """The time of an instant."""
         time = cls(value.hi)
         time.value, time.instant = value, instant
@@ -196,6 +197,7 @@ class QuadMotion:
         pegs: the circles that stand under it.
         carried: by circle, its knots from which on a wall carries it, by their place.
         slides: what there is of half of gravity along the slope that a circle slides down from its last knot on.
+        bounced: by circle, its knots before which infinitely many bounces come, with these.
     """
 
     def __init__(
@@ -206,12 +208,13 @@ class QuadMotion:
         pegs: Collection[int] = (),
         carried: Mapping[int, frozenset[int]] | None = None,
         slides: Mapping[int, Gravity[DoubleDouble]] | None = None,
+        bounced: Mapping[int, Mapping[int, Bounces]] | None = None,
     ) -> None:
         self.knots = knots
         self.end = end
         self.falling = falling
         self.pegs = pegs
-        self.carried, self.slides = carried or {}, slides or {}
+        self.carried, self.slides, self.bounced = carried or {}, slides or {}, bounced or {}
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
@@ -229,11 +232,10 @@ class QuadMotion:
             lag = at - t
             falls = i not in self.pegs and k not in self.carried.get(i, ())
             bend = self.falling if falls else self.slides.get(i) if k == len(knots) - 1 else None
-            if bend is not None:
-                x, y, vx, vy = map(float, bend.flown((x, y, vx, vy), lag))
-                rows.append((x, y, vx, vy))
-                continue
-            rows.append((float(advance(x, vx, lag)), float(advance(y, vy, lag)), float(vx), float(vy)))
+            flown = (advance(x, vx, lag), advance(y, vy, lag), vx, vy)
+            x, y, vx, vy = map(float, flown if bend is None else bend.flown((x, y, vx, vy), lag))
+            bounces = self.bounced.get(i, {}).get(k)
+            rows.append((x, y, vx, vy) if bounces is None else beside((x, y, vx, vy), bounces, float(at)))
         return rows
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
@@ -259,7 +261,7 @@ def _time(knot: Passed[DoubleDouble]) -> DoubleDouble:
 
 def _place(knots: Sequence[Passed[DoubleDouble]], time: SupportsFloat, at: DoubleDouble) -> int:
     """The knot from which on a circle flies at a time."""
-    if isinstance(time, QuadTime):
+    if isinstance(time, QuadTime) and time.instant is not None:
         return max(bisect_right(knots, time.instant, key=_instant) - 1, 0)
     return max(bisect_right(knots, at, key=_time) - 1, 0)
 
@@ -427,10 +429,11 @@ class QuadEngine(EventEngine[DoubleDouble]):
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
         slides: Mapping[int, Gravity[DoubleDouble]],
+        bounced: Mapping[int, Mapping[int, Bounces]],
     ) -> Motion:
         """See `EventEngine.fallen_motion`."""
-        return QuadMotion(knots, end, falling, pegs, carried, slides)
+        return QuadMotion(knots, end, falling, pegs, carried, slides, bounced)
 
-    def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
+    def shown(self, time: DoubleDouble, instant: int | None) -> QuadTime:
         """See `EventEngine.shown`."""
         return QuadTime.of(time, instant)

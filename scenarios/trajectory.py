@@ -140,11 +140,13 @@ class Settling:
         circle: the circle's id.
         wall: the wall's id.
         time: the instant.
+        since: where infinitely many bounces come before that, the time of the last that the run lists; None elsewhere.
     """
 
     circle: str
     wall: str
     time: Real
+    since: Real | None = None
 
 
 # -- What a run gives back: events, the reason it stopped, and the motion between them.

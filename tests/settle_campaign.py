@@ -3,6 +3,7 @@
 python tests/settle_campaign.py --scenes 2000 --first 0      # counts, and every scene that differs
 python tests/settle_campaign.py --scenes 2000 --engines      # engines of finite precision against the certified run
 python tests/settle_campaign.py --scenes 2000 --guises       # mirrored, in another order, seen from another frame
+python tests/settle_campaign.py --scenes 2000 --bounces      # with bounces that come to an end; for each of these
 """
 
 from __future__ import annotations
@@ -10,7 +11,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import TypeAlias
@@ -24,12 +27,13 @@ from peg_referee import NotForThis
 from settle_referee import SettleReferee
 
 from truebreak.exact import ExactEngine
+from truebreak.exact.simulation import endings
 from truebreak.floating import DoubleEngine, IntervalEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.trajectory import StopReason, Trajectory
 
-EVENTS = 24
-NEAR, AFTER = mpf(10) ** -30, mpf(10) ** -45
+EVENTS, MORE = 24, 200
+NEAR, AFTER, ALIKE = mpf(10) ** -30, mpf(10) ** -45, mpf(10) ** -55
 
 
 def drawn(seed: int) -> Scene | None:
@@ -64,13 +68,38 @@ def drawn(seed: int) -> Scene | None:
         return None
 
 
+def bouncing(seed: int) -> Scene | None:
+    """The same with a restitution at which bounces come to an end soon."""
+    scene = drawn(seed)
+    e = Random(f"bouncing {seed}").choice(("1/2", "1/5", "1/10", "3/10", "sqrt(2)/4"))
+    return None if scene is None else scene.with_changes(restitution=e)
+
+
 def differs(run: Trajectory, scene: Scene) -> str:
     """What of a certified run is otherwise in the referee's; nothing where all is as it is there."""
     with workdps(DIGITS):
         end = mpf(run.final_time.digits(DIGITS)) if hasattr(run.final_time, "digits") else mpf(str(run.final_time))
-        did = SettleReferee(scene).run(end + AFTER, len(run.events) + 8)
+        did = SettleReferee(scene).run(
+            end + AFTER, len(run.events) + (8 if scene.restitution.sign() == 0 else 600 + 29 * len(run.events))
+        )
         mine = [(mpf(event.time.digits(60)), {tuple(sorted(link)) for link in event.impulses}) for event in run.events]
-        theirs = [(time, {tuple(sorted(link)) for link in links}) for time, links in did.hits if time <= end + AFTER]
+        untold = [
+            (mpf(s.since.digits(80)) + ALIKE, mpf(s.time.digits(80)) + NEAR, tuple(sorted((s.circle, s.wall))))
+            for s in run.settlings
+            if s.since is not None
+        ]
+        theirs = [
+            (time, found)
+            for time, links in did.hits
+            if time <= end + AFTER
+            and (
+                found := {
+                    link
+                    for link in map(tuple, map(sorted, links))
+                    if not any(since < time < rest and link == both for since, rest, both in untold)
+                }
+            )
+        ]
         for k, (one, other) in enumerate(zip(mine, theirs, strict=False)):
             if abs(one[0] - other[0]) > NEAR or one[1] != other[1]:
                 return f"event {k}: {float(one[0])!r} {one[1]} against {float(other[0])!r} {other[1]}"
@@ -92,15 +121,16 @@ def differs(run: Trajectory, scene: Scene) -> str:
     return ""
 
 
-def examined(seed: int, counts: Counter[str]) -> str:
+def examined(seed: int, counts: Counter[str], draw: Callable[[int], Scene | None] = drawn) -> str:
     """What differs in one scene; its stop is counted."""
-    scene = drawn(seed)
+    scene = draw(seed)
     if scene is None:
         counts["no scene"] += 1
         return ""
-    run = ExactEngine(work=300_000).run(scene, until=12, events=EVENTS)
+    run = ExactEngine(work=300_000).run(scene, until=12, events=EVENTS if draw is drawn else MORE)
     counts[run.stop.reason.name] += 1
     counts["settlings"] += len(run.settlings)
+    counts["after infinitely many bounces"] += sum(s.since is not None for s in run.settlings)
     counts["events"] += len(run.events)
     if run.stop.reason is StopReason.UNDECIDED:
         counts["undecided: " + run.stop.message.split("proved: ")[1].split(",")[0][:40]] += 1
@@ -181,20 +211,21 @@ def contradicts(run: Trajectory, true: Trajectory) -> str:
     return ""
 
 
-def engines_differ(seed: int, counts: Counter[str]) -> str:
+def engines_differ(seed: int, counts: Counter[str], draw: Callable[[int], Scene | None] = drawn) -> str:
     """What engines of finite precision have otherwise than the certified run, in one scene."""
-    scene = drawn(seed)
+    scene = draw(seed)
     if scene is None:
         return ""
-    true, found = ExactEngine(work=300_000).run(scene, until=12, events=EVENTS), list[str]()
+    most = EVENTS if draw is drawn else MORE
+    true, found = ExactEngine(work=300_000).run(scene, until=12, events=most), list[str]()
     for engine in FLOATS:
-        run = engine.run(scene, until=12, events=EVENTS if engine.bits >= 53 else FEW)
+        run = engine.run(scene, until=12, events=most if engine.bits >= 53 else FEW)
         counts[f"{engine.name}: {run.stop.reason.name}"] += 1
         counts[f"{engine.name}: settlings"] += len(run.settlings)
         if what := strays(run, true, LATE if engine.name == "single" else 1e-5):
             found.append(f"{engine.name}: {what}")
     for engine in INTERVALS:
-        run = engine.run(scene, until=12, events=EVENTS)
+        run = engine.run(scene, until=12, events=most)
         name = f"interval of {engine.bits} bits"
         counts[f"{name}: {run.stop.reason.name}"] += 1
         counts[f"{name}: events"] += len(run.events)
@@ -203,12 +234,13 @@ def engines_differ(seed: int, counts: Counter[str]) -> str:
     return "; ".join(found)
 
 
-def guises_differ(seed: int, counts: Counter[str]) -> str:
+def guises_differ(seed: int, counts: Counter[str], draw: Callable[[int], Scene | None] = drawn) -> str:
     """What of a certified run is otherwise in the mirror, in another order, or seen from another frame."""
-    scene = drawn(seed)
+    scene = draw(seed)
     if scene is None:
         return ""
-    run = ExactEngine(work=300_000).run(scene, until=6, events=EVENTS)
+    most = EVENTS if draw is drawn else MORE
+    run = ExactEngine(work=300_000).run(scene, until=6, events=most)
     mirrored = scene.with_changes(
         circles=[replace(c, x=-c.x, vx=-c.vx) for c in scene.circles],
         walls=[replace(w, x0=-w.x0, x1=-w.x1) for w in scene.walls],
@@ -218,7 +250,7 @@ def guises_differ(seed: int, counts: Counter[str]) -> str:
         pace = Quantity.of("7/5")
         guises["moving"] = scene.with_changes(circles=[replace(c, vx=c.vx + pace) for c in scene.circles])
     for name, guise in guises.items():
-        other = ExactEngine(work=300_000).run(guise, until=6, events=EVENTS)
+        other = ExactEngine(work=300_000).run(guise, until=6, events=most)
         if StopReason.UNDECIDED in (run.stop.reason, other.stop.reason):
             counts[f"{name}: undecided"] += 1
             continue
@@ -241,8 +273,16 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--engines", action="store_true", help="engines of finite precision, too")
     parser.add_argument("--guises", action="store_true", help="scenes in other guises")
+    parser.add_argument("--bounces", action="store_true", help="with bounces that come to an end")
+    parser.add_argument(
+        "--early", action="store_true", help="and settle as soon as it is proved that nothing else comes"
+    )
     given = parser.parse_args()
     look = engines_differ if given.engines else guises_differ if given.guises else examined
+    if given.early:
+        endings.SHRUNK = 2
+    if given.bounces:
+        look = partial(look, draw=bouncing)
     counts, bad = Counter[str](), 0
     for seed in range(given.first, given.first + given.scenes):
         found = look(seed, counts)

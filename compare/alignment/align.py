@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flint import fmpq
 
-from ...exact.exact_motion import READ_BITS, motion_of
+from ...exact.exact_motion import motion_of
 from ...exact.numbers import ball
+from ...exact.values import READ_BITS
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 from .instants import (
@@ -28,7 +29,7 @@ from .instants import (
     first_lacked,
     same_velocity,
 )
-from .walk import REPEATED, Patience, Streams, Walk, history, patience_for, walk
+from .walk import REPEATED, Patience, Streams, Walk, history, patience_for, walk, without_tails
 
 if TYPE_CHECKING:
     from ...exact.exact_motion import ExactMotion
@@ -159,6 +160,8 @@ def align(
     span = Span.of(reference) if span is None else span
     patience = patience_for(reference.scene, step) if patience is None else patience
     mine, theirs = history(reference), history(candidate)
+    if reference.scene.settle:
+        mine, theirs = without_tails(reference, candidate, mine, theirs, patience)
     walks = _walks(mine, theirs, step or 0.0, patience)
     groups = clusters(walks, reference, candidate)
     judge = _Judge(reference, candidate, mine, theirs, span, patience)

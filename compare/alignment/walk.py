@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -105,6 +105,65 @@ class Patience:
         6.5
         """
         return SLOWER * time + self.slack
+
+
+class Tail(NamedTuple):
+    """Infinitely many bounces of a circle on a wall that come to an end, of which a run lists the first.
+
+    Attributes:
+        met: how many meetings the circle has up to the last that is listed.
+        last: how many of these, one after the other, are with the wall.
+        wall: the wall.
+        time: their end.
+    """
+
+    met: int
+    last: int
+    wall: str
+    time: float
+
+
+def _tails(run: Trajectory, streams: Streams, circle: str) -> list[Tail]:
+    """Those of one circle, in order."""
+    row, found = streams.meetings[circle], list[Tail]()
+    for rest in run.settlings:
+        if rest.circle == circle and rest.since is not None:
+            met = sum(streams.times[k] <= float(rest.since) for k, _ in row)
+            before = [one.partners == (rest.wall,) for one in reversed(row[:met])]
+            last = before.index(False) if False in before else met
+            found.append(Tail(met, last, rest.wall, float(rest.time)))
+    return found
+
+
+def without_tails(
+    reference: Trajectory, candidate: Trajectory, mine: Streams, theirs: Streams, patience: Patience
+) -> tuple[Streams, Streams]:
+    """Two histories without what one alone lists of infinitely many bounces that come to an end.
+
+    Of these a run may list any number: what it lists beyond the other does not tell them apart.
+    """
+    sides = [(mine, dict(mine.meetings)), (theirs, dict(theirs.meetings))]
+    for circle in mine.meetings:
+        dropped: tuple[set[int], set[int]] = set(), set()
+        tails = [_tails(run, side, circle) for run, (side, _) in zip((reference, candidate), sides, strict=True)]
+        for one, other in zip_longest(*tails):
+            if one is not None and other is not None:
+                excess = one.last - other.last
+                longer, end = (0, one.met) if excess > 0 else (1, other.met)
+                dropped[longer].update(range(end - abs(excess), end))
+                continue
+            known, at = (one, 1) if one is not None else (other, 0)
+            assert known is not None
+            streams, row = sides[at][0], sides[at][0].meetings[circle]
+            place = known.met - len(dropped[1 - at]) + len(dropped[at])
+            while place < len(row) and row[place].partners == (known.wall,):
+                if streams.times[row[place].event] > patience.latest(known.time):
+                    break
+                dropped[at].add(place)
+                place += 1
+        for (_, meetings), out in zip(sides, dropped, strict=True):
+            meetings[circle] = [met for place, met in enumerate(meetings[circle]) if place not in out]
+    return Streams(sides[0][1], mine.times), Streams(sides[1][1], theirs.times)
 
 
 def patience_for(scene: Scene, step: float | None) -> Patience:

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
 from flint import arb
 
 from ...exact.certified.certified_decider import FIRST_BITS
-from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import AtWall, places_of
 from ...exact.replay.state import Kick, Lift, Settle, Step
+from ...exact.values import ExactValue
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
@@ -320,6 +320,12 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         raise CertificateError(
             f"{circle} slides down a slope from time {time:.9g} on: certificates do not tell that yet"
         )
+    for rest in trajectory.settlings:
+        if rest.since is not None:
+            raise CertificateError(
+                f"{rest.circle} bounces on {rest.wall} infinitely often before it settles, and the run goes on: "
+                "certificates do not tell that yet"
+            )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
 

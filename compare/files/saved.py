@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, settlings_of, tape_of
-from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, ending_of, time_of
+from ...exact.exact_motion import ExactMotion
 from ...exact.replay.contact import AtWall, Entry, can_push
 from ...exact.replay.state import Constant
 from ...exact.simulation.decider import Limits, Mark, RunLog
 from ...exact.simulation.endings import Accumulating
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
+from ...exact.values import ExactValue, TimeFormula, ending_of, time_of
 from ...scenarios.disk import InSchema, Seal, fits, text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
@@ -231,7 +232,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
         "plan": dict(run.plan),
         "notes": list(run.notes),
         "assumptions": [[a.event, a.question, a.proof.name, a.bound] for a in run.assumptions],
-        "end": time(run.final_time),
+        "end": time(run.final_time) if (rest := motion.rest_at(run.final_time)) is None else list(rest),
         "ending": _ending_data(run.ending),
         "returned": motion.returned,
         "set_times": [[set_time_data(when), part] for when, part in motion.set_times.items()],
@@ -293,7 +294,8 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         instant, upto, source, near = written
         return time_of(log, Mark(instant, number(near), upto, source_of(source)))
 
-    end = time(data["end"])
+    rest = data["end"] if isinstance(data["end"], list) and len(data["end"]) == 2 else None
+    end = time(["0", 0, "start", "0"]) if rest is not None else time(data["end"])
     knots = [
         [(number(t), number(x), number(y), number(vx), number(vy), upto, last) for t, x, y, vx, vy, upto, last in row]
         for row in data["knots"]
@@ -307,6 +309,8 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
             raise ValueError(f"{ending[1:]} is no bounce on a wall, and no hits in turns")
         ending = Accumulating(*links)
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
+    if rest is not None and (known := motion.bounced(*rest)) is not None:
+        end = motion.end = known
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]
     return Trajectory(

@@ -84,11 +84,13 @@ class Settle(NamedTuple):
         body: the circle.
         wall: what carries it: a wall across gravity, or a slope.
         slides: whether it moves along the wall.
+        bounces: whether infinitely many bounces on it come before, of which nothing but the speed of the first is kept.
     """
 
     body: int
     wall: int
     slides: bool
+    bounces: bool = False
 
 
 class Lift(NamedTuple):
@@ -210,7 +212,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
         self.arcs = [self._still(k, side, False) for k, side in enumerate(scene.arc_sides)]
         self._lines = {}
         self.sides = Sides(scene)
-        self.pegs, self.contacts, self.slopes = scene.pegs, {}, {}
+        self.pegs, self.contacts, self.slopes, self.bounced = scene.pegs, {}, {}, {}
         self.paces = {i: (constant(end.drift[0]), constant(end.drift[1])) for i, end in scene.moving_ends.items()}
         self.curved = self.bends or (scene.gravity is not None and any(part.sign() for part in scene.gravity))
         self.stands = scene.gravity is not None and bool(scene.settle or self.pegs or self.arcs or self.pockets)

@@ -179,6 +179,7 @@ class WallFlights(Generic[N]):
     falling: Gravity[N] | None
     drifts: dict[int, tuple[N, N]]
     slopes: dict[int, int]
+    bounced: dict[int, tuple[int, N]]
     paces: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
 
@@ -359,12 +360,15 @@ class WallFlights(Generic[N]):
         """The circles that slide down slopes, with half of what there is of gravity along those."""
         return {i: bend for i in self.slopes if (bend := self.bend(i)) is not None}
 
-    def settle(self, index: int, wall: int, slides: bool) -> None:
+    def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
         """Has a wall carry a body; its velocity across the wall, which is zero, is left out.
 
-        A wall that is a slope bears all of gravity but what there is along it.
+        A wall that is a slope bears all of gravity but what there is along it. Of a body that bounces on it infinitely
+        often, ever lower, that velocity is noted.
         """
         body, zero = self.bodies[index], self.zero
+        if bounces:
+            self.bounced = {**self.bounced, index: (wall, self.wall_approach(AtWall(index, wall)))}
         _, _, _, _, t, instant, late, last, _ = body.flight
         x, y, vx, vy = self.true_row(body)
         if slides:

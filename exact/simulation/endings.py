@@ -23,7 +23,7 @@ from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pai
 from ..replay.state import Constant, Go, Lift, ReplayState, Settle, Step
 from ..replay.wall_flights import Rows
 from .arc_meetings import Incline
-from .policies import Collapse, LineRallies, may_collapse
+from .policies import Collapse, LineRallies, are_square, may_collapse
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -206,6 +206,28 @@ class Carrier:
                 done.append(i)
         return done
 
+    def calm(self, link: AtWall, fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]) -> bool:
+        """Has a wall carry a circle that bounces on it infinitely often and meets nothing else meanwhile, if it can.
+
+        That is done at the instant at which the circle stands, after one of these bounces: until they have come to
+        their end nothing is near enough to tell. Along the wall it flies as it would.
+
+        Args:
+            link: the two.
+            fallen, steps: see `slide`.
+        """
+        i, wall = link.circle, link.wall
+        if not self._sides.level(wall):
+            if wall in self._scene.faces or not self._is_alone(link, fallen(i)[1], steps):
+                return False
+            self._do(Settle(i, wall, True, True))
+            self.away.add(i)
+            return True
+        if wall in self._scene.faces and self._ask_cheaply(Slide(link)) != 0:
+            return False
+        self.carry(link, bounces=True)
+        return True
+
     def _is_alone(self, link: AtWall, rows: Rows, steps: Sequence[Step]) -> bool:
         with ball.precision(PROOF_BITS):
             return Incline(self._scene, self._sides, link, rows).meets_nothing(self.away, self.walls, steps)
@@ -215,8 +237,8 @@ class Carrier:
         known = link.circle in self.walls or link.circle in self._scene.pegs
         return not known and self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall)
 
-    def carry(self, link: AtWall) -> None:
-        """Has a wall carry a circle.
+    def carry(self, link: AtWall, *, bounces: bool = False) -> None:
+        """Has a wall carry a circle, perhaps after infinitely many bounces.
 
         Raises:
             Undecided: for one that slides along a face, which ends.
@@ -230,7 +252,7 @@ class Carrier:
                 f"{name_of(self._scene, link)} neither approach nor part, under gravity, and the one slides along the "
                 "other, which ends: that is not followed"
             )
-        self._do(Settle(link.circle, link.wall, slides))
+        self._do(Settle(link.circle, link.wall, slides, bounces))
         self.walls[link.circle] = link.wall
         self._changed.add(link.circle)
 
@@ -255,7 +277,7 @@ class Endings:
         self._rallies: dict[int, Rally] = {}
         self._pinches: dict[tuple[int, int, int], Squeeze | None] = {}
         self._sides = Sides(scene)
-        self._rows: dict[int, tuple[int, int]] = {}
+        self._rows: dict[int, dict[int, int]] = {}
         self.lines = LineRallies(scene) if may_collapse(scene) else None
         self._marks: list[tuple[int, float]] = []
         self._stuck = 0, 0.0
@@ -292,17 +314,22 @@ class Endings:
         return " as well as ".join(sorted(names)) or None
 
     def bounced(self, impulses: Iterable[Touch]) -> list[AtWall]:
-        """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at."""
+        """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at.
+
+        What hits a wall at right angles to another is as fast towards that one as before.
+        """
         links, rows = [*impulses], self._rows
         shares = Counter(i for link in links for i in link.circles)
         found: list[AtWall] = []
         for link in links:
             if is_flat(link) and shares[link.circle] == 1:
-                wall, count = rows.get(link.circle, (link.wall, 0))
-                rows[link.circle] = (link.wall, count + 1 if wall == link.wall else 1)
-                shrunk = self._enough is not None and rows[link.circle][1] > self._enough
-                if shrunk and self._sides.pull(*link[:2]) < 0:
-                    found.append(link)
+                i, wall = link.circle, link.wall
+                counts = {k: n for k, n in rows.get(i, {}).items() if k == wall or are_square(self.scene, k, wall)}
+                if self._sides.pull(i, wall) < 0:
+                    counts[wall] = counts.get(wall, 0) + 1
+                    if self._enough is not None and counts[wall] > self._enough:
+                        found.append(link)
+                rows[i] = counts
             else:
                 for i in link.circles:
                     rows.pop(i, None)
@@ -451,10 +478,20 @@ class Endings:
         end = start + (nx * -mx - ny * my)
         return bool(start < place < end) or bool(end < place < start)
 
-    def ends(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
-        """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then."""
+    def ends(self, link: AtWall, now: arb, wait: arb, rows: Rows, lasting: Collection[Touch] = ()) -> bool:
+        """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then.
+
+        Args:
+            link: the circle and the wall.
+            now, wait: the instant, and how long after it they end.
+            rows: where all circles are.
+            lasting: contacts that last: along a wall at right angles to the other a circle goes on.
+        """
+        beside = {k.wall for k in lasting if is_flat(k) and k.circle == link.circle}
         with ball.precision(PROOF_BITS):
-            return self._meets_nothing(link, now, wait, rows)
+            return self._meets_nothing(
+                link, now, wait, rows, {k for k in beside if are_square(self.scene, k, link.wall)}
+            )
 
     def collapses(self, collapse: Collapse, wait: arb, rows: Rows) -> bool:
         """Whether three bodies on a line, right after a hit, surely hit each other for so long, and nothing else.
@@ -522,7 +559,7 @@ class Endings:
                     f"of as many before, up to time {time:.9g}; end the run before, or raise the restitution"
                 )
 
-    def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows) -> bool:
+    def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows, beside: Collection[int]) -> bool:
         circles, moving = self.scene.circles, self.scene.moving_walls
         if moving and sum(not circle.fixed for circle in circles) > 1:
             return False
@@ -554,7 +591,7 @@ class Endings:
             if not abs((dx * dx + dy * dy).sqrt() - ball.constant(pocket.r)) > way:
                 return False
         for k, wall in enumerate(self.scene.walls):
-            if k != link.wall:
+            if k != link.wall and k not in beside:
                 nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))
                 ux, uy, drift = self._pace(k)
                 x0, y0 = x0 + ux * now, y0 + uy * now

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from typing import Generic
 
@@ -29,7 +30,7 @@ from ..replay.contact import (
 from ..replay.state import Flip, Go, Kick, Take
 from .decider import REVERSAL, Arrived, Decider, K, Limits, Mark, Noted, Record
 from .endings import Carrier
-from .policies import Lasting, Policy, Rounds, components, settle
+from .policies import Lasting, Policy, Rounds, components, leaves_as_is, settle
 from .prediction import Arrival
 
 # -- One instant: all that falls on it, gathered before anything acts, and how it is resolved.
@@ -148,7 +149,7 @@ class Resolver(Generic[N, K]):
             for link in self.carrier.settle(standing):
                 self.touching.add(link)
             for i in self.carrier.slide(standing, self.decider.reading.fallen, self.decider.history.steps):
-                self._leave(i, done)
+                self.leave(i, done)
             here = range(self.n) if done.number == 0 else done.advanced | done.moved
             done.moved |= self.carrier.anchored(here)
         if self.scene.pockets:
@@ -220,13 +221,11 @@ class Resolver(Generic[N, K]):
                 done.advanced.update(component.bodies)
                 if self.carrier is not None:
                     self.carrier.lift(component.bodies)
-            turn, again = (
-                (self._refuse_turns, self._refuse_collapse)
-                if self.decider.proves and not self.scene.elastic
-                else (None, None)
-            )
+            proves = self.decider.proves and not self.scene.elastic
+            turn, again = (self._refuse_turns, self._refuse_collapse) if proves else (None, None)
             ask, do = self.decider.ask, self.decider.do
-            rounds = settle(component.links, known, self.policy, ask, do, MAX_ROUNDS, turn, again, self._closes)
+            leaves = partial(leaves_as_is, self._sides, component.links) if self.carrier is not None else None
+            rounds = settle(component.links, known, self.policy, ask, do, MAX_ROUNDS, turn, again, self._closes, leaves)
             impulses += rounds.impulses
             taking_part |= rounds.taking_part
             coupled = coupled or self._coupled(rounds)
@@ -368,9 +367,10 @@ class Resolver(Generic[N, K]):
         if i not in done.moved and done.number > 0:
             self.decider.do(Go(link, (i,)))
         self.decider.do(Take(i))
-        self._leave(i, done)
+        self.leave(i, done)
 
-    def _leave(self, i: int, done: Resolved[K]) -> None:
+    def leave(self, i: int, done: Resolved[K]) -> None:
+        """Takes a circle out of play."""
         done.moved.add(i)
         self.gone.add(i)
         for contact in self.touching.all():

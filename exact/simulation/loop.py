@@ -379,7 +379,7 @@ class Loop(Generic[N, K]):
             self.resolver.admit(link, sign)
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
         self._note(instant, done)
-        self._look_for_endings(done, {**signs, **done.standing})
+        self._look_for_endings(instant, done, {**signs, **done.standing})
         return {*links, *rims, *self._standing(done)}
 
     def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
@@ -412,7 +412,7 @@ class Loop(Generic[N, K]):
         reverse_in = None if due is None or self.history.reversal is not None else due - records
         done = self.resolver.resolve(instant, left, reverse_in)
         self._note(instant, done)
-        self._look_for_endings(done, done.standing)
+        self._look_for_endings(instant, done, done.standing)
         return done
 
     def _crushes(self, instant: Instant) -> bool:
@@ -431,7 +431,22 @@ class Loop(Generic[N, K]):
         told = f"{StopReason.CRUSHED.value}: {who} between {one} and {other} at {float(closing.time):.12g}"
         self._ended = Stop(StopReason.CRUSHED, told)
 
-    def _look_for_endings(self, done: Resolved[K], standing: Mapping[Link, int]) -> None:
+    def _calmed(self, link: AtWall, instant: Instant, done: Resolved[K]) -> bool:
+        """Whether a wall carries a circle from now on that bounces on it infinitely often, and meets nothing else."""
+        carrier, more = self.resolver.carrier, Resolved[K](done.number, moved={link.circle})
+        if carrier is None or not carrier.calm(link, self.decider.reading.fallen, self.history.steps):
+            return False
+        if link.circle in carrier.away:
+            self.resolver.leave(link.circle, done)
+        else:
+            self.resolver.touching.add(link)
+            done.standing[link] = 0
+        more.moved |= carrier.anchored(done.moved | done.advanced)
+        self._note(instant, more)
+        done.moved |= more.moved
+        return True
+
+    def _look_for_endings(self, instant: Instant, done: Resolved[K], standing: Mapping[Link, int]) -> None:
         """Notes where an instant under gravity leaves a circle at rest, or bouncing to an end."""
         endings = self.endings
         if endings is None or self._ended is not None:
@@ -445,7 +460,9 @@ class Loop(Generic[N, K]):
             for link in endings.bounced(impulses):
                 time, rows = self.decider.reading.fallen(link.circle)
                 wait = self.decider.reading.bounces(Accumulating(link))
-                if endings.ends(link, time, wait, rows):
+                if endings.ends(link, time, wait, rows, self.resolver.touching.all()) and not self._calmed(
+                    link, instant, done
+                ):
                     endings.found = Accumulating(link)
                     told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
                     self._ended = Stop(StopReason.ACCUMULATION, told)

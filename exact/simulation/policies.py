@@ -18,7 +18,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.settings import TiePolicy
 from ..numbers.system import BudgetSpent, N
 from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength, Strengths
-from ..replay.contact import AtWall, Pair, Touch, is_arc, is_flat, is_pair, scene_order
+from ..replay.contact import AtWall, Pair, Sides, Touch, is_arc, is_flat, is_pair, scene_order
 from ..replay.state import Kick, ReplayState
 
 # -- Which of several approaching contacts push: the linear complementarity problem of one round, by criss-cross.
@@ -266,6 +266,35 @@ def _closing_signs(known: Mapping[Touch, int | None], ask: Ask) -> dict[Touch, i
     return {link: ask(Closing(link)) if sign is None else sign for link, sign in known.items()}
 
 
+def are_square(scene: Scene, one: int, other: int) -> bool:
+    """Whether two walls are at right angles to each other."""
+    (nx, ny), (mx, my) = scene.walls[one].normal, scene.walls[other].normal
+    return (nx * mx + ny * my).sign() == 0
+
+
+def leaves_as_is(sides: Sides, links: Sequence[Touch], push: Touch, other: Touch) -> bool:
+    """Whether a push surely leaves the speed at which a circle closes with a wall as it is.
+
+    So does that of another wall at right angles, and that of a circle of the same size that touches the same wall.
+
+    Args:
+        sides: of the scene.
+        links: all contacts at gap zero.
+        push, other: the contact that pushes, and that with the wall.
+    """
+    scene, circles = sides.scene, sides.scene.circles
+    if not is_flat(other) or push == other:
+        return False
+    if other.circle not in push.circles:
+        return True
+    if is_flat(push):
+        return are_square(scene, push.wall, other.wall)
+    if not is_pair(push) or (circles[push.a].r - circles[push.b].r).sign() != 0:
+        return False
+    both = all(AtWall(i, other.wall) in links for i in push)
+    return both and sides.negative(push.a, other.wall) == sides.negative(push.b, other.wall)
+
+
 def settle(
     links: Sequence[Touch],
     known: Mapping[Touch, int],
@@ -276,6 +305,7 @@ def settle(
     turn: Callable[[Touch, Touch], None] | None = None,
     again: Callable[[Sequence[Touch]], None] | None = None,
     closes: bool = False,
+    leaves: Callable[[Touch, Touch], bool] | None = None,
 ) -> Rounds:
     """Rounds of impulses among touching contacts until none approaches.
 
@@ -292,6 +322,7 @@ def settle(
             speeds of those are one factor times what they were, and rounds are linear in them; those that part are
             only pushed further apart by what pushed meanwhile.
         closes: whether what has pushed neither approaches nor parts: its restitution is 0.
+        leaves: whether a push through one contact surely leaves the closing speed of another as it is.
     """
     signs: dict[Touch, int | None] = {link: known.get(link) for link in links}
     impulses: list[Touch] = []
@@ -320,7 +351,11 @@ def settle(
         impulses += chosen
         hit = {i for link in chosen for i in link.circles}
         parted, after = (chosen, 0) if closes else (among, 1)
-        apart = {link for link in links if hit.isdisjoint(link.circles)}
+        apart = {
+            link
+            for link in links
+            if hit.isdisjoint(link.circles) or (leaves is not None and all(leaves(push, link) for push in chosen))
+        }
         signs = {link: after if link in parted else told[link] if link in apart else None for link in links}
 
 
