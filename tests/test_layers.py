@@ -209,6 +209,7 @@ FLOORS = (
     "log_symmetry",
     "simulation",
     "certified",
+    "values",
     "texts",
     "exact_motion",
     "exact_engine",
