@@ -21,7 +21,17 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Settling, Stop, StopReason, Trajectory
 from .certified.cascade import TieRule
 from .certified.certified_decider import FIRST_BITS, CertifiedDecider
-from .exact_motion import ExactMotion, RunTime
+from .exact_motion import (
+    START,
+    ExactMotion,
+    ExactValue,
+    RunTime,
+    Source,
+    TimeFormula,
+    ending_of,
+    time_of,
+    time_of_return,
+)
 from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
@@ -32,7 +42,6 @@ from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecord
 from .simulation.instant import Instant
 from .simulation.loop import SELDOM_COLLECTED, Loop, Reached, Tape, stopped
 from .simulation.policies import Policy
-from .values import START, ExactValue, Source, TimeFormula, ending_of, time_of, time_of_return
 
 # -- A history carried out again from a saved run gets the numbers and counts that the run had.
 
@@ -465,7 +474,7 @@ def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
             at = bisect_left(row, k, key=itemgetter(5))
             if at == 0 or not log.carries(i, row[at - 1][5]):
                 circle, wall = contact_of(log.scene, AtWall(i, step.wall))
-                begun, end = motion.knot_time(i, at), motion.bounced(i, at)
+                begun, end = motion.knot_time(i, at), motion.rest_after(i, at)
                 time, since = (begun, None) if end is None else (end, begun)
                 if motion.reaches(time):
                     found.append((float(time), i, Settling(circle, wall, time, since)))

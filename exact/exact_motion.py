@@ -1,33 +1,42 @@
-"""The motion of an exact run between its events."""
+"""What an exact run gives back: its log, numbers that know their exact value, times, and the motion."""
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
+import copyreg
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from operator import itemgetter, sub
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
 from ..scenarios.lazy import frozen, kept
 from ..scenarios.numbers.nested_roots import Tower
 from ..scenarios.numbers.precision import (
+    BITS_PER_DIGIT,
+    MOST_BITS,
+    MOST_DIGITS,
+    asked,
+    bounds_of,
     certain_double,
+    decimals_of,
+    even_double,
+    nearest_double,
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
-from .laws.formulas import advance, fall_speed, sag
+from .flight_formulas import Bounced, FallSpeed, OtherRun, Place, bounce_before, endless
+from .laws.formulas import fall_speed
 from .numbers import ball
-from .numbers.ball import Known, known_ball
+from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
-from .numbers.system import N
-from .replay.contact import AtWall
-from .replay.state import ReplayState, Settle, Velocity
+from .numbers.system import N, Undecided
+from .replay.contact import Link
+from .replay.state import Constant, ReplayState, Velocity
 from .simulation.decider import Formula, Knot, Mark, RunLog
 from .simulation.endings import Accumulating
 from .simulation.loop import Tape
-from .values import READ_BITS, ExactValue, OtherRun, known_number, time_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,6 +44,287 @@ if TYPE_CHECKING:
 
     from ..scenarios.trajectory import Event, Trajectory
 
+# -- Numbers of an exact run that know their exact value: to any digits, as SymPy, as text.
+
+copyreg.pickle(arb, reduced)
+
+LEAST_BITS = 320
+"""Bits computed at the least: most numbers asked for one after another then come of one replay."""
+
+
+class ExactValue:
+    """A real number of an exact run.
+
+    float() gives the nearest double, certified; of a number so near half-way between two that counted work does not
+    tell where it lies, the even one. `digits`, `sympy` and `text` give the value itself.
+
+    Attributes:
+        log: the run that it belongs to.
+        upto: how many steps of the log it needs.
+        bodies: the circles that it depends on.
+        formula: computes it from the state after those steps, in any state.
+        near: a short enclosure, or the exact number where it is at hand.
+        instant: for the time of something that happened in the run, the number of its instant.
+    """
+
+    def __init__(
+        self,
+        log: RunLog,
+        upto: int,
+        bodies: Sequence[int],
+        formula: Formula,
+        near: Known,
+        instant: int | None = None,
+    ) -> None:
+        self.log = log
+        self.upto = upto
+        self.bodies = tuple(bodies)
+        self.formula = formula
+        self.near = near
+        self.instant = instant
+
+    def __repr__(self) -> str:
+        try:
+            return f"ExactValue({self.digits(17)})"
+        except Undecided:
+            return f"ExactValue({self.ball(DOUBLE_BITS).str(3)})"
+
+    def ball(self, bits: int) -> arb:
+        """An enclosure accurate to about `bits` bits, relatively (absolutely, for a value that may be zero).
+
+        Raises:
+            SceneError: for bits that are no whole number from 1 to `MOST_BITS`.
+            Undecided: where counted work does not suffice for that.
+        """
+        bits = asked("ball", bits, MOST_BITS)
+        if isinstance(self.near, fmpq):
+            with ball.precision(bits + ball.GUARD_BITS):
+                return arb(self.near)
+        if isinstance(self.near, Element):
+            return self.near.ball(bits)
+        if self.near.rel_accuracy_bits() >= bits:
+            return self.near
+        return self._sharpened(bits, lambda value: ball.is_accurate(value, bits) or ball.is_faint(value, bits))
+
+    def _sharpened(self, bits: int, enough: Callable[[arb], bool]) -> arb:
+        """The enclosure of a replay with so many bits, or with twice as many, and so on, until it is enough.
+
+        Raises:
+            Undecided: once that has cost all the work that it may.
+        """
+        log, upto = self.log, self.upto
+        working = log.lost + max(bits + ball.GUARD_BITS, LEAST_BITS)
+        allowed = VALUE_WORK + MORE_WORK * log.units(working, upto)
+        with ball.precision(working):
+            while True:
+                state = log.in_balls(working, upto)
+                ball.use_bits(working)
+                value = self.formula(state)
+                if enough(value):
+                    return value
+                working *= 2
+                allowed -= log.units(working, upto)
+                if allowed < 0:
+                    raise Undecided(
+                        f"a number of the run, {value.str(20)}, is neither separated from zero, or from half-way "
+                        f"between decimals, with {working // 2} bits of counted work, nor proved to be it; ask for "
+                        "its `ball`"
+                    )
+
+    def __float__(self) -> float:
+        return self._double
+
+    @kept
+    def _double(self) -> float:
+        if isinstance(self.near, fmpq):
+            return nearest_double(self.near)
+        double = certain_double(self.near) if isinstance(self.near, arb) else None
+        if double is None and isinstance(self.near, Element):
+            fraction, bits = self.near.fraction(), DOUBLE_BITS
+            if fraction is not None:
+                return nearest_double(fraction)
+            while double is None:  # it is irrational, so that it lies half-way between no doubles
+                bits *= 2
+                double = certain_double(self.near.ball(bits))
+        if double is None:
+            value = self._sharpened(
+                2 * DOUBLE_BITS, lambda it: certain_double(it) is not None or ball.is_accurate(it, HALF_WAY_BITS)
+            )
+            if (double := certain_double(value)) is None:
+                exact = self.exact()
+                fraction = None if exact is None else exact.fraction()
+                if fraction is not None:
+                    return nearest_double(fraction)
+                try:
+                    sharp = self._sharpened(2 * HALF_WAY_BITS, lambda it: certain_double(it) is not None)
+                    double = certain_double(sharp)
+                except Undecided:
+                    double = even_double(value)
+                assert double is not None
+        return double
+
+    def bounds(self) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the value."""
+        return bounds_of(self.ball(DOUBLE_BITS))
+
+    def digits(self, count: int) -> str:
+        """The value in decimals, all of them right (the last may be off by one): the same from any run of the scene.
+
+        "0" is told of what is proved to be zero alone.
+
+        Raises:
+            SceneError: for a count that is no whole number from 1 to `MOST_DIGITS`.
+            Undecided: where a number beyond all bits that counted work allows for is not proved to be zero.
+
+        >>> from truebreak.exact import ExactEngine
+        >>> from truebreak.scenarios import Circle, Scene
+        >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
+        >>> ExactEngine().run(scene).events[0].time.digits(30)
+        '2.26794919243112270647255365849'
+        """
+        count, near = asked("digits", count, MOST_DIGITS), self.near
+        if isinstance(near, fmpq):
+            return ball.fraction_in_decimals(near, count)
+        if isinstance(near, Element):
+            return ball.element_in_decimals(near, count)
+        bits = int(count * BITS_PER_DIGIT) + 2 * ball.GUARD_BITS
+        told = decimals_of(near, count)
+        if told is None:
+            told = decimals_of(
+                self._sharpened(
+                    bits,
+                    lambda value: (
+                        decimals_of(value, count) is not None
+                        or ball.is_faint(value, bits)
+                        or ball.is_accurate(value, 2 * bits)
+                    ),
+                ),
+                count,
+            )
+        if told is None:
+            exact = self.exact()
+            if exact is not None:
+                return ball.element_in_decimals(exact, count)
+            told = decimals_of(self._sharpened(2 * bits, lambda value: decimals_of(value, count) is not None), count)
+            assert told is not None
+        return told
+
+    def exact(self) -> Element | None:
+        """The value in nested square roots in normal form, or None if it is too deep for that."""
+        if isinstance(self.near, Element):
+            return self.near
+        if isinstance(self.near, fmpq):
+            return Tower().rational(self.near)
+        return self.log.exact(self.upto, self.bodies, self.formula)
+
+    def sympy(self) -> Any:
+        """The value as a SymPy expression.
+
+        In normal form where it needs few nested roots; else the expression that the run computes, unsimplified,
+        its subexpressions shared in memory (do not print it: see `text`).
+        """
+        exact = self.exact()
+        if exact is not None:
+            return exact.sympy()
+        return self.formula(self.log.in_expressions(self.upto, self.bodies)).expression
+
+    def text(self) -> str | None:
+        """The value in the grammar of scene files, or None if it is too deep to be written out.
+
+        Once a circle has fallen onto something round, its `definition`.
+
+        >>> from truebreak.exact import ExactEngine
+        >>> from truebreak.scenarios import Circle, Scene
+        >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
+        >>> ExactEngine().run(scene).events[0].time.text()
+        '-sqrt(3) + 4'
+        """
+        from .texts import definition
+
+        return self.normal_form() or definition(self.log, self.upto, self.bodies, self.formula)
+
+    def normal_form(self) -> str | None:
+        """As `text`, but None of what has a `definition` only."""
+        exact = self.near if isinstance(self.near, fmpq) else self.exact()
+        return None if exact is None else ball.field_text(exact)
+
+
+DOUBLE_BITS = 64
+"""Accuracy at which a value is held between doubles."""
+
+HALF_WAY_BITS = 512
+"""A value that still straddles two doubles at this accuracy is asked whether it is a rational half-way point."""
+
+VALUE_WORK = 3_000_000
+"""Units of work that one number may cost: a few seconds."""
+
+MORE_WORK = 40
+"""Besides, so many times the work of its first replay: enough for five times twice the bits."""
+
+
+# -- The times of a run, each with the formula that computes it again from the log.
+
+RETURN = "return"
+"""The source of the time at which a reversed run is back: twice that of the reversal."""
+
+START = "start"
+"""The source of time 0, where nothing happened after it."""
+
+Source: TypeAlias = int | Link | str
+"""The circle whose clock stands at a time; or the meeting that comes at it; or `REVERSAL`, RETURN, START."""
+
+
+@frozen
+class TimeFormula:
+    """Computes a time from the state at the end of its instant."""
+
+    source: Source
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """The circles that it depends on."""
+        if isinstance(self.source, str):
+            return (0,)
+        return (self.source,) if isinstance(self.source, int) else self.source.circles[:1]
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        source = self.source
+        if isinstance(source, int):
+            return state.bodies[source].flight.instant
+        if not isinstance(source, str):
+            clock, wait = source.hit(state)
+            return clock + wait
+        if source == START:
+            return state.zero
+        return state.flip_time + state.flip_time if source == RETURN else state.flip_time
+
+
+def time_of(log: RunLog, mark: Mark[Known]) -> ExactValue:
+    """The time of an instant, which knows its exact value."""
+    formula = TimeFormula(mark.source)
+    return ExactValue(log, mark.step, formula.bodies, formula, mark.time, instant=mark.number)
+
+
+def time_of_return(log: RunLog, reversal: Mark[Known], instant: int) -> ExactValue:
+    """Twice the time of the reversal; `instant` is the last at which anything happens."""
+    return time_of(log, Mark(instant, reversal.time * 2, reversal.step, RETURN))
+
+
+def ending_of(log: RunLog, last: int | None, bounces: Accumulating | Constant | None) -> ExactValue | None:
+    """When the bounces that ended a run have all happened, or a circle was crushed; None where neither did.
+
+    Args:
+        last: how many steps of the log lead through the last of the bounces that are in it.
+    """
+    if bounces is None:
+        return None
+    if isinstance(bounces, Constant):
+        return _known(log, bounces.value)
+    assert last is not None
+    return ExactValue(log, last, bounces.circles, bounces, arb.nan())
+
+
+# -- The motion of an exact run between its events.
 
 RunTime: TypeAlias = ExactValue | Quantity
 """A time of an exact run, or a number."""
@@ -42,87 +332,14 @@ RunTime: TypeAlias = ExactValue | Quantity
 ExactRow: TypeAlias = tuple[ExactValue, ExactValue, ExactValue, ExactValue]
 """x, y, vx, vy of one circle."""
 
-
-@frozen
-class Place:
-    """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
-
-    body: int
-    axis: int
-    time: ExactValue | Quantity
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        flight, bend = state.bodies[self.body].flight, state.bend(self.body)
-        place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
-        if flight.rest and bend is None:
-            return place
-        when = _moment(self.time, state)
-        if bend is None:
-            return advance(place, speed, when - flight.t)
-        if bend.bent:
-            return sag(place, speed, bend.half(self.axis), when - flight.t)
-        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, bend.half(self.axis), when)
+READ_BITS = 192
+"""Precision at which stored states (short balls) are carried on to a time asked for."""
 
 
 def _halved(vector: Sequence[Quantity]) -> tuple[Known, Known]:
     halves = [part / 2 for part in vector]
     x, y = (half.ball(READ_BITS) if half.rational is None else half.rational for half in halves)
     return x, y
-
-
-def _moment(time: ExactValue | Quantity, state: ReplayState[N]) -> N:
-    return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
-
-
-@frozen
-class Bounced:
-    """Computes a coordinate of a circle, or a component of its velocity, while it bounces on a wall infinitely often.
-
-    After the bounce with number n, from 0, that is (2 v / |n.g|) (1 - e^n) / (1 - e) after the first, with the normal
-    speed v after that, it leaves with v e^n.
-
-    Attributes:
-        body: the circle.
-        along: the same as if a wall carried it.
-        axis: 0 for x, 1 for y.
-        speed: whether the velocity is asked for.
-        time: the time.
-        number: of the bounce before it.
-    """
-
-    body: int
-    along: Formula
-    axis: int
-    speed: bool
-    time: ExactValue | Quantity
-    number: int
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        body = self.body
-        wall, first = state.bounced[body]
-        line, falls, e = state.line(body, wall), state.falling, state.scene.restitution
-        assert falls is not None
-        half = line.nx * falls.hx + line.ny * falls.hy
-        up, gone = first * state.constant(e**self.number), state.constant((1 - e**self.number) / (1 - e))
-        since = _moment(self.time, state) - state.bodies[body].flight.instant + first * gone / half
-        across = up + (half + half) * since if self.speed else (up + half * since) * since
-        return self.along(state) + (line.nx if self.axis == 0 else line.ny) * across / line.nn
-
-
-@frozen
-class FallSpeed:
-    """Computes a component of a circle's velocity at a time under gravity: v = V + g t, where the frame has V."""
-
-    body: int
-    axis: int
-    time: ExactValue | Quantity
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        speed, bend = Velocity(self.body, self.axis)(state), state.bend(self.body)
-        if bend is None:
-            return speed
-        when = _moment(self.time, state)
-        return fall_speed(speed, bend.half(self.axis), when - state.bodies[self.body].flight.t if bend.bent else when)
 
 
 class ExactMotion:
@@ -198,10 +415,7 @@ class ExactMotion:
         if self.returned and time is self.end:
             log = self.log
             circles = log.scene.circles[: len(self.knots)]
-            return [
-                (known_number(log, c.x), known_number(log, c.y), known_number(log, -c.vx), known_number(log, -c.vy))
-                for c in circles
-            ]
+            return [(_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in circles]
         at = self._within(time)
         return [self._of_circle(i, at) for i in range(len(self.knots))]
 
@@ -229,19 +443,15 @@ class ExactMotion:
     def wait_for_rest(self) -> None:
         """Puts the end of a run off until all that bounces infinitely often is at rest."""
         for end in self._ends.values():
-            with suppress(ValueError):  # which of two that cannot be told apart is the later one does not matter
+            with suppress(ValueError):  # two that cannot be told apart
                 self.end = end if self._after(end, self.end) else self.end
 
     def rest_at(self, time: object) -> tuple[int, int] | None:
-        """The circle and its knot before which infinitely many bounces end at a time of this run that is no instant."""
+        """The circle and its knot before which infinitely many bounces end at a time of this run."""
         return next((place for place, end in self._ends.items() if end is time), None)
 
     def reaches(self, time: RunTime) -> bool:
-        """Whether a time is not after the end.
-
-        Raises:
-            ValueError: where that is not known.
-        """
+        """Whether a time is not after the end; see `_after`."""
         return time is self.end or self._own(time) is not None or not self._after(time, self.end)
 
     def _own(self, time: RunTime) -> int | None:
@@ -333,20 +543,15 @@ class ExactMotion:
         rows = zip(formulas, near, strict=True)
         return tuple(ExactValue(self.log, upto, bodies, *row) for row in rows)  # pyright: ignore[reportReturnType]
 
-    def bounced(self, i: int, k: int) -> ExactValue | None:
+    def rest_after(self, i: int, k: int) -> ExactValue | None:
         """When the infinitely many bounces of a circle have all happened that come before a knot; None without."""
         return self._ends.get((i, k))
 
     @kept
     def _ends(self) -> dict[tuple[int, int], ExactValue]:
         """The same of all knots."""
-        found: dict[tuple[int, int], ExactValue] = {}
-        for number, step in enumerate(self.log.steps if self.log.given.settle else ()):
-            if isinstance(step, Settle) and step.bounces:
-                k = bisect_left(self.knots[step.body], number + 1, key=itemgetter(5))
-                end = Accumulating(AtWall(step.body, step.wall))
-                found[step.body, k] = ExactValue(self.log, number, (step.body,), end, arb.nan())
-        return found
+        found = endless(self.log.steps, self.knots) if self.log.given.settle else {}
+        return {place: ExactValue(self.log, upto, place[:1], end, arb.nan()) for place, (upto, end) in found.items()}
 
     def _bounces(self, i: int, k: int, time: RunTime) -> int | None:
         """After how many of the infinitely many bounces before a knot a time is, besides the first; None of others.
@@ -354,22 +559,14 @@ class ExactMotion:
         Raises:
             ValueError: where that is not known.
         """
-        end = self._ends.get((i, k))
+        end = self._ends.get((i, k)) if self.log.given.settle else None
         if end is None or time is end:
             return None
-        if (own := self._own(time)) is not None and own == self.knots[i][k][6]:
-            return 0
-        if not self._after(end, time):
-            return None
-        start, e, bits = self.knot_time(i, k), self.log.scene.restitution, 96
-        while bits <= EQUAL_BITS:
-            with ball.precision(bits + 64):
-                last = end.ball(bits)
-                left = (last - time.ball(bits)) / (last - start.ball(bits))
-                count = (left.log() / ball.constant(e).log()).floor() if left > 0 else arb.nan()
-                if (whole := count.unique_fmpz()) is not None:
-                    return max(int(whole), 0)
-            bits *= 2
+        if self._own(time) == self.knots[i][k][6] or not self._after(end, time):
+            return 0 if self._own(time) == self.knots[i][k][6] else None
+        number = bounce_before(self.knot_time(i, k), end, time, self.log.scene.restitution, EQUAL_BITS)
+        if number is not None:
+            return number
         raise ValueError(f"whether a bounce falls on time {_shown(time)} is not known; ask for a time beside it")
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -495,3 +692,8 @@ def steps_through(event: Event) -> int:
 
 def _shown(time: RunTime) -> str:
     return time.ball(ROUGH_BITS).str(17, radius=False)
+
+
+def _known(log: RunLog, value: Quantity) -> ExactValue:
+    near = value.rational if value.rational is not None else value.ball(READ_BITS)
+    return ExactValue(log, 0, (), Constant(value), near)

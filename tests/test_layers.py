@@ -209,8 +209,8 @@ FLOORS = (
     "log_symmetry",
     "simulation",
     "certified",
-    "values",
     "texts",
+    "flight_formulas",
     "exact_motion",
     "exact_engine",
     "literal",  # which itself imports of these only numbers and laws

@@ -16,8 +16,8 @@ SHORT_RUN = {
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
     "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
     "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",
-    "exact": "certified compiled exact_engine exact_motion isometry laws.formulas laws.tangent_formulas log_symmetry "
-    "numbers question replay simulation values",
+    "exact": "certified compiled exact_engine exact_motion flight_formulas isometry laws.formulas "
+    "laws.tangent_formulas log_symmetry numbers question replay simulation",
     "floating": "double flat knots plain plain_meetings",
 }
 """What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flint import fmpq
 
-from ...exact.exact_motion import motion_of
+from ...exact.exact_motion import READ_BITS, motion_of
 from ...exact.numbers import ball
-from ...exact.values import READ_BITS
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 from .instants import (

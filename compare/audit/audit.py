@@ -176,7 +176,7 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "what walls carry is not audited yet in steps")
     if run.scene.settle and any(getattr(run.motion, "slides", run.slides).values()):
         return Audit(None, "what slides down a slope is not audited yet")
-    if any(getattr(run.motion, "bounced", {}).values()):
+    if any(getattr(run.motion, "bounced", {}).values()) or any(rest.since is not None for rest in run.settlings):
         return Audit(None, "what settles after infinitely many bounces is not audited yet")
     if run.scene.moving_solid is not None and engine.step is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet in steps")

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from flint import arb
 
-from ...exact.exact_motion import ExactMotion
+from ...exact.exact_motion import ExactMotion, ExactValue
 from ...exact.numbers import ball
 from ...exact.replay.contact import is_pair
 from ...exact.replay.state import Kick
-from ...exact.values import ExactValue
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity, real

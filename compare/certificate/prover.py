@@ -14,7 +14,7 @@ from itertools import chain
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...exact.values import ExactValue
+from ...exact.exact_motion import ExactValue
 from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Refuted, Space, Unsettled, enclosed
 from .isometries import Contact, Isometries
 from .tower import Exact, text_of

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
 from flint import arb
 
 from ...exact.certified.certified_decider import FIRST_BITS
+from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import AtWall, places_of
 from ...exact.replay.state import Kick, Lift, Settle, Step
-from ...exact.values import ExactValue
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real

@@ -18,11 +18,11 @@ from flint import arb, fmpq, fmpz
 from mpmath.ctx_iv import ivmpf
 from mpmath.libmp import MPZ
 
+from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
 from ...exact.replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
 from ...exact.simulation.decider import PackedRows
-from ...exact.values import Source
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
@@ -289,15 +289,15 @@ CLASSES = (
     "exact.replay.contact:Pair",
     "exact.replay.state:Constant",
     "exact.exact_motion:ExactMotion",
-    "exact.exact_motion:Bounced",
-    "exact.exact_motion:Place",
+    "exact.flight_formulas:Bounced",
+    "exact.flight_formulas:Place",
     "exact.replay.state:Velocity",
-    "exact.exact_motion:FallSpeed",
+    "exact.flight_formulas:FallSpeed",
     "exact.replay.contact:Gravity",
     "exact.simulation.decider:RunLog",
     "exact.simulation.endings:Accumulating",
-    "exact.values:TimeFormula",
-    "exact.values:ExactValue",
+    "exact.exact_motion:TimeFormula",
+    "exact.exact_motion:ExactValue",
     "exact.simulation.instant:Instant",
     "exact.simulation.decider:Limits",
     "exact.simulation.loop:Reached",

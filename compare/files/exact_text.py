@@ -7,8 +7,8 @@ from typing import Any
 
 from flint import arb
 
+from ...exact.exact_motion import ExactValue
 from ...exact.texts import definitions
-from ...exact.values import ExactValue
 from ...scenarios.numbers.quantity import Real
 from ..deadline import Clock
 

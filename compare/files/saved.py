@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
 from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, settlings_of, tape_of
-from ...exact.exact_motion import ExactMotion
+from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, ending_of, time_of
 from ...exact.replay.contact import AtWall, Entry, can_push
 from ...exact.replay.state import Constant
 from ...exact.simulation.decider import Limits, Mark, RunLog
 from ...exact.simulation.endings import Accumulating
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
-from ...exact.values import ExactValue, TimeFormula, ending_of, time_of
 from ...scenarios.disk import InSchema, Seal, fits, text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
@@ -309,7 +308,7 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
             raise ValueError(f"{ending[1:]} is no bounce on a wall, and no hits in turns")
         ending = Accumulating(*links)
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
-    if rest is not None and (known := motion.bounced(*rest)) is not None:
+    if rest is not None and (known := motion.rest_after(*rest)) is not None:
         end = motion.end = known
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]

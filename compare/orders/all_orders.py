@@ -6,10 +6,10 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from ...exact.exact_motion import ExactValue
 from ...exact.numbers.system import BudgetSpent, Undecided
 from ...exact.replay.contact import Touch, contact_of
 from ...exact.simulation.policies import Ask, Policy, Sequential
-from ...exact.values import ExactValue
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene

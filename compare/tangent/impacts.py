@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
-from ...exact.exact_motion import ExactMotion, steps_through
+from ...exact.exact_motion import ExactMotion, ExactValue, steps_through
 from ...exact.laws.formulas import (
     N,
     advance,
@@ -40,7 +40,6 @@ from ...exact.replay.contact import (
 )
 from ...exact.replay.landings import begins_at
 from ...exact.replay.state import Go, Kick, ReplayState
-from ...exact.values import ExactValue
 from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.things import Circle

@@ -10,10 +10,10 @@ from flint import arb
 
 from truebreak.exact import ExactEngine
 from truebreak.exact import exact_motion as values
+from truebreak.exact.exact_motion import ExactValue
 from truebreak.exact.numbers.system import Undecided
 from truebreak.exact.replay.state import Constant
 from truebreak.exact.simulation.decider import RunLog
-from truebreak.exact.values import ExactValue
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.numbers.precision import decimals_of
 

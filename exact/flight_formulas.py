@@ -1,0 +1,153 @@
+"""Where a circle is at a time, and how fast, as formulas; also amid infinitely many bounces on a wall, ever lower."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from operator import itemgetter
+from typing import Protocol
+
+from flint import arb
+
+from ..scenarios.lazy import frozen
+from ..scenarios.numbers.quantity import Quantity
+from .laws.formulas import advance, fall_speed, sag
+from .numbers import ball
+from .numbers.ball import Known
+from .numbers.system import N
+from .replay.contact import AtWall
+from .replay.state import ReplayState, Settle, Step, Velocity
+from .simulation.decider import Formula, Knot
+from .simulation.endings import Accumulating
+
+
+class Enclosable(Protocol):
+    """A number that is enclosed to so many bits."""
+
+    def ball(self, bits: int) -> arb: ...
+
+
+class HasFormula(Protocol):
+    """A time of a run, with the formula that computes it."""
+
+    @property
+    def formula(self) -> Formula: ...
+
+
+@frozen
+class OtherRun:
+    """A place at a time of another run, which this run's log does not compute: what is at hand of it is told alone."""
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        raise ValueError("the time is one of another run; ask for the place at its digits, such as at(time.digits(40))")
+
+
+@frozen
+class Place:
+    """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
+
+    body: int
+    axis: int
+    time: HasFormula | Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        flight, bend = state.bodies[self.body].flight, state.bend(self.body)
+        place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
+        if flight.rest and bend is None:
+            return place
+        when = _moment(self.time, state)
+        if bend is None:
+            return advance(place, speed, when - flight.t)
+        if bend.bent:
+            return sag(place, speed, bend.half(self.axis), when - flight.t)
+        return advance(place, speed, when - flight.t) + sag(state.zero, state.zero, bend.half(self.axis), when)
+
+
+def _moment(time: HasFormula | Quantity, state: ReplayState[N]) -> N:
+    return state.constant(time) if isinstance(time, Quantity) else time.formula(state)
+
+
+@frozen
+class FallSpeed:
+    """Computes a component of a circle's velocity at a time under gravity: v = V + g t, where the frame has V."""
+
+    body: int
+    axis: int
+    time: HasFormula | Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        speed, bend = Velocity(self.body, self.axis)(state), state.bend(self.body)
+        if bend is None:
+            return speed
+        when = _moment(self.time, state)
+        return fall_speed(speed, bend.half(self.axis), when - state.bodies[self.body].flight.t if bend.bent else when)
+
+
+@frozen
+class Bounced:
+    """Computes a coordinate of a circle, or a component of its velocity, while it bounces on a wall infinitely often.
+
+    After the bounce with number n, from 0, that is (2 v / |n.g|) (1 - e^n) / (1 - e) after the first, with the normal
+    speed v after that, it leaves with v e^n.
+
+    Attributes:
+        body: the circle.
+        along: the same as if a wall carried it.
+        axis: 0 for x, 1 for y.
+        speed: whether the velocity is asked for.
+        time: the time.
+        number: of the bounce before it.
+    """
+
+    body: int
+    along: Formula
+    axis: int
+    speed: bool
+    time: HasFormula | Quantity
+    number: int
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        body = self.body
+        wall, first = state.bounced[body]
+        line, falls, e = state.line(body, wall), state.falling, state.scene.restitution
+        assert falls is not None
+        half = line.nx * falls.hx + line.ny * falls.hy
+        up, gone = first * state.constant(e**self.number), state.constant((1 - e**self.number) / (1 - e))
+        since = _moment(self.time, state) - state.bodies[body].flight.instant + first * gone / half
+        across = up + (half + half) * since if self.speed else (up + half * since) * since
+        return self.along(state) + (line.nx if self.axis == 0 else line.ny) * across / line.nn
+
+
+def endless(
+    steps: Sequence[Step], knots: Sequence[Sequence[Knot[Known]]]
+) -> dict[tuple[int, int], tuple[int, Accumulating]]:
+    """By circle and the place of the knot after them: what computes the end of such bounces, after how many steps.
+
+    Args:
+        steps: the log.
+        knots: of each circle.
+    """
+    found: dict[tuple[int, int], tuple[int, Accumulating]] = {}
+    for number, step in enumerate(steps):
+        if isinstance(step, Settle) and step.bounces:
+            place = bisect_left(knots[step.body], number + 1, key=itemgetter(5))
+            found[step.body, place] = number, Accumulating(AtWall(step.body, step.wall))
+    return found
+
+
+def bounce_before(start: Enclosable, end: Enclosable, time: Enclosable, e: Quantity, most: int) -> int | None:
+    """The number of the last bounce before a time, from 0 at their start; None where so many bits do not tell it.
+
+    >>> bounce_before(Quantity.of(0), Quantity.of(2), Quantity.of("8/5"), Quantity.of("1/2"), 1024)
+    2
+    """
+    bits = 96
+    while bits <= most:
+        with ball.precision(bits + 64):
+            last = end.ball(bits)
+            left = (last - time.ball(bits)) / (last - start.ball(bits))
+            whole = (left.log() / ball.constant(e).log()).floor().unique_fmpz() if left > 0 else None
+        if whole is not None:
+            return max(int(whole), 0)
+        bits *= 2
+    return None
