@@ -316,7 +316,7 @@ class Endings:
     def bounced(self, impulses: Iterable[Touch]) -> list[AtWall]:
         """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at.
 
-        What hits a wall at right angles to another is as fast towards that one as before.
+        What hits a wall at right angles to another is as fast towards that one as before: where circles settle, that counts.
         """
         links, rows = [*impulses], self._rows
         shares = Counter(i for link in links for i in link.circles)
@@ -324,7 +324,11 @@ class Endings:
         for link in links:
             if is_flat(link) and shares[link.circle] == 1:
                 i, wall = link.circle, link.wall
-                counts = {k: n for k, n in rows.get(i, {}).items() if k == wall or are_square(self.scene, k, wall)}
+                counts = {
+                    k: n
+                    for k, n in rows.get(i, {}).items()
+                    if k == wall or (self.scene.settle and are_square(self.scene, k, wall))
+                }
                 if self._sides.pull(i, wall) < 0:
                     counts[wall] = counts.get(wall, 0) + 1
                     if self._enough is not None and counts[wall] > self._enough:
