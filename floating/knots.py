@@ -107,13 +107,13 @@ def bent(knot: DoubleKnot, time: float, halves: tuple[float, float]) -> DoubleRo
     return x, y, vx + 2.0 * hx * lag, vy + 2.0 * hy * lag
 
 
-def beside(row: DoubleRow, bounces: Bounces, time: float) -> DoubleRow:
+def beside(row: DoubleRow, bounces: EndlessBounces, time: float) -> DoubleRow:
     """A circle that bounces so at a time, from where it would be along the wall."""
     x, y, vx, vy = (one + other for one, other in zip(row, bounces.beside(time), strict=True))
     return x, y, vx, vy
 
 
-class Bounces(NamedTuple):
+class EndlessBounces(NamedTuple):
     """The infinitely many bounces of a circle on a wall, ever lower, of which an engine tells the first alone.
 
     Attributes:
@@ -139,7 +139,7 @@ class Bounces(NamedTuple):
     def beside(self, time: float) -> DoubleRow:
         """By how much place and velocity at a time are beside those along the wall.
 
-        >>> fall = Bounces(start=1.0, until=3.0, nx=0.0, ny=1.0, speed=4.0, e=0.5)  # v = 4, 2, 1, ... under a pull of 8
+        >>> fall = EndlessBounces(start=1.0, until=3.0, nx=0.0, ny=1.0, speed=4.0, e=0.5)  # v = 4, 2, 1, ... under a pull of 8
         >>> fall.beside(1.5), fall.beside(2.25), fall.beside(3.0)
         ((0.0, 1.0, 0.0, 0.0), (0.0, 0.25, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
         """
@@ -174,7 +174,7 @@ class FallingMotion(DoubleMotion):
     pegs: Collection[int] = ()
     carried: Mapping[int, frozenset[int]] = field(default_factory=dict[int, frozenset[int]])
     slides: Mapping[int, Slides] = field(default_factory=dict[int, "Slides"])
-    bounced: Mapping[int, Mapping[int, Bounces]] = field(default_factory=dict[int, Mapping[int, Bounces]])
+    bounced: Mapping[int, Mapping[int, EndlessBounces]] = field(default_factory=dict[int, Mapping[int, EndlessBounces]])
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""

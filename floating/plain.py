@@ -38,7 +38,7 @@ from ..scenarios.numbers.precision import Double, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, Settling, StopReason, Trajectory
-from .knots import Bounces, DoubleMotion, FallingMotion
+from .knots import DoubleMotion, EndlessBounces, FallingMotion
 from .plain_meetings import PlainMeetings
 
 # -- The state of a run in finite precision.
@@ -504,14 +504,14 @@ class Counted(Ordered, SupportsFloat, Protocol):
 F = TypeVar("F", bound=Counted)
 
 
-def in_doubles(found: Mapping[int, Mapping[int, LastBounces[F]]], e: float) -> dict[int, dict[int, Bounces]]:
-    """Bounces that come to an end, as a motion in doubles shows them."""
+def in_doubles(found: Mapping[int, Mapping[int, LastBounces[F]]], e: float) -> dict[int, dict[int, EndlessBounces]]:
+    """EndlessBounces that come to an end, as a motion in doubles shows them."""
 
-    def told(known: LastBounces[F]) -> Bounces:
+    def told(known: LastBounces[F]) -> EndlessBounces:
         start, until, speed, line = float(known.start), float(known.until), float(known.speed), known.line
         nx, ny = float(line.nx), float(line.ny)
         length = hypot(nx, ny)
-        return Bounces(start, until, nx / length, ny / length, speed / length, e)
+        return EndlessBounces(start, until, nx / length, ny / length, speed / length, e)
 
     return {i: {place: told(known) for place, known in row.items()} for i, row in found.items()}
 
@@ -558,7 +558,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
         slides: Mapping[int, Gravity[F]],
-        bounced: Mapping[int, Mapping[int, Bounces]],
+        bounced: Mapping[int, Mapping[int, EndlessBounces]],
     ) -> Motion:
         """As `motion`, under gravity; some circles stand, and some walls carry, from these of their knots on.
 

@@ -22,7 +22,7 @@ from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion
-from .knots import Bounces, beside
+from .knots import EndlessBounces, beside
 from .plain import EventEngine, Passed, PlainDecider
 
 if TYPE_CHECKING:
@@ -208,7 +208,7 @@ class QuadMotion:
         pegs: Collection[int] = (),
         carried: Mapping[int, frozenset[int]] | None = None,
         slides: Mapping[int, Gravity[DoubleDouble]] | None = None,
-        bounced: Mapping[int, Mapping[int, Bounces]] | None = None,
+        bounced: Mapping[int, Mapping[int, EndlessBounces]] | None = None,
     ) -> None:
         self.knots = knots
         self.end = end
@@ -429,7 +429,7 @@ class QuadEngine(EventEngine[DoubleDouble]):
         pegs: Collection[int],
         carried: Mapping[int, frozenset[int]],
         slides: Mapping[int, Gravity[DoubleDouble]],
-        bounced: Mapping[int, Mapping[int, Bounces]],
+        bounced: Mapping[int, Mapping[int, EndlessBounces]],
     ) -> Motion:
         """See `EventEngine.fallen_motion`."""
         return QuadMotion(knots, end, falling, pegs, carried, slides, bounced)

@@ -316,7 +316,7 @@ class Endings:
     def bounced(self, impulses: Iterable[Touch]) -> list[AtWall]:
         """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at.
 
-        What hits a wall at right angles to another is as fast towards that one as before: where circles settle, that counts.
+        A wall at right angles to another leaves the speed towards that as it is: where circles settle, both count.
         """
         links, rows = [*impulses], self._rows
         shares = Counter(i for link in links for i in link.circles)
