@@ -139,7 +139,7 @@ class EndlessBounces(NamedTuple):
     def beside(self, time: float) -> DoubleRow:
         """By how much place and velocity at a time are beside those along the wall.
 
-        >>> fall = EndlessBounces(start=1.0, until=3.0, nx=0.0, ny=1.0, speed=4.0, e=0.5)  # v = 4, 2, 1, ... under a pull of 8
+        >>> fall = EndlessBounces(start=1.0, until=3.0, nx=0.0, ny=1.0, speed=4.0, e=0.5)  # a pull of 8
         >>> fall.beside(1.5), fall.beside(2.25), fall.beside(3.0)
         ((0.0, 1.0, 0.0, 0.0), (0.0, 0.25, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
         """
