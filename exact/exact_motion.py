@@ -443,16 +443,17 @@ class ExactMotion:
     def wait_for_rest(self) -> None:
         """Puts the end of a run off until all that bounces infinitely often is at rest."""
         for end in self._ends.values():
-            with suppress(ValueError):  # two that cannot be told apart
-                self.end = end if self._after(end, self.end) else self.end
+            self.end = end if self.reaches(end) is False else self.end
 
     def rest_at(self, time: object) -> tuple[int, int] | None:
         """The circle and its knot before which infinitely many bounces end at a time of this run."""
         return next((place for place, end in self._ends.items() if end is time), None)
 
     def reaches(self, time: RunTime) -> bool:
-        """Whether a time is not after the end; see `_after`."""
-        return time is self.end or self._own(time) is not None or not self._after(time, self.end)
+        """Whether a time is not after the end, or not known to be."""
+        with suppress(ValueError):
+            return time is self.end or self._own(time) is not None or not self._after(time, self.end)
+        return True
 
     def _own(self, time: RunTime) -> int | None:
         """The number of the instant of this run that a time is; None for any other time."""

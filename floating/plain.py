@@ -505,7 +505,7 @@ F = TypeVar("F", bound=Counted)
 
 
 def in_doubles(found: Mapping[int, Mapping[int, LastBounces[F]]], e: float) -> dict[int, dict[int, EndlessBounces]]:
-    """EndlessBounces that come to an end, as a motion in doubles shows them."""
+    """Bounces that come to an end, as a motion in doubles shows them."""
 
     def told(known: LastBounces[F]) -> EndlessBounces:
         start, until, speed, line = float(known.start), float(known.until), float(known.speed), known.line
