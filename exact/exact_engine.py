@@ -466,7 +466,7 @@ class ExactEngine(Declared):
 
 def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
     """Where walls began to carry circles, told by the log; not where one was let fall and carried on at one instant."""
-    log, knots = motion.log, motion.knots
+    log, knots, ends = motion.log, motion.knots, motion.ends
     found: list[tuple[float, int, Settling]] = []
     for k, step in enumerate(log.steps if log.given.settle else (), start=1):
         if isinstance(step, Settle):
@@ -474,8 +474,7 @@ def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
             at = bisect_left(row, k, key=itemgetter(5))
             if at == 0 or not log.carries(i, row[at - 1][5]):
                 circle, wall = contact_of(log.scene, AtWall(i, step.wall))
-                begun, end = motion.knot_time(i, at), motion.rest_after(i, at)
-                time, since = (begun, None) if end is None else (end, begun)
+                since, time = ends.get((i, at)) or (None, motion.knot_time(i, at))
                 if motion.reaches(time):
                     found.append((float(time), i, Settling(circle, wall, time, since)))
     return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1)))

@@ -539,35 +539,35 @@ class ExactMotion:
             other = isinstance(formulas[0], OtherRun)
             formulas[2:] = formulas[:2] if other else [FallSpeed(i, 0, time), FallSpeed(i, 1, time)]
         if bounces is not None and not isinstance(formulas[0], OtherRun):
-            formulas = [Bounced(i, along, n % 2, n > 1, time, bounces) for n, along in enumerate(formulas)]
+            formulas = [Bounced(i, along, n % 2, n > 1, time, *bounces) for n, along in enumerate(formulas)]
             near = (arb.nan(),) * 4
         rows = zip(formulas, near, strict=True)
         return tuple(ExactValue(self.log, upto, bodies, *row) for row in rows)  # pyright: ignore[reportReturnType]
 
-    def rest_after(self, i: int, k: int) -> ExactValue | None:
-        """When the infinitely many bounces of a circle have all happened that come before a knot; None without."""
-        return self._ends.get((i, k))
+    @property
+    def ends(self) -> dict[tuple[int, int], tuple[ExactValue, ExactValue]]:
+        """By circle and the place of the knot after them: when infinitely many bounces begin, and end."""
+        return {place: (self.knot_time(*place), end) for place, end in self._ends.items()}
 
     @kept
     def _ends(self) -> dict[tuple[int, int], ExactValue]:
-        """The same of all knots."""
+        """The ends alone."""
         found = endless(self.log.steps, self.knots) if self.log.given.settle else {}
         return {place: ExactValue(self.log, upto, place[:1], end, arb.nan()) for place, (upto, end) in found.items()}
 
-    def _bounces(self, i: int, k: int, time: RunTime) -> int | None:
-        """After how many of the infinitely many bounces before a knot a time is, besides the first; None of others.
+    def _bounces(self, i: int, k: int, time: RunTime) -> tuple[int, int] | None:
+        """Which infinitely many bounces come before a knot, and after how many of them a time is; None of others.
 
         Raises:
             ValueError: where that is not known.
         """
-        end = self._ends.get((i, k)) if self.log.given.settle else None
-        if end is None or time is end:
+        end, begins = self._ends.get((i, k)), self._own(time) == self.knots[i][k][6]
+        if end is None or time is end or not (begins or self._after(end, time)):
             return None
-        if self._own(time) == self.knots[i][k][6] or not self._after(end, time):
-            return 0 if self._own(time) == self.knots[i][k][6] else None
-        number = bounce_before(self.knot_time(i, k), end, time, self.log.scene.restitution, EQUAL_BITS)
+        nth = sum(j == i and place < k for j, place in self._ends)
+        number = 0 if begins else bounce_before(self.knot_time(i, k), end, time, self.log.scene.restitution, EQUAL_BITS)
         if number is not None:
-            return number
+            return nth, number
         raise ValueError(f"whether a bounce falls on time {_shown(time)} is not known; ask for a time beside it")
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:

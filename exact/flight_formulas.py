@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Sequence
 from operator import itemgetter
 from typing import Protocol
@@ -15,10 +16,8 @@ from .laws.formulas import advance, fall_speed, sag
 from .numbers import ball
 from .numbers.ball import Known
 from .numbers.system import N
-from .replay.contact import AtWall
 from .replay.state import ReplayState, Settle, Step, Velocity
 from .simulation.decider import Formula, Knot
-from .simulation.endings import Accumulating
 
 
 class Enclosable(Protocol):
@@ -96,6 +95,7 @@ class Bounced:
         axis: 0 for x, 1 for y.
         speed: whether the velocity is asked for.
         time: the time.
+        nth: of how many such ends of bounces of the circle this one is, from 0.
         number: of the bounce before it.
     """
 
@@ -104,34 +104,53 @@ class Bounced:
     axis: int
     speed: bool
     time: HasFormula | Quantity
+    nth: int
     number: int
 
     def __call__(self, state: ReplayState[N]) -> N:
-        body = self.body
-        wall, first = state.bounced[body]
-        line, falls, e = state.line(body, wall), state.falling, state.scene.restitution
-        assert falls is not None
-        half = line.nx * falls.hx + line.ny * falls.hy
+        wall, first, start = state.bounced[self.body][self.nth]
+        line, e, half = state.line(self.body, wall), state.scene.restitution, _half(self.body, wall, state)
         up, gone = first * state.constant(e**self.number), state.constant((1 - e**self.number) / (1 - e))
-        since = _moment(self.time, state) - state.bodies[body].flight.instant + first * gone / half
+        since = _moment(self.time, state) - start + first * gone / half
         across = up + (half + half) * since if self.speed else (up + half * since) * since
         return self.along(state) + (line.nx if self.axis == 0 else line.ny) * across / line.nn
 
 
+def _half(body: int, wall: int, state: ReplayState[N]) -> N:
+    """Half of the pull along the normal of a wall."""
+    line, falls = state.line(body, wall), state.falling
+    assert falls is not None
+    return line.nx * falls.hx + line.ny * falls.hy
+
+
+@frozen
+class BouncesEnd:
+    """Computes when all of such bounces have happened: 2 v / (|n.g| (1 - e)) after the first; see `Bounced`."""
+
+    body: int
+    nth: int
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        wall, first, start = state.bounced[self.body][self.nth]
+        return start - first / (_half(self.body, wall, state) * state.constant(1 - state.scene.restitution))
+
+
 def endless(
     steps: Sequence[Step], knots: Sequence[Sequence[Knot[Known]]]
-) -> dict[tuple[int, int], tuple[int, Accumulating]]:
+) -> dict[tuple[int, int], tuple[int, BouncesEnd]]:
     """By circle and the place of the knot after them: what computes the end of such bounces, after how many steps.
 
     Args:
         steps: the log.
         knots: of each circle.
     """
-    found: dict[tuple[int, int], tuple[int, Accumulating]] = {}
-    for number, step in enumerate(steps):
+    found: dict[tuple[int, int], tuple[int, BouncesEnd]] = {}
+    counts = Counter[int]()
+    for number, step in enumerate(steps, start=1):
         if isinstance(step, Settle) and step.bounces:
-            place = bisect_left(knots[step.body], number + 1, key=itemgetter(5))
-            found[step.body, place] = number, Accumulating(AtWall(step.body, step.wall))
+            place = bisect_left(knots[step.body], number, key=itemgetter(5))
+            found[step.body, place] = number, BouncesEnd(step.body, counts[step.body])
+            counts[step.body] += 1
     return found
 
 

@@ -321,8 +321,9 @@ class IntervalMotion:
                     for k in self._places(i, time, at)
                 ]
                 for k in self._places(i, time, at):
-                    if k in self.bounced.get(i, {}):
-                        ways += _beside(self.bounced[i][k], at, ways, self.e)
+                    if (known := self.bounced.get(i, {}).get(k)) is not None:
+                        begins = isinstance(time, IntervalNumber) and time.instant == knots[k][-1]
+                        ways = _rising(known, ways) if begins else ways + _beside(known, at, ways, self.e)
                 rows.append(tuple(map(IntervalNumber, _hull(ways))))
             return rows
 
@@ -340,6 +341,12 @@ class IntervalMotion:
                 if (knots[k][0] <= at) is True:  # by then it no longer flies as before
                     break
         return found[::-1] or [0]
+
+    @property
+    def ends(self) -> dict[tuple[int, int], tuple[IntervalNumber, IntervalNumber]]:
+        """By circle and the place of the knot after them: when infinitely many bounces begin, and when they end."""
+        pairs = {(i, n): (known.start, known.until) for i, row in self.bounced.items() for n, known in row.items()}
+        return {place: (IntervalNumber(start), IntervalNumber(end)) for place, (start, end) in pairs.items()}
 
     def carries(self, place: int, time: Any) -> bool:
         """Whether a wall certainly carries a circle, by its place in the scene, from a time on."""
@@ -381,6 +388,12 @@ def _beside(known: LastBounces[Any], at: Any, ways: list[tuple[Any, ...]], e: Qu
     across = _hull([(ZERO, -up), (height, up)])
     beside = [part * wide for wide in across for part in (line.nx, line.ny)]
     return [tuple(one + other for one, other in zip(way, beside, strict=True)) for way in ways]
+
+
+def _rising(known: LastBounces[Any], ways: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
+    """The same as its bounces begin."""
+    line, up = known.line, known.speed / known.line.nn
+    return [(x, y, vx + line.nx * up, vy + line.ny * up) for x, y, vx, vy in ways]
 
 
 def _hull(states: list[tuple[Any, ...]]) -> list[Any]:

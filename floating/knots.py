@@ -154,6 +154,11 @@ class EndlessBounces(NamedTuple):
         return self.nx * height, self.ny * height, self.nx * rise, self.ny * rise
 
 
+def ends_of(bounced: Mapping[int, Mapping[int, EndlessBounces]]) -> dict[tuple[int, int], tuple[float, float]]:
+    """By circle and the place of the knot after them: when infinitely many bounces begin, and when they end."""
+    return {(i, n): (known.start, known.until) for i, row in bounced.items() for n, known in row.items()}
+
+
 @dataclass(frozen=True)
 class FallingMotion(DoubleMotion):
     """The same under gravity: flights between knots are parabolas.
@@ -191,6 +196,11 @@ class FallingMotion(DoubleMotion):
         row = DoubleMotion.flown(self, place, knot, time) if slope is None else bent(knot, time, slope)
         bounces = self.bounced.get(place, {}).get(number)
         return row if bounces is None else beside(row, bounces, time)
+
+    @property
+    def ends(self) -> dict[tuple[int, int], tuple[float, float]]:
+        """By circle and the place of the knot after them: when infinitely many bounces begin, and when they end."""
+        return ends_of(self.bounced)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a circle, by its place in the scene, does not fall from a time on: carried, or out of play."""

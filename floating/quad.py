@@ -22,7 +22,7 @@ from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion
-from .knots import EndlessBounces, beside
+from .knots import EndlessBounces, beside, ends_of
 from .plain import EventEngine, Passed, PlainDecider
 
 if TYPE_CHECKING:
@@ -237,6 +237,11 @@ class QuadMotion:
             bounces = self.bounced.get(i, {}).get(k)
             rows.append((x, y, vx, vy) if bounces is None else beside((x, y, vx, vy), bounces, float(at)))
         return rows
+
+    @property
+    def ends(self) -> dict[tuple[int, int], tuple[float, float]]:
+        """By circle and the place of the knot after them: when infinitely many bounces begin, and when they end."""
+        return ends_of(self.bounced)
 
     def carries(self, place: int, time: SupportsFloat) -> bool:
         """Whether a wall carries a circle, by its place in the scene, from a time on."""

@@ -7,12 +7,13 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
-from .fits import NEAR, BounceRatios, Drift, Fit, Sample, bounces_of, description_of, descriptions, drifts, sampled
+from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
 from .passages import Passage, passages, passes_between
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual, allowances
 from .transcript import Transcript
@@ -20,7 +21,7 @@ from .transcript import Transcript
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
-
+    from .fits import BounceRatios, Drift, Sample
 
 TOLD = 2.0**-53
 """The unit of doubles, in which states are reported, whatever an engine computes in."""
@@ -176,8 +177,6 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "what walls carry is not audited yet in steps")
     if run.scene.settle and any(getattr(run.motion, "slides", run.slides).values()):
         return Audit(None, "what slides down a slope is not audited yet")
-    if any(getattr(run.motion, "bounced", {}).values()) or any(rest.since is not None for rest in run.settlings):
-        return Audit(None, "what settles after infinitely many bounces is not audited yet")
     if run.scene.moving_solid is not None and engine.step is not None:
         return Audit(None, f"{run.scene.moving_solid} moves, and what meets it is not audited yet in steps")
     if run.scene.other_walls:
@@ -270,7 +269,11 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
         impacts += len(instant.impulses)
         flights += len(instant.after)
     times = sorted(float(event.time) for event in run.events)
-    for passage in passages(laws, transcript.flights(), transcript.end, gone, transcript.carried):
+    try:
+        rows, reason = transcript.flights(partial(with_bounces, laws)), ""
+    except ValueError as error:
+        rows, reason = [], str(error)
+    for passage in passages(laws, rows, transcript.end, gone, transcript.carried):
         if not laws.restitution and math.isinf(passage.time):
             continue  # what slides along is carried into it by the rounding of no speed at all, in endless time
         flown = passage.time - passage.began
@@ -279,8 +282,9 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
     if notes.first:
         samples, ways = _described(transcript, laws)
         fit = description_of(descriptions(laws, samples, ways, ids), notes.counts)
+    kept = None if reason and not notes.first else not notes.first
     return Audit(
-        not notes.first, "", impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
+        kept, reason, impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
         declared=dict(notes.declared), phantoms=notes.phantoms,
     )  # fmt: skip
 
@@ -291,7 +295,9 @@ def _described(transcript: Transcript, laws: Laws) -> tuple[list[Sample], list[D
     ways: list[Drift] = []
     events = 0
     for instant in transcript.instants():
-        if not instant.turned and not any(transcript.gone.get(k, math.inf) < instant.time for k in instant.after):
+        if not (instant.turned or instant.rested) and not any(
+            transcript.gone.get(k, math.inf) < instant.time for k in instant.after
+        ):
             samples += sampled(laws, instant, events)
             ways += drifts(laws, instant, events)
         events += len(instant.events)
@@ -482,8 +488,8 @@ class Measures:
         wholes: see `Laws.wholes`: what is met of a thing is not always the face or end that is overlapped a step later.
     """
 
-    samples: list[Sample] = field(default_factory=list[Sample])
-    drifts: list[Drift] = field(default_factory=list[Drift])
+    samples: list[Sample] = field(default_factory=list["Sample"])
+    drifts: list[Drift] = field(default_factory=list["Drift"])
     several: list[tuple[int, float, Residual]] = field(default_factory=list[tuple[int, float, Residual]])
     passages: list[Passage] = field(default_factory=list[Passage])
     tunnels: list[Passage] = field(default_factory=list[Passage])

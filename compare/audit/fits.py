@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
@@ -14,7 +15,7 @@ from ...exact.numbers import ball
 from .residuals import Laws, length_of
 
 if TYPE_CHECKING:
-    from .transcript import ReportedInstant, Transcript
+    from .transcript import ReportedFlight, ReportedInstant, Transcript
 
 SPREAD = 0.01
 """Values that differ among themselves by less than this share of what they differ from the law by are one value."""
@@ -27,6 +28,10 @@ NEAR = 16.0
 
 FEWEST = 3
 """Impacts from which on one value for all of them is a description, and not a coincidence."""
+
+
+MOST_BOUNCES = 2_000
+"""Bounces that are followed of those that nothing reports."""
 
 
 class Sample(NamedTuple):
@@ -220,6 +225,46 @@ def bounces_of(transcript: Transcript, laws: Laws) -> BounceRatios | None:
     mean = math.fsum(ratios) / len(ratios)
     spread = math.sqrt(math.fsum((ratio - mean) ** 2 for ratio in ratios) / len(ratios))
     return BounceRatios(laws.restitution, mean, min(ratios), max(ratios), len(ratios), spread)
+
+
+def with_bounces(laws: Laws, k: int, row: Sequence[ReportedFlight], end: float) -> Sequence[ReportedFlight]:
+    """The flights of a circle, and its infinitely many bounces by the law, as far as they are higher than rounding.
+
+    After the bounce with number n, from 0, with the normal speed v after the first and the pull a, it flies on at the
+    time (2 v / a) (1 - e^n) / (1 - e) after that, with v e^n, and comes as high as (v e^n)^2 / (2 a).
+
+    Args:
+        end: up to when the last flight goes on.
+
+    Raises:
+        ValueError: where these are too many.
+    """
+    found: list[ReportedFlight] = []
+    for flight, following in zip_longest(row, row[1:]):
+        found.append(flight)
+        if not flight.bounces or laws.fall is None:
+            continue
+        rest, pull, e = laws.along(k, flight), laws.fall.pull, laws.change - 1
+        ux, uy = flight.vx - rest.vx, flight.vy - rest.vy
+        span = 2 * (ux * ux + uy * uy).sqrt() / (pull * (1 - e))
+        height = float(((ux * ux + uy * uy) / (2 * pull)).mid())
+        faint = 2.0**-51 * (flight.place + flight.speed * flight.time)
+        number = math.ceil(math.log(faint / height) / (2 * math.log(laws.restitution))) if height > faint > 0 else 0
+        if number > MOST_BOUNCES:
+            raise ValueError(f"it bounces {number:,} times that no event tells of, more than {MOST_BOUNCES:,}")
+        last, share = end if following is None else following.time, arb(1)
+        for _ in range(number):
+            share *= e
+            if float(t := flight.t + span * (1 - share)) >= last:
+                break
+            x, y = rest.at(t)
+            vx, vy = rest.vx + ux * share, rest.vy + uy * share
+            found.append(flight._replace(t=t, x=x, y=y, vx=vx, vy=vy, time=float(t), bounces=False))
+        else:
+            t = found[-1].t
+            x, y = rest.at(t)
+            found[-1] = rest._replace(t=t, x=x, y=y, time=float(t))
+    return found
 
 
 def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events: int, back: float) -> Iterable[Sample]:

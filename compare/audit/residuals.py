@@ -18,13 +18,13 @@ from ...exact.replay.contact import Sides
 from ...scenarios.numbers.quantity import ZERO as NONE
 from ...scenarios.surfaces import parts_of
 from ..foreign.impulses import solved, strengths_of
-from .transcript import groups_of
+from .transcript import WallInBalls, groups_of
 
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
-    from .transcript import Fall, Leg, ReportedFlight, ReportedInstant, Transcript
+    from .transcript import Fall, ReportedFlight, ReportedInstant, Transcript
 
 AUDIT_BITS = 256
 """Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
@@ -107,45 +107,6 @@ class Thing(NamedTuple):
     weight: arb
     radius: float
     share: float
-
-
-ZERO = arb(0)
-
-
-class WallInBalls(NamedTuple):
-    """A wall: a point of it, its unit normal; how far its points are from the origin and from each other.
-
-    Of a face, `thick` is half the thickness of its segment. One that moves has the velocity (ux, uy), of size `drift`.
-    """
-
-    x: arb
-    y: arb
-    nx: arb
-    ny: arb
-    size: float
-    length: float
-    thick: float = 0.0
-    ux: arb = ZERO
-    uy: arb = ZERO
-    drift: float = 0.0
-
-    def at(self, time: arb) -> WallInBalls:
-        """Where it is at a time, of one that has been told where it is at time 0."""
-        if not self.drift:
-            return self
-        size = self.size + self.drift * abs(float(time.mid()))
-        return self._replace(x=self.x + self.ux * time, y=self.y + self.uy * time, size=size)
-
-    def seen(self, leg: Leg) -> tuple[Leg, WallInBalls]:
-        """A flight as seen from it, and itself, which so stands where it is as the flight begins."""
-        if not self.drift:
-            return leg, self
-        still = self.at(arb(leg.start))._replace(ux=ZERO, uy=ZERO, drift=0.0)
-        return leg.seen_from(float(self.ux), float(self.uy)), still
-
-    def nears(self, vx: arb | float, vy: arb | float) -> arb:
-        """How fast something of a velocity comes nearer to it."""
-        return self.nx * (vx - self.ux) + self.ny * (vy - self.uy)
 
 
 class SideInBalls(NamedTuple):
@@ -322,6 +283,10 @@ class Laws:
         Args:
             events: how many events the run had before it.
         """
+        for k in instant.rested:
+            flight = instant.before[k]
+            instant.before[k] = self.along(k, flight)
+            yield self._rested(k, flight, instant.before[k], instant.after[k])
         for k, after in instant.after.items():
             if self.moving[k]:
                 yield self._flown(k, instant.before[k], after, events)
@@ -355,6 +320,35 @@ class Laws:
                 x, y = ends[0] - ball.constant(ends[2]), ends[1] - ball.constant(ends[3])
                 size = math.hypot(float(ends[2]), float(ends[3]))
                 yield Residual("start", (k,), length_of(x, y), 2 * self.unit * size * self.start + LEAST)
+
+    def along(self, k: int, flight: ReportedFlight) -> ReportedFlight:
+        """How a circle would go on from the beginning of a flight if the wall next to it carried it: see `supports`."""
+        walls = [self.line(k, wall).at(flight.t) for wall in self.supports[k]]
+        gaps = [w.nx * (w.x - flight.x) + w.ny * (w.y - flight.y) - self.things[k].r for w in walls]
+        if not walls:
+            return flight
+        gap, wall = min(zip(gaps, walls, strict=True), key=lambda pair: abs(float(pair[0].mid())))
+        near = wall.nears(flight.vx, flight.vy)
+        x, y, vx, vy = (
+            flight.x + wall.nx * gap,
+            flight.y + wall.ny * gap,
+            flight.vx - wall.nx * near,
+            flight.vy - wall.ny * near,
+        )
+        return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
+
+    def _rested(self, k: int, flight: ReportedFlight, along: ReportedFlight, after: ReportedFlight) -> Residual:
+        """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
+
+        It is told as the way that the circle goes in it with the speed v after that; a is the pull.
+        """
+        assert self.fall is not None
+        ux, uy = flight.vx - along.vx, flight.vy - along.vy
+        speed, lost = (ux * ux + uy * uy).sqrt(), 2 - self.change
+        per_speed = 2 / (self.fall.pull * lost)
+        size = size_of((after.t - flight.t - speed * per_speed) * speed)
+        times = after.time + flight.time + flight.speed * float(per_speed.mid())
+        return Residual("support", (k,), size, ROOT_UNITS * self.unit * times * float(speed.mid()) + LEAST)
 
     def _flown(self, k: int, before: ReportedFlight, after: ReportedFlight, events: int) -> Residual:
         """How far from where it flew to a circle says that it is."""

@@ -8,6 +8,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from flint import arb
@@ -16,7 +17,7 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import places_of
 from ...exact.replay.parts import PartsNear
 from ...floating.knots import NEXT_TO, DoubleMotion, EventMotion, FallingMotion, SteppedFall
-from ...scenarios.numbers.quantity import real
+from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
@@ -35,8 +36,14 @@ READ_BITS = 320
 TURNED = 2.0**-10
 """By what angle a time step may turn a push."""
 
+SHORT = 2.0**-40
+"""A share of its time below which nothing is looked at within a flight."""
+
 ROUNDINGS = 64
 """How many roundings of its coordinates may keep a circle off a face that it is reported to meet."""
+
+
+ZERO = arb(0)
 
 
 class ReportedFlight(NamedTuple):
@@ -48,6 +55,7 @@ class ReportedFlight(NamedTuple):
         made: how many events the run had when it began.
         fallen: under gravity, a speed of which each rounding of the engine's may take its share; see `Fall.straight`.
         carried: whether a wall carries the circle, by what the engine says: then it does not fall.
+        bounces: whether infinitely many bounces on a wall begin with it, of which the engine reports no more.
     """
 
     t: arb
@@ -61,6 +69,7 @@ class ReportedFlight(NamedTuple):
     made: int
     fallen: float = 0.0
     carried: bool = False
+    bounces: bool = False
 
     def turned(self) -> ReportedFlight:
         """The same with the velocity negated.
@@ -92,6 +101,11 @@ class Fall(NamedTuple):
     step: float = 0.0
     ahead: float = 0.0
     early: float = 1.0
+
+    @property
+    def pull(self) -> arb:
+        """How strong it is."""
+        return (self.gx * self.gx + self.gy * self.gy).sqrt()
 
     def fallen(self, span: arb) -> tuple[arb, arb]:
         """After a flight: by how many g the place is off the straight way, and by how many the velocity has changed."""
@@ -135,6 +149,9 @@ class Fall(NamedTuple):
         return ReportedFlight(flight.t, x, y, vx, vy, flight.time, place, speed, flight.made, fallen)
 
 
+Bounced: TypeAlias = "Callable[[int, Sequence[ReportedFlight], float], Sequence[ReportedFlight]]"
+"""Of a circle's flights up to a time: the same, and those of infinitely many bounces that nothing reports."""
+
 Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
 """t, x, y, vx, vy of one circle, in the engine's numbers."""
 
@@ -151,11 +168,13 @@ def flight_of(row: Row, made: int, carried: bool = False) -> ReportedFlight:
     return ReportedFlight(t, x, y, vx, vy, *sizes, made, 0.0, carried)
 
 
-def _middle(flight: ReportedFlight) -> tuple[float, ...]:
-    """The middle of a flight's numbers, and the radius of its place and of its velocity."""
+def _middle(flight: ReportedFlight, following: ReportedFlight | None = None) -> tuple[float, ...]:
+    """The middle of a flight's numbers, and the radius of its place and of its velocity; when it ends may be unsure."""
     numbers = flight[:5]
     wide = [float(value.rad()) for value in numbers]
     apart = wide[1] + wide[2] + flight.speed * wide[0] + NEAREST * (flight.place + flight.speed * flight.time)
+    if following is not None:
+        apart += max(flight.speed, following.speed) * float(following.t.rad())
     return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4] + NEAREST * flight.speed)
 
 
@@ -203,6 +222,42 @@ def legs_of(k: int, row: Sequence[Sequence[float]], end: float, carried: Collect
             yield Leg(k, t, until, t, x, y, vx, vy, apart, turned, n in carried)
 
 
+class WallInBalls(NamedTuple):
+    """A wall: a point of it, its unit normal; how far its points are from the origin and from each other.
+
+    Of a face, `thick` is half the thickness of its segment. One that moves has the velocity (ux, uy), of size `drift`.
+    """
+
+    x: arb
+    y: arb
+    nx: arb
+    ny: arb
+    size: float
+    length: float
+    thick: float = 0.0
+    ux: arb = ZERO
+    uy: arb = ZERO
+    drift: float = 0.0
+
+    def at(self, time: arb) -> WallInBalls:
+        """Where it is at a time, of one that has been told where it is at time 0."""
+        if not self.drift:
+            return self
+        size = self.size + self.drift * abs(float(time.mid()))
+        return self._replace(x=self.x + self.ux * time, y=self.y + self.uy * time, size=size)
+
+    def seen(self, leg: Leg) -> tuple[Leg, WallInBalls]:
+        """A flight as seen from it, and itself, which so stands where it is as the flight begins."""
+        if not self.drift:
+            return leg, self
+        still = self.at(arb(leg.start))._replace(ux=ZERO, uy=ZERO, drift=0.0)
+        return leg.seen_from(float(self.ux), float(self.uy)), still
+
+    def nears(self, vx: arb | float, vy: arb | float) -> arb:
+        """How fast something of a velocity comes nearer to it."""
+        return self.nx * (vx - self.ux) + self.ny * (vy - self.uy)
+
+
 @dataclass
 class ReportedInstant:
     """All that a run reports of one moment.
@@ -225,6 +280,11 @@ class ReportedInstant:
     before: dict[int, ReportedFlight] = field(default_factory=dict[int, ReportedFlight])
     after: dict[int, ReportedFlight] = field(default_factory=dict[int, ReportedFlight])
     turned: bool = False
+
+    @property
+    def rested(self) -> list[int]:
+        """The circles of which infinitely many bounces on a wall have come to an end here."""
+        return [k for k, flight in self.before.items() if flight.bounces and k in self.after and self.after[k].carried]
 
     def circles(self, count: int) -> set[int]:
         """The circles that meet something, by place; there are `count` circles."""
@@ -276,7 +336,7 @@ class Transcript:
         gone: when circles leave play, by place.
         fall: the gravity of the run; None without.
         carries: whether a wall carries a circle, by its place, from a time on; None where the motion does not say.
-        carried: by circle, the places in its row of `flights` of those along which a wall carries it.
+        carried: by circle, the places in its row of `flights` of those along which a wall carries it; known after that.
         end: up to when flights are known, once all of it is read; infinite where nothing is left to happen.
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -315,8 +375,13 @@ class Transcript:
             for entry in run.pocketings:
                 self.gone.setdefault(self._places[entry.circle], float(entry.time))
         self.carried: Mapping[int, Collection[int]] = {}
+        self._carried: Mapping[int, Collection[int]] = {}
+        ends: Mapping[tuple[int, int], tuple[Any, Any]] = getattr(motion, "ends", {})
+        self._ends = {(k, float(since)): time for (k, _), (since, time) in ends.items()}
+        self._late = {*ends}
+        self._open: dict[int, Any] = {}
         if isinstance(motion, FallingMotion):
-            self.carried = {
+            self._carried = {
                 k: {n for n in row if motion.knots[k][n][0] < self.gone.get(k, math.inf)}
                 for k, row in motion.carried.items()
             }
@@ -332,7 +397,7 @@ class Transcript:
 
     def _first(self) -> list[ReportedFlight]:
         if isinstance(self._motion, DoubleMotion):
-            return [flight_of(row[0][:5], 0, 0 in self.carried.get(k, ())) for k, row in enumerate(self._motion.knots)]
+            return [flight_of(row[0][:5], 0, 0 in self._carried.get(k, ())) for k, row in enumerate(self._motion.knots)]
         if self.run.events and float(self.run.events[0].time) == 0.0:  # a state at 0 is the one that it leaves
             rows = [(c.x, c.y, c.vx, c.vy) for c in self.run.scene.circles]
             return [self._flight((0.0, *row), 0) for row in rows]
@@ -340,20 +405,24 @@ class Transcript:
 
     def instants(self) -> Iterator[ReportedInstant]:
         """Every instant, in the order of time."""
-        motion = self._motion
-        told = self._from_flights(motion) if isinstance(motion, DoubleMotion) else self._from_rows()
+        told = self._told()
         if self.fall is not None:
             told = self._straightened(told, self.fall)
         return told if self.scene is self.run.scene else map(self._by_parts, told)
+
+    def _told(self) -> Iterator[ReportedInstant]:
+        motion, self._open = self._motion, {}
+        return self._from_flights(motion) if isinstance(motion, DoubleMotion) else self._from_rows()
 
     def _straightened(self, told: Iterator[ReportedInstant], fall: Fall) -> Iterator[ReportedInstant]:
         """The same with flights that end as they do under gravity."""
         made = 0
         for instant in told:
             made += len(instant.events)
+            rested = instant.rested
             ended = {
                 k: fall.straight(flight, instant.after[k].t if k in instant.after else instant.t, made)
-                if k < self._count and self._moving[k]
+                if k < self._count and self._moving[k] and k not in rested
                 else flight
                 for k, flight in instant.before.items()
             }
@@ -406,27 +475,38 @@ class Transcript:
         place, speed = math.hypot(float(end.x), float(end.y)), math.hypot(*map(float, end.drift))
         return ReportedFlight(arb(0), x, y, vx, vy, 0.0, place, speed, 0)
 
-    def flights(self) -> Sequence[Sequence[Sequence[float]]]:
+    def flights(self, bounced: Bounced | None = None) -> Sequence[Sequence[Sequence[float]]]:
         """For each circle (t, x, y, vx, vy) of its flights as doubles, by ascending time.
 
         Of enclosures they are the middles, followed by how far place and velocity may be from them.
+
+        Args:
+            bounced: fills in the infinitely many bounces of which the first alone is reported.
         """
         fixed = [[_middle(self._end(k))] for k in self.scene.ends]
-        if isinstance(self._motion, DoubleMotion):
+        if isinstance(self._motion, DoubleMotion) and not self._ends:
+            self.carried = self._carried
             return [*self._motion.knots, *fixed] if fixed else self._motion.knots
         if self._flown is None:
-            deque(self._from_rows(), maxlen=0)
+            deque(self._told(), maxlen=0)
         flown = self._flown or []
+        if self._ends and bounced is not None:
+            flown = [bounced(k, row, min(self.end, self.gone.get(k, math.inf))) for k, row in enumerate(flown)]
         self.carried = {k: {n for n, flight in enumerate(row) if flight.carried} for k, row in enumerate(flown)}
-        return [*([_middle(flight) for flight in row] for row in flown), *fixed]
+        return [*([_middle(*pair) for pair in zip_longest(row, row[1:])] for row in flown), *fixed]
 
     # -- from the flights that a motion keeps
 
     def _from_flights(self, motion: DoubleMotion) -> Iterator[ReportedInstant]:
         knots = motion.knots
-        flying = self._first()
+        flown = [[flight] for flight in self._first()]
         end = float(self.run.final_time)  # a record may know more than was asked for
-        new = sorted((row[n][0], k, n) for k, row in enumerate(knots) for n in range(1, len(row)) if row[n][0] <= end)
+        new = sorted(
+            (row[n][0], k, n)
+            for k, row in enumerate(knots)
+            for n in range(1, len(row))
+            if row[n][0] <= end and (k, n) not in self._late
+        )
         events = self.run.events
         times = [float(event.time) for event in events]
         order = sorted(range(len(times)), key=times.__getitem__)
@@ -443,15 +523,45 @@ class Transcript:
                 changed.setdefault(new[n][1], []).append(new[n][2])
                 n += 1
             turned = turn is not None and now == turn
+            yield from self._bounced(now, flown, e)
             for instant in self._split(now, mine, changed, left, turned):
                 for k, place in instant[1].items():
-                    instant[0].before[k] = flying[k]
-                    flying[k] = flight_of(knots[k][place][:5], e, place in self.carried.get(k, ()))
-                    instant[0].after[k] = flying[k]
+                    instant[0].before[k] = flown[k][-1]
+                    found = flight_of(knots[k][place][:5], e, place in self._carried.get(k, ()))
+                    found = self._begun(k, found, self._ends[k, now] if (k, place + 1) in self._late else None)
+                    flown[k][len(flown[k]) - (not self._ends) :] = [found]
+                    instant[0].after[k] = found
                 for k in instant[0].circles(self._count):
                     if k not in instant[0].before:
-                        instant[0].before[k] = flying[k]
+                        instant[0].before[k] = flown[k][-1]
                 yield instant[0]
+        yield from self._bounced(end, flown, e)
+        self._flown = flown
+
+    # -- infinitely many bounces, of which the first alone is reported
+
+    def _begun(self, k: int, flight: ReportedFlight, end: Any) -> ReportedFlight:
+        """The flight with which a circle goes on, perhaps into such bounces, up to a time."""
+        self._open.pop(k, None)
+        if end is None:
+            return flight
+        span = float(end) - flight.time
+        lag = span * (1.0 - float(self.scene.restitution)) / 2
+        highest = [Quantity.of(flight.time + lag)] if lag > SHORT * flight.time else []
+        self._open[k] = [*highest, end]
+        return flight._replace(carried=False, bounces=True)
+
+    def _bounced(self, now: float, flown: list[list[ReportedFlight]], made: int) -> Iterator[ReportedInstant]:
+        """What is told of them up to a time: where the circle is half-way to the next one, and how they leave it."""
+        for when, k in sorted((float(t), k) for k, times in self._open.items() for t in times if float(t) <= now):
+            time = self._open[k].pop(0)
+            rest = not self._open[k]
+            row: tuple[Any, ...] = self._motion.state(time)[k]
+            after = flight_of((time, *row) if self.wide else (when, *map(float, row)), made, rest)  # pyright: ignore
+            yield ReportedInstant((), when, self._number(time), (), {k: flown[k][-1]}, {k: after})
+            if rest:
+                del self._open[k]
+                flown[k].append(after)
 
     def _split(
         self,
@@ -519,6 +629,7 @@ class Transcript:
                 self.end = float(run.events[index - 1].time)
                 break
             mine, now = (index,), float(event.time)
+            yield from self._bounced(now, flown, index)
             if turn is not None and now >= turn:
                 if now > turn or index not in at_once:
                     yield self._read((), run.reversal and run.reversal.time, turn, index, flown, None)
@@ -531,6 +642,7 @@ class Transcript:
         else:
             if run.reversal is not None and turn is not None:
                 yield self._read((), run.reversal.time, turn, len(run.events), flown, None)
+            yield from self._bounced(float(run.final_time), flown, len(run.events))
         self._flown = flown
 
     def _read(
@@ -552,7 +664,11 @@ class Transcript:
         instant = ReportedInstant(events, now, self._number(time), links, turned=turned)
         hit = instant.circles(self._count)
         for k, row in enumerate(rows):
-            found = self._flight((time, *row), made, k, time)
+            if k in self._open and k not in hit:
+                continue
+            found = self._begun(
+                k, self._flight((time, *row), made, k, time), self._ends.get((k, now)) if k in hit else None
+            )
             last = flown[k][-1]
             known = last if self.fall is None else self.fall.straight(last, found.t, made)
             same = found.vx.overlaps(known.vx) and found.vy.overlaps(known.vy) and found.carried == known.carried

@@ -308,8 +308,8 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
             raise ValueError(f"{ending[1:]} is no bounce on a wall, and no hits in turns")
         ending = Accumulating(*links)
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
-    if rest is not None and (known := motion.rest_after(*rest)) is not None:
-        end = motion.end = known
+    if rest is not None and (known := motion.ends.get((rest[0], rest[1]))) is not None:
+        end = motion.end = known[1]
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]
     return Trajectory(

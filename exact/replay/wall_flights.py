@@ -179,7 +179,7 @@ class WallFlights(Generic[N]):
     falling: Gravity[N] | None
     drifts: dict[int, tuple[N, N]]
     slopes: dict[int, int]
-    bounced: dict[int, tuple[int, N]]
+    bounced: dict[int, tuple[tuple[int, N, N], ...]]
     paces: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
 
@@ -364,11 +364,13 @@ class WallFlights(Generic[N]):
         """Has a wall carry a body; its velocity across the wall, which is zero, is left out.
 
         A wall that is a slope bears all of gravity but what there is along it. Of a body that bounces on it infinitely
-        often, ever lower, that velocity is noted.
+        often, ever lower, the wall, that velocity and the time are noted, for each time that it does.
         """
         body, zero = self.bodies[index], self.zero
         if bounces:
-            self.bounced = {**self.bounced, index: (wall, self.wall_approach(AtWall(index, wall)))}
+            known = self.bounced.get(index, ())
+            row = wall, self.wall_approach(AtWall(index, wall)), body.flight.instant
+            self.bounced = {**self.bounced, index: (*known, row)}
         _, _, _, _, t, instant, late, last, _ = body.flight
         x, y, vx, vy = self.true_row(body)
         if slides:

@@ -442,7 +442,10 @@ class Loop(Generic[N, K]):
             self.resolver.touching.add(link)
             done.standing[link] = 0
         more.moved |= carrier.anchored(done.moved | done.advanced)
+        assert self.history.last is not None
+        last = self.history.last._replace(step=len(self.history.steps))  # kept if the run is cut short after it
         self._note(instant, more)
+        self.history.last = last
         done.moved |= more.moved
         return True
 

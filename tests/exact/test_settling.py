@@ -248,6 +248,44 @@ def test_a_run_that_ends_before_tells_of_no_rest() -> None:
     assert again.at("2999999/1000000")["ball"].y.text() == str(1 + height)
 
 
+@pytest.mark.parametrize("until", [None, 50])
+def test_where_it_is_as_its_bounces_end(until: object) -> None:
+    """It slides on with speed 1 all the time, from x = 0: then it is where the clock stands."""
+    scene = Scene([Circle(0, 3, vx=1, id="a")], [FLOOR], gravity=(0, -2), restitution="1/2", settle=True)
+    run = ExactEngine().run(scene, until=until)  # pyright: ignore[reportArgumentType]
+    end = run.settlings[0].time
+    assert [value.text() for value in run.motion.circle(0, end)] == ["3*sqrt(2)", "1", "1", "0"]
+    back = run_of(saved_run(run))
+    assert [value.text() for value in back.motion.circle(0, back.settlings[0].time)] == ["3*sqrt(2)", "1", "1", "0"]
+
+
+@pytest.mark.parametrize("seed", [12, 14, 17, 22])
+def test_ends_of_bounces_are_told_apart(seed: int) -> None:
+    """Discs are struck again and come to rest a second time: each time all are where they are a little later."""
+    scene = bouncing(seed)
+    assert scene is not None
+    run = ExactEngine().run(scene, until=20, events=80)
+    ends = [(settling.circle, settling.time) for settling in run.settlings if settling.since is not None]
+    assert max(Counter(circle for circle, _ in ends).values()) == 2
+    for _, time in ends:
+        now, later = run.motion.state(time), run.motion.state(Quantity.of(float(time) * (1 + 2.0**-40)))
+        for row, other in zip(now, later, strict=True):
+            assert [float(value) for value in row] == pytest.approx([float(value) for value in other], abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine()], ids=lambda engine: engine.name)
+def test_a_run_that_is_cut_short_keeps_where_its_last_bounces_leave_a_disc(engine: Engine) -> None:
+    """Another disc falls on it, and the two push each other and the floor without end."""
+    discs = [Circle(0, 1, "1/2", vx=1, id="a"), Circle("12/5", 20, "1/2", id="b")]
+    run = engine.run(Scene(discs, [FLOOR], gravity=(0, -10), restitution="1/10", settle=True), until=20)
+    assert run.stop.reason in (StopReason.UNDECIDED, StopReason.BUDGET)
+    assert len(run.events) == 8
+    time = float(run.final_time)
+    speed = 10**0.5 / 10**8  # by a tenth less after each of eight bounces
+    there = [float(value) for value in run.motion.state(run.final_time)[0]]
+    assert there == pytest.approx([time, 0.5, 1.0, speed], rel=1e-9)
+
+
 def test_it_settles_in_a_corner_and_bounces_between_walls_meanwhile() -> None:
     """A push of a wall at right angles changes nothing of how it comes to rest."""
     sides = [Wall(-4, 0, -4, 1, id="left"), Wall(4, 0, 4, 1, id="right")]

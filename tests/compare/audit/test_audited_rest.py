@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import pytest
-from settle_campaign import drawn
+from settle_campaign import bouncing, drawn
 
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
+from truebreak.compare.audit.fits import with_bounces
 from truebreak.compare.audit.residuals import Laws
 from truebreak.compare.audit.transcript import Transcript
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, plain
-from truebreak.floating.knots import FallingMotion
-from truebreak.scenarios import Circle, Scene, Segment, Trajectory, Wall, catalogue
+from truebreak.floating.knots import EndlessBounces, FallingMotion
+from truebreak.scenarios import Circle, Quantity, Scene, Segment, Trajectory, Wall, catalogue
 
 ENGINES = ("double", "single", "quad", "rounded:bits=40", "interval", "interval:bits=200")
 FLOOR = Wall(0, 0, 1, 0, id="floor")
@@ -29,13 +32,16 @@ def audited(run: Trajectory) -> Audit:
 def test_engines_that_keep_the_law_pass(name: str) -> None:
     """Discs settle, slide, are struck and carried again in these scenes, on level floors and with gravity aslant."""
     chosen, settled, scenes = engine(name), 0, [drawn(seed) for seed in range(18)]
-    scenes += [catalogue.build("landing"), catalogue.build("struck")]
+    scenes += [catalogue.build("landing"), catalogue.build("struck"), *(bouncing(seed) for seed in range(6))]
+    ends = 0
     for scene in filter(None, scenes):
-        run = chosen.run(scene, until=12, events=16)
+        run = chosen.run(scene, until=12, events=40)
         found = audit_run(run, chosen)
         assert found.kept, (scene, found.sentence)
         settled += len(run.settlings)
+        ends += sum(settling.since is not None for settling in run.settlings)
     assert settled > 15
+    assert ends > 5 or name == "interval"  # of so few bits they hold all that may be before
 
 
 def test_the_exact_engine_passes() -> None:
@@ -54,7 +60,7 @@ def aslant(vx: int) -> Scene:
 
 def test_a_floor_aslant_carries() -> None:
     run = DoubleEngine().run(aslant(1), until=9)
-    assert [s.circle for s in run.settlings] == ["b", "a", "a", "b"]
+    assert [s.circle for s in run.settlings] == ["b", "a"]  # as large as each other, they leave each other on it
     assert audited(run).kept
 
 
@@ -120,7 +126,99 @@ def test_a_disc_that_is_carried_otherwise_is_found(what: str, state: Any) -> Non
     found = audited(DoubleEngine().run(SLIDES, until=12))
     assert found.kept == (not kinds), found.sentence
     assert {v.kind for v in found.violations} >= set(kinds) - {"depth"}, found.violations
-    assert {v.kind for v in found.violations} <= {*kinds, "gap", "impulse"}, found.violations
+    drifts = {"flight", "depth", "support"} if what in ("sinks", "rises") else set[str]()
+    assert {v.kind for v in found.violations} <= {*kinds, *drifts, "gap", "impulse"}, found.violations
+
+
+# -- infinitely many bounces, of which the first alone are reported
+
+LONE = Scene([Circle(0, 3, vx=1, id="a")], [FLOOR], gravity=(0, -2), restitution="1/2", settle=True)
+LISTED = 2
+
+
+def early(scene: Scene = LONE, **changes: float) -> Trajectory:
+    """A run of the one disc that reports two of its bounces, with something changed; of another scene, as it says.
+
+    The second is at 2 sqrt(2), and sends it up at sqrt(2)/2 to a height of 1/8; all have happened at 3 sqrt(2).
+    """
+    run = DoubleEngine().run(LONE, until=9)
+    assert isinstance(run.motion, FallingMotion)
+    (knots,), ((end,),) = run.motion.knots, (row.values() for row in run.motion.bounced.values())
+    listed = [*knots[: LISTED + 1]]
+    t, x, y, vx, vy = listed[-1]
+    until = end.until + changes.get("until", 0.0)
+    ends = EndlessBounces(t, until, 0.0, 1.0, vy + changes.get("speed", 0.0), 0.5 + changes.get("e", 0.0))
+    rest = (
+        t,
+        x + changes.get("x", 0.0),
+        y + changes.get("y", 0.0),
+        vx + changes.get("vx", 0.0),
+        changes.get("vy", 0.0),
+    )
+    still = [[(0.0, float(c.x), float(c.y), 0.0, 0.0)] for c in scene.circles[1:]]
+    motion = replace(
+        run.motion, knots=[[*listed, rest], *still], carried={0: frozenset({LISTED + 1})},
+        bounced={0: {LISTED + 1: ends}}, pegs=range(1, len(scene.circles)),
+    )  # fmt: skip
+    settling = replace(run.settlings[0], time=until, since=t)
+    return replace(run, scene=scene, events=run.events[:LISTED], motion=motion, settlings=(settling,))
+
+
+def test_bounces_that_nothing_reports_are_followed_by_the_law() -> None:
+    run = early()
+    assert audited(run).kept
+    transcript = Transcript(run, True, 2.0**-53)
+    laws = Laws(run.scene, 2.0**-53, True, fall=transcript.fall)
+    (row,) = transcript.flights(partial(with_bounces, laws))
+    times = [t for t, *_ in row]
+    assert times[3:5] == pytest.approx([2.5 * 2**0.5, 2.75 * 2**0.5])
+    assert len(times) > 20
+    assert transcript.carried == {0: {len(times) - 2, len(times) - 1}}
+    for (t, x, y, vx, vy, *_), after in pairwise(row):
+        span = min(after[0] - t, 0.1) / 2
+        fall = 0.0 if t > times[-3] else 1.0
+        told = run.motion.state(t + span)[0]
+        assert told == pytest.approx(
+            (x + vx * span, y + vy * span - fall * span**2, vx, vy - 2 * fall * span), abs=1e-6
+        )
+
+
+WRONG_ENDS: dict[str, tuple[dict[str, float], set[str]]] = {
+    "too early": ({"until": -1e-9}, {"flight", "bystander", "support"}),
+    "too late": ({"until": 1e-9}, {"flight", "bystander", "support"}),
+    "too high": ({"speed": 1e-9}, {"flight"}),
+    "by another restitution": ({"e": 1e-3}, {"flight", "bystander"}),
+    "aside": ({"x": 1e-9}, {"flight"}),
+    "above": ({"y": 1e-9}, {"flight", "support"}),
+    "sliding faster": ({"vx": 1e-9}, {"flight", "bystander"}),
+    "rising": ({"vy": 1e-9}, {"flight", "bystander", "support"}),
+}
+
+
+@pytest.mark.parametrize("what", WRONG_ENDS)
+def test_bounces_that_end_otherwise_are_found(what: str) -> None:
+    changes, kinds = WRONG_ENDS[what]
+    found = audited(early(**changes))
+    assert {violation.kind for violation in found.violations} == kinds, found.violations
+
+
+@pytest.mark.parametrize("gap", ["1/50", "1/25"])
+def test_what_stands_in_their_way_is_hit(gap: str) -> None:
+    """Over the top of the third flight that nothing reports, which is 1/32 high: too low, or not."""
+    peg = Circle("389/100", Quantity.of("9/4") + Quantity.of(gap), "1/4", fixed=True, id="peg")
+    found = audited(early(LONE.with_changes(circles=(*LONE.circles, peg))))
+    assert {violation.kind for violation in found.violations} == ({"depth"} if gap == "1/50" else set())
+
+
+def test_too_many_of_them_are_not_determined() -> None:
+    """With e = .9999 they come lower than rounding after some 170,000."""
+    run = early()
+    found = audited(replace(run, scene=LONE.with_changes(restitution="9999/10000")))
+    assert not found.kept
+    transcript = Transcript(replace(run, scene=LONE.with_changes(restitution="9999/10000")), True, 2.0**-53)
+    laws = Laws(transcript.scene, 2.0**-53, True, fall=transcript.fall)
+    with pytest.raises(ValueError, match=r"it bounces 1\d\d,\d{3} times that no event tells of, more than 2,000"):
+        transcript.flights(partial(with_bounces, laws))
 
 
 # -- faults in what is reported: flights of other runs, and events left out
