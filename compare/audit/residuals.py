@@ -614,9 +614,11 @@ class Laws:
             yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
 
     def drift(self, place: int) -> tuple[Quantity, Quantity]:
-        """The velocity of a wall, by place; of everything else that stands 0."""
+        """The velocity of a wall, or of an end of a segment that moves, by place; of everything else that stands 0."""
         wall = place - self.count
-        exact = self.scene.walls[wall] if 0 <= wall < len(self.scene.walls) else None
+        if wall < 0:
+            return self.scene.circles[place].drift
+        exact = self.scene.walls[wall] if wall < len(self.scene.walls) else None
         return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
 
 

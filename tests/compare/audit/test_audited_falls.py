@@ -367,3 +367,17 @@ def test_every_time_is_a_number_where_bounces_come_to_an_end_within_rounding() -
             assert all(math.isfinite(float(event.time)) for event in run.events)
             short += len(run.events) < 60
     assert short > 20
+
+
+@pytest.mark.parametrize("name", ["exact", "double"])
+def test_energy_of_several_contacts_is_seen_from_an_end_that_moves(name: str) -> None:
+    """Its push adds energy, as the ground sees it; seen from the end that pushes, all that collide lose some."""
+    discs = [
+        Circle("-1/5", "-3/20", "1/4", vx="-4/5", vy="19/10", id="disc"),
+        Circle("-23/25", "3/50", "1/2", vx="-3/25", vy="33/50", m="1/2", id="other"),
+    ]
+    bar = Segment(0, 0, "9/5", "-12/5", vx="1/5", vy="-11/10", id="bar")
+    scene = Scene(discs, [], segments=[bar], restitution="1/2", tie_policy="simultaneous")
+    run = engine(name).run(scene, until=1)
+    assert len(run.events[0].impulses) == 2
+    assert audit_run(run, engine(name)).kept
