@@ -398,7 +398,8 @@ class Transcript:
     def _first(self) -> list[ReportedFlight]:
         if isinstance(self._motion, DoubleMotion):
             return [flight_of(row[0][:5], 0, 0 in self._carried.get(k, ())) for k, row in enumerate(self._motion.knots)]
-        if self.run.events and float(self.run.events[0].time) == 0.0:  # a state at 0 is the one that it leaves
+        happened = [float(event.time) for event in (*self.run.events[:1], *self.run.pocketings)]
+        if 0.0 in happened:  # a state at 0 is the one that it leaves
             rows = [(c.x, c.y, c.vx, c.vy) for c in self.run.scene.circles]
             return [self._flight((0.0, *row), 0) for row in rows]
         return [self._flight((0.0, *row), 0, k, 0.0) for k, row in enumerate(self._motion.state(0.0))]

@@ -197,3 +197,11 @@ def test_two_ends_of_one_thing_that_push_at_once_are_both_seen(name: str, thing:
         laws = found.candidates[0].laws
         assert laws is not None
         assert laws.kept
+
+
+def test_what_a_pocket_takes_as_time_begins_began_as_the_scene_says() -> None:
+    """On the rim, and moving in: its state at time 0 is the one in which the pocket leaves it, at rest."""
+    scene = Scene([Circle(0, 0, vx=1, id="a")], [], pockets=[Pocket(1, 0, 1, id="hole")], capture=True)
+    run = engine("exact").run(scene, until=2)
+    assert [(entry.circle, float(entry.time)) for entry in run.pocketings] == [("a", 0.0)]
+    assert audit_run(run, engine("exact")).kept
