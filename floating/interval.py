@@ -14,7 +14,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from flint import arb, fmpq
-from mpmath.libmp import to_float
+from mpmath.libmp import mpf_gt, mpf_le, to_float
 from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
@@ -312,15 +312,21 @@ class IntervalMotion:
             if (at < ZERO) is True or (at > end) is True:
                 raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
             rows = []
+            waits: dict[int, Any] = {}  # from the time of a knot, which circles share: by the number itself
             for i in circles:
                 knots, falling = self.knots[i], None if i in self.pegs else self.falling
                 carried = self.carried.get(i, ())
                 last = self.slides.get(i)
-                ways = [
-                    _flown(knots[k], at, falling if k not in carried else last if k == len(knots) - 1 else None)
-                    for k in self._places(i, time, at)
-                ]
-                for k in self._places(i, time, at):
+                places = self._places(i, time, at)
+                ways = []
+                for k in places:
+                    knot = knots[k]
+                    wait = waits.get(id(knot[0]))
+                    if wait is None:
+                        wait = waits[id(knot[0])] = at - knot[0]
+                    falls = falling if k not in carried else last if k == len(knots) - 1 else None
+                    ways.append(_flown(knot, wait, falls))
+                for k in places:
                     if (known := self.bounced.get(i, {}).get(k)) is not None:
                         begins = isinstance(time, IntervalNumber) and time.instant == knots[k][-1]
                         ways = _rising(known, ways) if begins else ways + _beside(known, at, ways, self.e)
@@ -336,9 +342,10 @@ class IntervalMotion:
             return [max(bisect_right(knots, time.instant, key=_instant) - 1, 0)]
         found: list[int] = []
         for k in range(len(knots) - 1, -1, -1):
-            if (knots[k][0] > at) is not True:
+            (low, high), (first, last) = knots[k][0]._mpi_, at._mpi_
+            if not mpf_gt(low, last):
                 found.append(k)
-                if (knots[k][0] <= at) is True:  # by then it no longer flies as before
+                if mpf_le(high, first):  # by then it no longer flies as before
                     break
         return found[::-1] or [0]
 
@@ -372,11 +379,17 @@ def _instant(knot: tuple[Any, ...]) -> int:
     return knot[-1]
 
 
-def _flown(knot: tuple[Any, ...], time: Any, falling: Gravity[Any] | None) -> tuple[Any, ...]:
-    t, x, y, vx, vy, _ = knot
+def _flown(knot: tuple[Any, ...], wait: Any, falling: Gravity[Any] | None) -> tuple[Any, ...]:
+    """(x, y, vx, vy) of a circle some time after a knot."""
+    _, x, y, vx, vy, _ = knot
     if falling is not None:
-        return falling.flown((x, y, vx, vy), time - t)
-    return advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
+        return falling.flown((x, y, vx, vy), wait)
+    return _advanced(x, vx, wait), _advanced(y, vy, wait), vx, vy
+
+
+def _advanced(x: Any, v: Any, wait: Any) -> Any:
+    """A coordinate some time later; at rest the very same."""
+    return x if v._mpi_ == ZERO._mpi_ else advance(x, v, wait)
 
 
 def _beside(known: LastBounces[Any], at: Any, ways: list[tuple[Any, ...]], e: Quantity) -> list[tuple[Any, ...]]:
