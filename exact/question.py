@@ -407,7 +407,7 @@ class Strengths:
         same = len(of) == len(self._of) - 1 and all(one is other for one, other in zip(of, self._of, strict=False))
         if not (same and self._of[-1] == bits_in_use()):
             matrix, speeds = state.contact_system(self.basis)
-            self._found = solve_positive(matrix, [-speed_change(u) for u in speeds])
+            self._found = solve_positive(matrix, [-speed_change(u) for u in speeds], state.zero)
             self._of = *of, bits_in_use()
         return self._found
 
@@ -442,7 +442,7 @@ class Slack(Strength):
     def value(self, state: ReplayState[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
-        strengths = solve_positive(inner, [-speed_change(u) for u in speeds[:-1]])
+        strengths = solve_positive(inner, [-speed_change(u) for u in speeds[:-1]], state.zero)
         slack = speed_change(speeds[-1])
         for entry, strength in zip(matrix[-1][:-1], strengths, strict=True):
             slack = slack + entry * strength
@@ -462,7 +462,7 @@ class Pivot(Strength):
         inner = [row[:-1] for row in matrix[:-1]]
         column = matrix[-1][:-1]
         pivot = matrix[-1][-1]
-        for entry, part in zip(column, solve_positive(inner, column), strict=True):
+        for entry, part in zip(column, solve_positive(inner, column, state.zero), strict=True):
             pivot = pivot - entry * part
         return pivot
 
@@ -477,7 +477,7 @@ class Share(Strength):
     def value(self, state: ReplayState[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.entering))
         inner = [row[:-1] for row in matrix[:-1]]
-        return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
+        return solve_positive(inner, matrix[-1][:-1], state.zero)[self.basis.index(self.link)]
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"

@@ -120,8 +120,11 @@ def number_system(name: str) -> Any:
 # -- Small linear systems in any numbers.
 
 
-def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N]) -> list[N]:
+def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N], nothing: N | None = None) -> list[N]:
     """Solves a symmetric positive definite system by elimination; its pivots need no choice.
+
+    Args:
+        nothing: the zero that stands, itself and no other like it, where the matrix has no entry: it is passed over.
 
     >>> from fractions import Fraction as Q
     >>> solve_positive([[Q(2), Q(1)], [Q(1), Q(2)]], [Q(3), Q(0)])
@@ -130,14 +133,18 @@ def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N]) -> list[N]
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     size = len(rows)
     for k in range(size):
+        entries = [column for column in range(k + 1, size + 1) if rows[k][column] is not nothing]
         for below in rows[k + 1 :]:
+            if below[k] is nothing:
+                continue
             factor = below[k] / rows[k][k]
-            for column in range(k + 1, size + 1):
+            for column in entries:
                 below[column] = below[column] - factor * rows[k][column]
     solution: list[N] = []  # from the last to the first
     for k in reversed(range(size)):
         value = rows[k][size]
         for column in range(k + 1, size):
-            value = value - rows[k][column] * solution[size - 1 - column]
+            if rows[k][column] is not nothing:
+                value = value - rows[k][column] * solution[size - 1 - column]
         solution.append(value / rows[k][k])
     return solution[::-1]

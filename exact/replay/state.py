@@ -527,7 +527,7 @@ class ReplayState(Flights[N]):
 
     def _kick_together(self, links: tuple[Touch, ...]) -> None:
         matrix, approaches = self.contact_system(links)
-        strengths = solve_positive(matrix, [-speed_change(u) for u in approaches])
+        strengths = solve_positive(matrix, [-speed_change(u) for u in approaches], self.zero)
         if self.share is not None:
             strengths = [strength * self.share for strength in strengths]
         for link, strength in zip(links, strengths, strict=True):

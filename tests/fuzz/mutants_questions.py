@@ -108,8 +108,8 @@ QUESTIONS = (
     Mutant(
         "strength_of_single_speed",
         IMPULSES,
-        "self._found = solve_positive(matrix, [-speed_change(u) for u in speeds])",
-        "self._found = solve_positive(matrix, [-u for u in speeds])",
+        "self._found = solve_positive(matrix, [-speed_change(u) for u in speeds], state.zero)",
+        "self._found = solve_positive(matrix, [-u for u in speeds], state.zero)",
         "impulses asked about are half as strong",
         why_it_survives="only the signs of strengths are asked, and half of each has the same sign",
     ),
@@ -152,8 +152,8 @@ QUESTIONS = (
     Mutant(
         "share_of_the_last",
         IMPULSES,
-        "return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]",
-        "return solve_positive(inner, matrix[-1][:-1])[-1]",
+        "return solve_positive(inner, matrix[-1][:-1], state.zero)[self.basis.index(self.link)]",
+        "return solve_positive(inner, matrix[-1][:-1], state.zero)[-1]",
         "who leaves a set is the last that could",
         why_it_survives="a dependent contact is never exchanged, so that no share is asked (see dependent_not_seen)",
     ),

@@ -12,7 +12,7 @@ from test_policies import SCENE_ORDER, C
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.ball import BALLS, Field, precision
-from truebreak.exact.numbers.system import BudgetSpent
+from truebreak.exact.numbers.system import BudgetSpent, solve_positive
 from truebreak.exact.question import Question, Strengths
 from truebreak.exact.replay.contact import Pair, Touch
 from truebreak.exact.replay.state import Kick, ReplayState
@@ -139,6 +139,40 @@ def test_impulses_are_solved_again_where_a_number_has_changed() -> None:
         balls.do(Kick((links[0],), (links[0],)))
         assert not (shared(balls)[0] - before[0]).contains(0)
         assert radii(shared(balls)) == radii(Strengths(links)(balls))
+
+
+class Counted(Fraction):
+    """A fraction that counts the products it takes part in."""
+
+    products = 0
+
+    def __mul__(self, other: Any) -> Counted:
+        Counted.products += 1
+        return Counted(Fraction.__mul__(self, other))
+
+    def __truediv__(self, other: Any) -> Counted:
+        return Counted(Fraction.__truediv__(self, other))
+
+    def __sub__(self, other: Any) -> Counted:
+        return Counted(Fraction.__sub__(self, other))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_contacts_that_share_no_circle_are_not_multiplied(seed: int) -> None:
+    """A row of contacts, in a drawn order, leaves most of its matrix empty: the solution is the same without these."""
+    draw, size, nothing = Random(seed), 12, Counted(0)
+    order = draw.sample(range(size), size)
+    matrix = [[nothing] * size for _ in range(size)]
+    for i, j in [(k, k) for k in range(size)] + [(k, k + 1) for k in range(size - 1)]:
+        entry = Counted(4) if i == j else Counted(draw.choice([-1, 1, 0]))
+        matrix[order[i]][order[j]] = matrix[order[j]][order[i]] = entry
+    right = [draw.choice([nothing, Counted(draw.randrange(-9, 10))]) for _ in range(size)]
+    Counted.products = 0
+    whole, products = solve_positive(matrix, right), Counted.products
+    Counted.products = 0
+    assert solve_positive(matrix, right, nothing) == whole
+    assert Counted.products < products / 3
+    assert all(sum(a * s for a, s in zip(row, whole, strict=True)) == b for row, b in zip(matrix, right, strict=True))
 
 
 def every_solution(matrix: Any, speeds: Any) -> list[tuple[list[Fraction], list[Fraction]]]:
