@@ -2,10 +2,11 @@
 
 `python docs/studies/verdict_costs.py [NAME]...` measures all rows, or those named, and prints them as a table. A cost
 is the time of the command in this process over that of *the reference's run and each engine's one run at its settings*,
-loading of modules apart; both are medians, measured in turns. Runs at finer time steps, which tell a step's errors from
-others and are bounded by counted steps, are a column of their own. `--append FILE` adds the figures of this commit to a
-file and says what has changed by more than a tenth; `--draw FILE.svg` draws that file, each figure as a share of its
-target.
+loading of modules apart; both are medians, measured in turns. Of what two workers do side by side, it is the time on
+the wall over that of one worker; of a long run, seconds and megabytes themselves. Runs at finer time steps, which tell
+a step's errors from others and are bounded by counted steps, are a column of their own. `--append FILE` adds the
+figures of this commit to a file and says what has changed by more than a tenth; `--draw FILE.svg` draws that file, each
+figure as a share of its target.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cache
 from os import environ
 from pathlib import Path
 from typing import Any
@@ -36,7 +38,7 @@ from truebreak.compare.files.cache import FOLDER
 from truebreak.compare.grids import stress_map
 from truebreak.compare.grids.computer import computer, timed
 from truebreak.compare.grids.executors import RARELY
-from truebreak.compare.grids.family_sweep import SweepJob
+from truebreak.compare.grids.family_sweep import SweepJob, sweep
 from truebreak.compare.grids.grid import carry_out
 from truebreak.compare.grids.row import diagnosed, followed
 from truebreak.compare.grids.setting_search import advise
@@ -54,6 +56,9 @@ from truebreak.scenarios.scene import Scene
 from truebreak.scenarios.trajectory import OnProgress, Trajectory
 
 REPEATS = 5
+
+LONG, WORKERS = 100_000, 2
+"""Events of a long run; workers that do side by side what one does."""
 
 CHANGE = 0.10
 """Share by which a figure has to differ from the one before to be named."""
@@ -73,6 +78,7 @@ class Cost:
         base: of the runs that it cannot do without.
         finer: of runs at finer steps.
         most, enough: what the ratio has to reach, or the seconds; without `most`, the seconds alone.
+        unit: of `seconds`, `base` and `enough`, where it is another.
     """
 
     name: str
@@ -82,6 +88,7 @@ class Cost:
     finer: float
     most: float
     enough: float = 0.0
+    unit: str = "s"
 
     @property
     def ratio(self) -> float:
@@ -113,13 +120,20 @@ class Cost:
 
 @dataclass(frozen=True)
 class Subject:
-    """What is measured: a command, and what its cost is counted in; what both need is made before, by `prepare`."""
+    """What is measured: a command, and what its cost is counted in; what both need is made before.
+
+    Attributes:
+        wall: whether the time on the wall is measured, of what several processes do.
+        most_repeats: how often it is measured at most, of what takes minutes.
+    """
 
     what: str
     most: float
     command: Callable[[], object]
     base: Callable[[], object]
     enough: float = 0.0
+    wall: bool = False
+    most_repeats: int = REPEATS
 
 
 def runs(scene: Scene, engines: Sequence[str], events: int | None = None) -> Callable[[], object]:
@@ -169,14 +183,31 @@ def shadowed(events: int, most: float = 25) -> Subject:
     """`shadow` of doubles on a gas."""
     scene = catalogue.build("gas")
     command = lambda: shadow(scene, "double", events=events)  # noqa: E731
-    return Subject(f"shadow gas, {events:,} events", most, command, runs(scene, ["double"], events))
+    once = runs(scene, ["double"], events)
+    return Subject(f"shadow gas, {events:,} events", most, command, once, most_repeats=_repeats(events))
 
 
 def measured_chaos(events: int, most: float = 20) -> Subject:
     """`chaos` on a gas, with its engines."""
     scene = catalogue.build("gas")
     command = lambda: chaos(scene, ["double"], events=events)  # noqa: E731
-    return Subject(f"chaos gas, {events:,} events", most, command, runs(scene, ["double"], events))
+    once = runs(scene, ["double"], events)
+    return Subject(f"chaos gas, {events:,} events", most, command, once, most_repeats=_repeats(events))
+
+
+def _repeats(events: int) -> int:
+    """How often something of so many events is measured at most."""
+    return REPEATS if events <= 1_000 else 1
+
+
+def side_by_side(scenes: int) -> Subject:
+    """A sweep of so many scenes by two workers, in one worker's time on the wall; idle cores are needed."""
+
+    def swept_by(jobs: int) -> Callable[[], object]:
+        return lambda: sweep("gas:n=10", [f"seed=1..{scenes}"], ["double"], events=300, jobs=jobs)
+
+    what = f"sweep of {scenes} scenes, --jobs {WORKERS} / --jobs 1, on the wall"
+    return Subject(what, 0.588, swept_by(WORKERS), swept_by(1), wall=True)
 
 
 def advised() -> Subject:
@@ -222,9 +253,12 @@ SUBJECTS: dict[str, Callable[[], Subject]] = {
     "sweep-audit": lambda: swept(True),
     "sweep-no-audit": lambda: swept(False),
     "shadow": lambda: shadowed(1_000),
+    "shadow-10000": lambda: shadowed(10_000),
     "chaos": lambda: measured_chaos(1_000),
+    "chaos-10000": lambda: measured_chaos(10_000),
     "advise": advised,
     "stress": stressed,
+    "jobs": lambda: side_by_side(60),
 }
 """What is measured in this process, by name."""
 
@@ -245,7 +279,42 @@ START = {
 }
 """What is measured in processes of its own."""
 
-NAMES = [*SUBJECTS, *START]
+LONG_RUN = """
+import sys, time
+from truebreak.compare.engines import engine
+from truebreak.compare.grids.computer import memory
+from truebreak.scenarios import catalogue
+scene, events = catalogue.build("gas:n=10,seed=1"), int(sys.argv[1])
+began = time.process_time()
+found = engine("exact").run(scene, events=events)
+took = time.process_time() - began
+assert len(found.events) == events
+print(took, (memory() or (0, 0))[1] / 2**20)
+"""
+"""A certified run of so many events: its seconds, and the most megabytes that its process has held."""
+
+GROWTH = {"long-run": ("seconds of the processor", "s", 17.0), "long-run-memory": ("megabytes at most", "MB", 80.0)}
+"""What a long run takes more than one of ten events, each in a process of its own: what, its unit, its target."""
+
+
+@cache
+def long_run(events: int) -> tuple[float, float]:
+    """Seconds and megabytes of a certified run, in a process of its own; once for both rows."""
+    told = subprocess.run(
+        [sys.executable, "-P", "-c", LONG_RUN, str(events)], capture_output=True, text=True, check=True
+    )
+    seconds, megabytes = map(float, told.stdout.split())
+    return seconds, megabytes
+
+
+def grown(name: str) -> Cost:
+    """One of the rows of a long run."""
+    what, unit, target = GROWTH[name]
+    whole, least = (long_run(events)[name == "long-run-memory"] for events in (LONG, 10))
+    return Cost(name, f"run gas, {LONG:,} events over 10: {what}", whole - least, least, 0.0, 0.0, target, unit)
+
+
+NAMES = [*SUBJECTS, *START, *GROWTH]
 
 
 @contextmanager
@@ -284,13 +353,15 @@ def measured(name: str, repeats: int = REPEATS) -> Cost:
         took = [(processor_time(words), processor_time(["-P", "-c", "pass"])) for _ in range(3 * repeats)]
         ours, least = (statistics.median(each) for each in zip(*took, strict=True))
         return Cost(name, what, ours - least if name == "imports" else ours, least, 0.0, *target)
+    if name in GROWTH:
+        return grown(name)
     subject = SUBJECTS[name]()
     subject.base()
     rows: list[tuple[float, float, float]] = []
-    for _ in range(repeats):
+    for _ in range(min(repeats, subject.most_repeats)):
         with finer_steps() as finer:
-            all_of_it = timed(subject.command).cpu
-        rows.append((all_of_it - sum(finer), timed(subject.base).cpu, sum(finer)))
+            took = timed(subject.command)[subject.wall]
+        rows.append((took - sum(finer), timed(subject.base)[subject.wall], sum(finer)))
     seconds, base, apart = (statistics.median(each) for each in zip(*rows, strict=True))
     return Cost(name, subject.what, seconds, base, apart, subject.most, subject.enough)
 
@@ -305,10 +376,13 @@ def row(cost: Cost) -> str:
 
     >>> row(Cost("x", "this", 3.0, 1.5, 0.25, 3))
     '| this | 2 | <= 3: met | 3 | 1.5 | 0.25 |'
+    >>> row(Cost("x", "that", 90.0, 30.0, 0.0, 0, 80, "MB"))
+    '| that | 3 | <= 80 MB: MISSED | 90 MB | 30 MB | 0 |'
     """
-    bounds = [f"{cost.most:g}"] * bool(cost.most) + [f"{cost.enough:g} s"] * bool(cost.enough)
+    bounds = [f"{cost.most:g}"] * bool(cost.most) + [f"{cost.enough:g} {cost.unit}"] * bool(cost.enough)
     goal = f"<= {' or '.join(bounds)}: {'met' if cost.met else 'MISSED'}"
-    return f"| {cost.what} | {cost.ratio:.3g} | {goal} | {cost.seconds:.3g} | {cost.base:.3g} | {cost.finer:.2g} |"
+    took, base = (f"{value:.3g}{'' if cost.unit == 's' else f' {cost.unit}'}" for value in (cost.seconds, cost.base))
+    return f"| {cost.what} | {cost.ratio:.3g} | {goal} | {took} | {base} | {cost.finer:.2g} |"
 
 
 # -- figures by commit

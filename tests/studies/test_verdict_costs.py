@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ import verdict_costs
 from verdict_costs import HEAD, NAMES, Cost, Subject, changes, drawn, finer_steps, kept, main, measured
 
 from truebreak.compare.engines import engine
+from truebreak.compare.grids.store import Store
 from truebreak.compare.study import Study
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
@@ -26,6 +29,7 @@ def _small(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_row_of_what_a_verdict_may_cost_has_a_name() -> None:
     wanted = {"compare-gas", "compare-rack-5", "check-cold", "check-warm", "sweep-audit", "sweep-no-audit", "shadow"}
     assert wanted | {"chaos", "advise", "stress", "start-up", "imports"} <= set(NAMES)
+    assert {"shadow-10000", "chaos-10000", "jobs", "long-run", "long-run-memory"} <= set(NAMES)
     assert {f"compare-{name}" for name in catalogue.names()} <= set(NAMES)
 
 
@@ -45,6 +49,44 @@ def test_runs_at_finer_steps_are_gathered_apart() -> None:
     assert len(taken) == 1 and taken[0] > 0
     study.run(engine(f"pymunk:dt={(pymunk.step or 0) / 2!r}"), scene, 1.0)
     assert len(taken) == 1
+
+
+def test_a_long_run_is_measured_by_what_it_takes_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verdict_costs, "LONG", 300)
+    seconds, megabytes = measured("long-run", 1), measured("long-run-memory", 1)
+    assert seconds.seconds > 0 and seconds.base > 0 and seconds.unit == "s"
+    assert megabytes.base > 1 and megabytes.seconds < megabytes.base and megabytes.figure[1] == 80
+    assert verdict_costs.long_run(300) is verdict_costs.long_run(300)
+
+
+def test_workers_are_measured_by_the_time_on_the_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their processor time is not that of this process."""
+
+    def sleeps(seconds: float) -> Callable[[], None]:
+        return lambda: time.sleep(seconds)
+
+    monkeypatch.setitem(
+        verdict_costs.SUBJECTS, "tiny", lambda: Subject("tiny", 0.9, sleeps(0.01), sleeps(0.1), wall=True)
+    )
+    found = measured("tiny", 2)
+    assert found.seconds >= 0.01 and found.base >= 0.1
+
+
+def test_what_takes_minutes_is_measured_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    called: list[int] = []
+    subject = Subject("tiny", 9, lambda: called.append(1), lambda: sum(range(9)), most_repeats=1)
+    monkeypatch.setitem(verdict_costs.SUBJECTS, "tiny", lambda: subject)
+    measured("tiny", 3)
+    assert called == [1]
+    assert verdict_costs.shadowed(10_000).most_repeats == verdict_costs.measured_chaos(10_000).most_repeats == 1
+
+
+def test_a_sweep_by_two_workers_has_the_rows_of_one_by_one() -> None:
+    subject = verdict_costs.side_by_side(2)
+    assert subject.wall and subject.most == pytest.approx(1 / 1.7, rel=1e-3)
+    two, one = (action() for action in (subject.command, subject.base))
+    assert isinstance(two, Store) and isinstance(one, Store)
+    assert [(row.index, row.verdict) for row in two] == [(row.index, row.verdict) for row in one] != []
 
 
 def test_figures_are_added_to_the_file_and_a_change_is_named(
