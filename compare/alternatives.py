@@ -6,7 +6,6 @@ import dataclasses
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from .alignment.align import align
@@ -138,6 +137,8 @@ def finer_text(text: str, engine: Engine, finer: Engine, halvings: int) -> str:
     )
     if not known or finer_of(engine) is None:
         return f"{text}, step halved {halvings} time{'s' * (halvings != 1)}"
+    from fractions import Fraction
+
     step = Fraction(finer.step or 0.0)
     near = step.limit_denominator(10**6)
     settings = {**parsed_settings(f"engine {name!r}", given), "dt": str(near if float(near) == float(step) else step)}

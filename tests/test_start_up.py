@@ -51,11 +51,19 @@ def test_what_a_short_run_loads(engine: str, tmp_path: Path) -> None:
 
 
 def test_what_a_comparison_loads_before_its_first_line(tmp_path: Path) -> None:
-    """Not what draws, forecasts, or reads records of others: of runs that agree nothing asks for these."""
+    """Not what draws, forecasts, or reads records of others: of runs that agree nothing asks for these, nor for
+    what nearby scenes and finer steps are computed with."""
     script = f"import sys, {', '.join(IMPORTED)}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True)
     spared = "scenarios.pictures compare.chaos.horizon compare.foreign.recording"
-    assert not {"html", "numpy", *(f"truebreak.{name}" for name in spared.split())} & {*done.stdout.split()}
+    assert not {
+        "decimal",
+        "fractions",
+        "html",
+        "numpy",
+        "random",
+        *(f"truebreak.{name}" for name in spared.split()),
+    } & {*done.stdout.split()}
 
 
 @pytest.mark.parametrize("given", [None, "3"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -48,6 +47,8 @@ def nearest(value: Quantity, bits: int = DOUBLE_BITS) -> Quantity:
     >>> nearest(Quantity.of("1/3"), 2).text(), nearest(Quantity.of("3/8 - 1/10**40"), 1).text()
     ('3/8', '1/4')
     """
+    from fractions import Fraction
+
     double = _double(value)
     if bits == DOUBLE_BITS:
         return Quantity.of(Fraction(double))

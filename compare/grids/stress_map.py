@@ -241,7 +241,9 @@ def _compared(row: Row, run: Trajectory, expected: Mapping[str, Any]) -> Row:
     if found.unable:
         parts |= {"verdict": "refused", "mark": MapMark.REFUSED.value, "note": found.run.stop.message}
         return replace(row, **parts)
-    changed = list(outcomes_changed(found, run, engine.step, None, expected).changed)
+    changed = list[str]()
+    if MARKS[found.alignment.verdict] in (MapMark.RIGHT, MapMark.WRONG):  # elsewhere outcomes say nothing
+        changed += outcomes_changed(found, run, engine.step, None, expected).changed
     mark = mark_of(found, changed=bool(changed))
     laws = laws_of(found.run, engine) if mark is MapMark.RIGHT else None
     if laws is not None and laws["kept"] is False:

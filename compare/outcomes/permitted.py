@@ -11,9 +11,9 @@ import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from fractions import Fraction
-from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
+
+from flint import fmpq
 
 from ...exact.numbers import ball
 from ...exact.replay.contact import Sides, is_flat, touching_at_start
@@ -255,7 +255,7 @@ SAME_BITS = 1024
 # ----------------------------------------
 # Scenes beside a scene, in which what falls on one instant there comes apart: witnesses of what is realisable.
 
-NEARBY = Fraction(1, 10**20)
+NEARBY = fmpq(1, 10**20)
 """Largest displacement of a coordinate: far below what moves any later event noticeably."""
 
 GRAIN = 1000
@@ -307,6 +307,8 @@ def nearby(scene: Scene, seed: int) -> Scene:
     >>> nearby(Scene([Circle(0, 0, id="a")]), 1).circles[0].r.text()
     '49999999999999999999/50000000000000000000'
     """
+    from random import Random
+
     draw, lying = Random(seed), _lying(scene)
     circles = []
     for k, c in enumerate(scene.circles):
