@@ -17,6 +17,7 @@ from stress_page import BEGIN, END, TITLE, map_part, rewritten
 from stress_page import main as page_main
 
 from truebreak.compare.cli import main
+from truebreak.compare.grids import stress_map
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 from truebreak.compare.grids.stress_map import Ladder, MapMark, StressJob, StressMap, ladders
@@ -37,6 +38,21 @@ def call(arguments: list[str]) -> int:
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     return int(stop.value.code or 0)
+
+
+def test_outcomes_are_asked_for_where_they_count_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An engine that cannot decide has another span: what would be told of its outcomes stands in no row."""
+    told, true = list[str](), stress_map.outcomes_changed
+
+    def counted(found: Any, *rest: Any) -> Any:
+        told.append(found.run.engine)
+        return true(found, *rest)
+
+    monkeypatch.setattr(stress_map, "outcomes_changed", counted)
+    place = stress_family("near-ties").place(40)
+    exact, double, interval = StressJob(0, place, ("double", "interval")).rows()
+    assert (exact.mark, double.mark, interval.mark) == ("right", "wrong", "undecided")
+    assert told == ["double"] and double.changed and interval.changed is None
 
 
 # -- ladders
