@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pickle
+import tracemalloc
 
 import pytest
 from flint import arb, fmpq
 
 from truebreak.exact import ExactEngine
+from truebreak.exact.exact_engine import _in_order
 from truebreak.exact.numbers.ball import parts_of
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.simulation.decider import Knot, Mark, PackedKnots, PackedRecords, Record
@@ -20,6 +22,31 @@ def knots(count: int) -> list[Knot[arb | fmpq]]:
 
 def parts(row: Knot[arb]) -> tuple[object, ...]:
     return (*map(parts_of, row[:5]), *row[5:])
+
+
+def in_turn(times: list[arb | fmpq]) -> PackedRecords:
+    return PackedRecords(
+        Record(Mark(k + 1, time, 2 * k + 2, 0), (Pair(0, 1),), (Pair(0, 1),), (), False) for k, time in enumerate(times)
+    )
+
+
+def test_a_history_out_of_order_is_seen() -> None:
+    """Where two times overlap neither is provably the earlier; what is given exactly is compared with balls."""
+    _in_order(in_turn([]))
+    _in_order(in_turn([arb(1), arb(2, 1.5), arb(1.5), fmpq(3, 2), fmpq(7, 4)]))
+    with pytest.raises(AssertionError, match="event 1 comes after event 2: a defect"):
+        _in_order(in_turn([arb(1), arb(3), fmpq(2), arb(4)]))
+
+
+def test_whether_a_history_is_in_order_is_seen_without_all_its_times_at_once() -> None:
+    records = in_turn([arb(k) / 3 for k in range(6000)])
+    tracemalloc.start()
+    try:
+        _in_order(records)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 6000 * 8, "less than as many pointers"
 
 
 @pytest.mark.parametrize("count", [0, 1, 2047, 2048, 2049, 5000])
