@@ -313,9 +313,9 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     gap = height - radius
     sizes = math.hypot(x, y) + line.size + radius + leg.speed * abs(leg.start)
     blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes + leg.apart
+    if closing > 0.0 and height <= blur:  # a point on the line may be on either side
+        return None
     if gap <= 0.0 < closing:
-        if height <= blur:
-            return None
         wait = 0.0
     else:  # the zero at which the gap falls
         within = closing * closing + 2 * pull * gap

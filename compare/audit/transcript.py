@@ -174,7 +174,7 @@ def _middle(flight: ReportedFlight, following: ReportedFlight | None = None) -> 
     wide = [float(value.rad()) for value in numbers]
     apart = wide[1] + wide[2] + flight.speed * wide[0] + NEAREST * (flight.place + flight.speed * flight.time)
     if following is not None:
-        apart += max(flight.speed, following.speed) * float(following.t.rad())
+        apart += max(flight.speed, following.speed) * (float(following.t.rad()) + NEAREST * following.time)
     return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4] + NEAREST * flight.speed)
 
 
