@@ -86,7 +86,7 @@ class SettleReferee:
         """Up to a time, or until there were more events than asked for."""
         with workdps(DIGITS):
             did = Did(bodies=self.bodies)
-            self._settle(did, self._contacts())
+            self._resolve(did)
             while len(did.hits) <= events:
                 found = min(self._coming(), default=None)
                 if found is None or self.now + found > until:
