@@ -26,7 +26,7 @@ from ..scenarios.numbers.precision import (
 )
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
-from .flight_formulas import Bounced, FallSpeed, OtherRun, Place, bounce_before, endless
+from .flight_formulas import Bounced, BounceTime, FallSpeed, OtherRun, Place, amid_bounces, bounce_before, endless, sunk
 from .laws.formulas import fall_speed
 from .numbers import ball
 from .numbers.ball import Known, known_ball, reduced
@@ -534,12 +534,16 @@ class ExactMotion:
         bounces = self._bounces(i, k, time)
         if (halves := self._bend(i, k)) is not None:
             lag = near_time if halves is self._halves else ball.combined(sub, (near_time, t), READ_BITS)
-            bent = zip((_sunk, _sunk, fall_speed, fall_speed), near, halves * 2, strict=True)
+            bent = zip((sunk, sunk, fall_speed, fall_speed), near, halves * 2, strict=True)
             near = tuple(ball.combined(formula, (number, half, lag), READ_BITS) for formula, number, half in bent)
             other = isinstance(formulas[0], OtherRun)
             formulas[2:] = formulas[:2] if other else [FallSpeed(i, 0, time), FallSpeed(i, 1, time)]
-        if bounces is not None and not isinstance(formulas[0], OtherRun):
-            formulas = [Bounced(i, along, n % 2, n > 1, time, *bounces) for n, along in enumerate(formulas)]
+        if bounces is not None and isinstance(formulas[0], OtherRun):
+            formulas, end, start = formulas[:2] * 2, self._ends[i, k], self.knot_time(i, k)
+            near = amid_bounces(near, self.log.scene, end.formula.wall, start, end, time, bounces)
+        elif bounces is not None:
+            nth = self._ends[i, k].formula.nth
+            formulas = [Bounced(i, along, n % 2, n > 1, time, nth, bounces) for n, along in enumerate(formulas)]
             near = (arb.nan(),) * 4
         rows = zip(formulas, near, strict=True)
         return tuple(ExactValue(self.log, upto, bodies, *row) for row in rows)  # pyright: ignore[reportReturnType]
@@ -555,20 +559,18 @@ class ExactMotion:
         found = endless(self.log.steps, self.knots) if self.log.given.settle else {}
         return {place: ExactValue(self.log, upto, place[:1], end, arb.nan()) for place, (upto, end) in found.items()}
 
-    def _bounces(self, i: int, k: int, time: RunTime) -> tuple[int, int] | None:
-        """Which infinitely many bounces come before a knot, and after how many of them a time is; None of others.
-
-        Raises:
-            ValueError: where that is not known.
-        """
+    def _bounces(self, i: int, k: int, time: RunTime) -> int | None:
+        """After how many of the infinitely many bounces before a knot a time is, besides the first; None of others."""
         end, begins = self._ends.get((i, k)), self._own(time) == self.knots[i][k][6]
         if end is None or time is end or not (begins or self._after(end, time)):
             return None
-        nth = sum(j == i and place < k for j, place in self._ends)
-        number = 0 if begins else bounce_before(self.knot_time(i, k), end, time, self.log.scene.restitution, EQUAL_BITS)
-        if number is not None:
-            return nth, number
-        raise ValueError(f"whether a bounce falls on time {_shown(time)} is not known; ask for a time beside it")
+
+        def is_later(number: int) -> bool:
+            then = BounceTime(i, end.formula.wall, end.formula.nth, number)
+            return self._after(ExactValue(self.log, end.upto, (i,), then, arb.nan()), time)
+
+        e, start = self.log.scene.restitution, self.knot_time(i, k)
+        return 0 if begins else bounce_before(start, end, time, e, EQUAL_BITS, is_later)
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4), as doubles; times within the run, ascending.
@@ -642,13 +644,8 @@ class ExactMotion:
         if (halves := self._bend(i, k)) is not None and halves is self._halves:
             with ball.precision(READ_BITS):
                 hx, hy = map(_ball, halves)
-                x, y, vx, vy = _sunk(x, hx, t), _sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)
+                x, y, vx, vy = sunk(x, hx, t), sunk(y, hy, t), fall_speed(vx, hx, t), fall_speed(vy, hy, t)
         return [pair_of(number) for number in (t, x, y, vx, vy)]
-
-
-def _sunk(x: N, half: N, time: N) -> N:
-    """The true coordinate, at a time, of what is at x in the falling frame."""
-    return x + half * time * time
 
 
 SMALL = 1e-140

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from operator import itemgetter
 from typing import Protocol
 
 from flint import arb
 
 from ..scenarios.lazy import frozen
-from ..scenarios.numbers.quantity import Quantity
+from ..scenarios.numbers.quantity import ZERO, Quantity
+from ..scenarios.scene import Scene
 from .laws.formulas import advance, fall_speed, sag
 from .numbers import ball
-from .numbers.ball import Known
+from .numbers.ball import Known, known_ball
 from .numbers.system import N
 from .replay.state import ReplayState, Settle, Step, Velocity
 from .simulation.decider import Formula, Knot
@@ -124,49 +125,110 @@ def _half(body: int, wall: int, state: ReplayState[N]) -> N:
 
 
 @frozen
-class BouncesEnd:
-    """Computes when all of such bounces have happened: 2 v / (|n.g| (1 - e)) after the first; see `Bounced`."""
+class BounceTime:
+    """Computes when the bounce with a number is, of such bounces, or when all have happened (see `Bounced`).
+
+    Attributes:
+        body, nth: see `Bounced`.
+        wall: on which they are.
+        number: of the bounce; None for the end.
+    """
 
     body: int
+    wall: int
     nth: int
+    number: int | None = None
 
     def __call__(self, state: ReplayState[N]) -> N:
         wall, first, start = state.bounced[self.body][self.nth]
-        return start - first / (_half(self.body, wall, state) * state.constant(1 - state.scene.restitution))
+        e, number = state.scene.restitution, self.number
+        gone = state.constant((1 if number is None else 1 - e**number) / (1 - e))
+        return start - first * gone / _half(self.body, wall, state)
 
 
 def endless(
     steps: Sequence[Step], knots: Sequence[Sequence[Knot[Known]]]
-) -> dict[tuple[int, int], tuple[int, BouncesEnd]]:
+) -> dict[tuple[int, int], tuple[int, BounceTime]]:
     """By circle and the place of the knot after them: what computes the end of such bounces, after how many steps.
 
     Args:
         steps: the log.
         knots: of each circle.
     """
-    found: dict[tuple[int, int], tuple[int, BouncesEnd]] = {}
+    found: dict[tuple[int, int], tuple[int, BounceTime]] = {}
     counts = Counter[int]()
     for number, step in enumerate(steps, start=1):
         if isinstance(step, Settle) and step.bounces:
             place = bisect_left(knots[step.body], number, key=itemgetter(5))
-            found[step.body, place] = number, BouncesEnd(step.body, counts[step.body])
+            found[step.body, place] = number, BounceTime(step.body, step.wall, counts[step.body])
             counts[step.body] += 1
     return found
 
 
-def bounce_before(start: Enclosable, end: Enclosable, time: Enclosable, e: Quantity, most: int) -> int | None:
-    """The number of the last bounce before a time, from 0 at their start; None where so many bits do not tell it.
+def bounce_before(
+    start: Enclosable, end: Enclosable, time: Enclosable, e: Quantity, most: int, is_later: Callable[[int], bool]
+) -> int:
+    """The number of the last bounce that is not after a time, from 0 at their start.
 
-    >>> bounce_before(Quantity.of(0), Quantity.of(2), Quantity.of("8/5"), Quantity.of("1/2"), 1024)
+    Args:
+        start, end, time: of the bounces, and the time, before their end.
+        e: the restitution.
+        most: bits that are tried.
+        is_later: whether the bounce with a number is after the time; asked where the bits do not tell it.
+
+    >>> start, end, e = map(Quantity.of, (0, 2, "1/2"))
+    >>> bounce_before(start, end, Quantity.of("8/5"), e, 1024, lambda number: False)
     2
+    >>> bounce_before(start, end, Quantity.of("3/2"), e, 1024, lambda number: True)
+    1
     """
     bits = 96
-    while bits <= most:
+    while True:
         with ball.precision(bits + 64):
             last = end.ball(bits)
             left = (last - time.ball(bits)) / (last - start.ball(bits))
-            whole = (left.log() / ball.constant(e).log()).floor().unique_fmpz() if left > 0 else None
+            passed = left.log() / ball.constant(e).log() if left > 0 else arb.nan()
+            whole = passed.floor().unique_fmpz()
         if whole is not None:
             return max(int(whole), 0)
+        if bits >= most and passed.is_finite():
+            nearest = round(float(passed.mid()))
+            return nearest - 1 if is_later(nearest) else nearest
         bits *= 2
-    return None
+
+
+def amid_bounces(
+    row: Sequence[Known],
+    scene: Scene,
+    wall: int,
+    start: Enclosable,
+    end: Enclosable,
+    time: Enclosable,
+    number: int,
+) -> tuple[arb, ...]:
+    """Place and velocity of a circle that bounces so, in balls, from where it would be along the wall.
+
+    Args:
+        row: that: x, y, vx, vy.
+        scene, wall: what runs, and on what the circle bounces.
+        start, end, time: of the bounces, and the time.
+        number: of the bounce before the time.
+    """
+    gravity = scene.gravity or (ZERO, ZERO)
+    free = scene.walls[wall].along(*gravity)
+    with ball.precision(AMID_BITS):
+        e, begun, last = ball.constant(scene.restitution), start.ball(AMID_BITS), end.ball(AMID_BITS)
+        halves = [ball.constant(part - along) / 2 for part, along in zip(gravity, free, strict=True)]
+        since = time.ball(AMID_BITS) - begun - (last - begun) * (1 - e**number)
+        lag = (last - begun) * (1 - e) * e**number
+        beside = *(h * since * (since - lag) for h in halves), *(h * (since + since - lag) for h in halves)
+        return tuple(known_ball(along, AMID_BITS) + across for along, across in zip(row, beside, strict=True))
+
+
+AMID_BITS = 1024
+"""Precision at which places amid bounces are computed at a time of another run."""
+
+
+def sunk(x: N, half: N, time: N) -> N:
+    """The true coordinate, at a time, of what is at x in the falling frame."""
+    return x + half * time * time

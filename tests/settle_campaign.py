@@ -21,8 +21,8 @@ from typing import TypeAlias
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parent)
 
-from gravity_referee import DIGITS, number
-from mpmath import mpf, workdps
+from gravity_referee import DIGITS, Body, number
+from mpmath import mpf, nstr, workdps
 from peg_referee import NotForThis
 from settle_referee import SettleReferee
 
@@ -30,10 +30,14 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.simulation import endings
 from truebreak.floating import DoubleEngine, IntervalEngine, QuadEngine, RoundedEngine, SingleEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
+from truebreak.scenarios.numbers.quantity import Real
 from truebreak.scenarios.trajectory import StopReason, Trajectory
 
 EVENTS, MORE = 24, 200
 NEAR, AFTER = mpf(10) ** -30, mpf(10) ** -45
+
+AMID = mpf("0.37")
+"""Share of the time of bounces that are not listed after which places are compared, too."""
 
 FINE = mpf(10) ** -16
 """Bounces that end in less are not for the referee, nor is what follows: where hits of discs come ever faster, and
@@ -120,13 +124,24 @@ def differs(run: Trajectory, scene: Scene) -> str:
             return f"settled {[row[1:] for row in settled]} against {[row[1:] for row in theirs_settled]}"
         if any(abs(a[0] - b[0]) > NEAR for a, b in zip(settled, theirs_settled, strict=True)):
             return f"settled at {[float(row[0]) for row in settled]}, not {[float(row[0]) for row in theirs_settled]}"
-        if run.stop.reason is StopReason.HORIZON and not fine:
-            for row, body in zip(run.at(run.final_time).circles, did.bodies, strict=True):
-                for name in ("x", "y", "vx", "vy"):
-                    value = getattr(row, name).ball(128)
-                    off = mpf(value.mid().str(60, radius=False)) - getattr(body, name)
-                    if abs(off) > NEAR:
-                        return f"{row.id}.{name} at the end: {float(value)} against {float(getattr(body, name))}, {off}"
+        if run.stop.reason is StopReason.HORIZON and not fine and (off := misplaced(run, run.final_time, did.bodies)):
+            return f"at the end: {off}"
+        for since, rest, _ in [row for row in rests if row[1] < end][:2]:
+            time = nstr(since + (rest - since) * AMID, 45)
+            there = SettleReferee(scene).run(mpf(time), 700 + 29 * len(run.events))
+            if off := misplaced(run, Quantity.of(time), there.bodies):
+                return f"amid bounces, at {time}: {off}"
+    return ""
+
+
+def misplaced(run: Trajectory, time: Real, bodies: list[Body]) -> str:
+    """Who is not where the referee has it, or not as fast."""
+    for row, body in zip(run.at(time).circles, bodies, strict=True):
+        for name in ("x", "y", "vx", "vy"):
+            value = getattr(row, name).ball(128)
+            off = mpf(value.mid().str(60, radius=False)) - getattr(body, name)
+            if abs(off) > NEAR:
+                return f"{row.id}.{name} is {float(value)} against {float(getattr(body, name))}, {off}"
     return ""
 
 

@@ -290,7 +290,7 @@ CLASSES = (
     "exact.replay.state:Constant",
     "exact.exact_motion:ExactMotion",
     "exact.flight_formulas:Bounced",
-    "exact.flight_formulas:BouncesEnd",
+    "exact.flight_formulas:BounceTime",
     "exact.flight_formulas:Place",
     "exact.replay.state:Velocity",
     "exact.flight_formulas:FallSpeed",

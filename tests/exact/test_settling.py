@@ -217,7 +217,7 @@ def bounce_height(time: Fraction) -> tuple[Fraction, Fraction]:
     return (up - 5 * lag) * lag, up - 10 * lag
 
 
-@pytest.mark.parametrize("left", ["1/1000", "1/1000000", "1/3000000", "1/2100000", "1/10000000000000000"])
+@pytest.mark.parametrize("left", ["1/1000", "1/1000000", "1/3000000", "1/2100000", "1/10000000000000000", "1/33554432"])
 def test_it_bounces_on_until_it_rests(left: str) -> None:
     run = ran([Circle(0, 6, vx="1/3", id="ball")], e="1/2", until=20)
     time = 3 - Fraction(left)
@@ -233,6 +233,32 @@ def test_it_bounces_on_until_it_rests(left: str) -> None:
     known = IntervalEngine(200).run(run.scene, until=20).at(Quantity.of(time))["ball"]
     assert known.y.ball(200).overlaps(arb(fmpq(*(1 + height).as_integer_ratio())))
     assert known.vy.ball(200).overlaps(arb(fmpq(*speed.as_integer_ratio())))
+
+
+def test_at_a_bounce_that_is_not_listed_it_leaves() -> None:
+    """Also where its time is a root."""
+    run = ran([Circle(0, 3, vx="1/3", id="ball")], e="1/2", until=20)
+    first, gone = Quantity.of("sqrt(2/5)"), 1 - Quantity.of("1/2") ** 25
+    ball = run.at(first + 2 * first * gone)["ball"]
+    assert (ball.y.text(), ball.vy.digits(20)) == ("1", (10 * first * Quantity.of("1/2") ** 26).digits(20))
+
+
+def test_amid_its_bounces_it_is_at_times_of_another_run_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That lists more of the bounces, or has an event between two that neither lists."""
+    discs = [Circle(0, 6, vx="1/3", id="ball")]
+    run = ran(discs, e="1/2", until=20)
+    falls = Fraction(2999999, 1000000)
+    late = ran([Circle(9, str(1 + 5 * falls**2), id="b")], e=0).events[0].time
+    monkeypatch.setattr(endings, "SHRUNK", 24)
+    fine = ran([*discs, Circle(9, 1, id="other")], e="1/2", until=20)
+    listed = [event.time for event in fine.events if float(event.time) > float(run.events[-1].time)]
+    assert len(listed) == 4
+    for time in [*listed, late]:
+        height, speed = bounce_height(Fraction(time.text()))
+        ball = run.at(time)["ball"]
+        assert [float(ball.x), float(ball.y), float(ball.vx), float(ball.vy)] == [
+            float(number) for number in (Fraction(time.text()) / 3, 1 + height, Fraction(1, 3), speed)
+        ]
 
 
 def test_a_run_that_ends_before_tells_of_no_rest() -> None:
