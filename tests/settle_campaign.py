@@ -40,8 +40,8 @@ AMID = mpf("0.37")
 """Share of the time of bounces that are not listed after which places are compared, too."""
 
 FINE = mpf(10) ** -16
-"""Bounces that end in less are not for the referee, nor is what follows: where hits of discs come ever faster, and
-between any two of them are infinitely many bounces, it soon takes the one for the other."""
+"""Bounces that end in less are not for the referee, nor events so soon after others, nor what follows: where hits of
+discs come ever faster, and between any two of them are infinitely many bounces, it soon takes the one for the other."""
 
 
 def drawn(seed: int) -> Scene | None:
@@ -89,17 +89,31 @@ def differs(run: Trajectory, scene: Scene) -> str:
         end = mpf(run.final_time.digits(DIGITS)) if hasattr(run.final_time, "digits") else mpf(str(run.final_time))
         e = number(scene.restitution)
         rests = [(mpf(s.since.digits(80)), mpf(s.time.digits(80)), s) for s in run.settlings if s.since is not None]
+        times = [mpf(0), *(mpf(event.time.digits(60)) for event in run.events)]
         fine = [since - (rest - since) * (1 / e - 1) / 2 for since, rest, _ in rests if rest - since < FINE]
+        fine += [
+            (before + now) / 2
+            for before, now, then in zip(times, times[1:], times[2:], strict=False)
+            if 0 < then - now < FINE
+        ]
         end = min([end, *fine])
         did = SettleReferee(scene).run(
             end + AFTER, len(run.events) + (8 if scene.restitution.sign() == 0 else 600 + 29 * len(run.events))
         )
-        mine = [(mpf(event.time.digits(60)), {tuple(sorted(link)) for link in event.impulses}) for event in run.events]
-        mine = [row for row in mine if row[0] <= end + AFTER]
+        pushes = [{tuple(sorted(link)) for link in event.impulses} for event in run.events]
+        mine = [row for row in zip(times[1:], pushes, strict=True) if row[0] <= end + AFTER]
         untold = [  # from midway between two bounces
             (since + (rest - since) * (1 - e) / 2, rest + NEAR, tuple(sorted((s.circle, s.wall))))
             for since, rest, s in rests
         ]
+        for i, who in enumerate(
+            str(circle.id) for circle in scene.circles
+        ):  # bounces that are not listed, and go on as the run ends
+            met = [(time, link) for time, links in mine for link in links if who in link]
+            if met and not fine and run.motion.carries(i, run.final_time):
+                time, both = met[-1]
+                if not any(s.circle == who and rest > time - NEAR for _, rest, s in rests):
+                    untold.append((time + NEAR, end + 1, both))
         theirs = [
             (time, found)
             for time, links in did.hits

@@ -352,6 +352,62 @@ def test_where_something_comes_near_the_bounces_are_told_until_it_is_past() -> N
     assert run.settlings[1].time.text() == "3"
 
 
+AMID = {
+    "a peg in its way": ([Circle(0, 6, vx=3, id="ball"), Circle("41/5", "8/5", "1/2", fixed=True, id="that")], []),
+    "a low peg in its way": ([Circle(0, 6, vx=3, id="ball"), Circle(8, "1/4", "1/4", fixed=True, id="that")], []),
+    "a disc that lies in its way": ([Circle(0, 6, vx=3, id="ball"), Circle(8, "1/4", "1/4", id="that")], []),
+    "a wall in its way": ([Circle(0, 6, vx=3, id="ball")], [Wall("33/4", 0, "33/4", 1, "that")]),
+    "a tilted wall in its way": ([Circle(0, 6, vx=3, id="ball")], [Wall(8, 0, 9, 3, "that")]),
+    "a still disc that another pushes into it": (
+        [Circle(0, 6, id="ball"), Circle("201/100", 1, id="that"), Circle("12421/100", 1, vx=-100, id="fast")],
+        [],
+    ),
+    "a disc that falls on it": ([Circle(0, 6, id="ball"), Circle("1/2", 9, vy=8, id="that")], []),
+    "one that bounces beside it": (
+        [Circle(0, 6, id="ball"), Circle("35/16", "61/25", "1/4", vx="-1/2", id="that")],
+        [],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", AMID)
+def test_what_comes_amid_the_bounces_is_met(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is proved there, though the speed of the bounces would long do for a wall to carry the disc."""
+    monkeypatch.setattr(endings, "SHRUNK", 0.1)
+    circles, walls = AMID[name]
+    e, first, end = ("1/2", 2, 3) if "pushes" not in name else ("1/10", 1.2, 1.2 + 0.2 / 9)
+    run = ran([*circles, Circle(-99, 9, id="far")], *walls, e=e, until=4)
+    times = {tuple(event.contacts[0]): float(event.time) for event in run.events[::-1]}
+    assert first < next(times[link] for link in times if {*link} == {"ball", "that"}) < end
+    assert any(rest.since is not None for rest in run.settlings)
+    assert differs(run, run.scene) == ""
+
+
+def test_a_face_amid_the_bounces_is_met(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ends of it are too far to be met; what it pushes leaves the end of the bounces as it is."""
+    monkeypatch.setattr(endings, "SHRUNK", 0.1)
+    upright = Segment("463/100", "1/100", "463/100", 9, id="upright")
+    scene = Scene([Circle(0, 6, vx=3, id="ball")], [FLOOR], segments=[upright], gravity=DOWN, restitution="1/10",
+                  settle=True)  # fmt: skip
+    run = ExactEngine().run(scene, until=4)
+    assert ("121/100", [("ball", "upright")]) in told(run)
+    assert [rest.time.text() for rest in run.settlings] == ["11/9"]
+
+
+def test_rests_that_are_not_told_apart_are_told() -> None:
+    """Both discs have met a peg, at zeros of quartics: that the one rests as the other does is not decided."""
+    sides = (-1, 1)
+    discs = [Circle(f"{side}*(5 + 1/3)", 6, "1/2", id=f"ball{side}") for side in sides]
+    pegs = [Circle(5 * side, 3, "1/2", fixed=True, id=f"peg{side}") for side in sides]
+    run = ran([*discs, *pegs], e="1/10")
+    one, other = run.settlings
+    assert run.stop.reason is StopReason.QUIET
+    assert {one.circle, other.circle} == {"ball-1", "ball1"}
+    assert float(one.time) == float(other.time) == float(run.final_time)
+    with pytest.raises(ValueError, match="is not known"):
+        run.motion._after(one.time, other.time)  # type: ignore[attr-defined]
+
+
 BOUNCING = [5, 7, 9, 12, 25]
 
 
