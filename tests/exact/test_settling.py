@@ -359,7 +359,7 @@ AMID = {
     "a wall in its way": ([Circle(0, 6, vx=3, id="ball")], [Wall("33/4", 0, "33/4", 1, "that")]),
     "a tilted wall in its way": ([Circle(0, 6, vx=3, id="ball")], [Wall(8, 0, 9, 3, "that")]),
     "a still disc that another pushes into it": (
-        [Circle(0, 6, id="ball"), Circle("201/100", 1, id="that"), Circle("12421/100", 1, vx=-100, id="fast")],
+        [Circle(0, 6, id="ball"), Circle("201/100", 1, id="that"), Circle("12551/100", 1, vx=-100, id="fast")],
         [],
     ),
     "a disc that falls on it": ([Circle(0, 6, id="ball"), Circle("1/2", 9, vy=8, id="that")], []),
@@ -392,6 +392,7 @@ def test_a_face_amid_the_bounces_is_met(monkeypatch: pytest.MonkeyPatch) -> None
     run = ExactEngine().run(scene, until=4)
     assert ("121/100", [("ball", "upright")]) in told(run)
     assert [rest.time.text() for rest in run.settlings] == ["11/9"]
+    assert run.at("1215/1000")["ball"].y.text() == "8003/8000"
 
 
 def test_rests_that_are_not_told_apart_are_told() -> None:
