@@ -196,6 +196,7 @@ class Mismatch:
             sequence, or if it comes too late for the candidate's.
         theirs, got: the same for the candidate.
         final: whether more of either run would not change it.
+        left: the partners of the candidate's event that are not matched, `got` the first of them.
     """
 
     mine: int | None
@@ -203,6 +204,7 @@ class Mismatch:
     theirs: int | None
     got: str | None
     final: bool = False
+    left: tuple[str, ...] = field(default=(), repr=False)
 
 
 @dataclass
@@ -222,6 +224,11 @@ class Walk:
     merged: dict[int, set[int]] = field(default_factory=dict)
     reordered: dict[int, set[int]] = field(default_factory=dict)
     mismatch: Mismatch | None = None
+
+    def left(self, event: int, name: str) -> int:
+        """How many times an event of the candidate has a partner beyond what is matched up to the mismatch."""
+        parted = self.mismatch
+        return 0 if parted is None or parted.theirs != event else parted.left.count(name)
 
 
 @dataclass
@@ -295,7 +302,7 @@ def walk(
             if ours.open:
                 walked.mismatch = Mismatch(ours.open[0][1], ours.open[0][0], None, None)
             elif other.open:
-                walked.mismatch = Mismatch(None, None, other.open[0][1], other.open[0][0])
+                walked.mismatch = Mismatch(None, None, other.open[0][1], other.open[0][0], left=_names(other))
             break
         late = None if patience is None else _late(ours, other, patience)
         if late is not None:
@@ -304,10 +311,14 @@ def walk(
         _cancel(walked, ours, other)
         if ours.open and other.open and not (step and _again(ours, other, step)):
             (expected, m), (got, c) = ours.open[0], other.open[0]
-            walked.mismatch = Mismatch(m, expected, c, got, final=True)
+            walked.mismatch = Mismatch(m, expected, c, got, True, _names(other))
             break
     _group(walked)
     return walked
+
+
+def _names(side: _Side) -> tuple[str, ...]:
+    return tuple(name for name, _ in side.open)
 
 
 def _late(ours: _Side, other: _Side, patience: Patience) -> Mismatch | None:
@@ -316,7 +327,7 @@ def _late(ours: _Side, other: _Side, patience: Patience) -> Mismatch | None:
     if other.times[c] > patience.latest(ours.times[m]):
         return Mismatch(m, expected, None, None, final=True)
     if ours.times[m] > patience.latest(other.times[c]):
-        return Mismatch(None, None, c, got, final=True)
+        return Mismatch(None, None, c, got, True, _names(other))
     return None
 
 

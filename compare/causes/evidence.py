@@ -288,17 +288,20 @@ def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
 def _given_does(lab: Laboratory) -> bool:
     """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence.
 
-    Or whether it has the contact that the engine has there, which the reference lacks, whatever comes of it.
+    Or whether it has the contact itself that the engine has there and the reference lacks, whatever comes of it.
     """
     if lab.given is None or lab.given.digest == lab.study.scene.digest:
         return False
     run, parted = lab.given_run, lab.divergence
-    got = parted.candidate_event if parted.kind in (Kind.DIFFERENT, Kind.EXTRA) else None
+    event = parted.candidate_event if parted.kind in (Kind.DIFFERENT, Kind.EXTRA) else None
     while True:
         span = Span(len(run.events), lab.last_time)
         found = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits)
-        if got is not None and any(theirs == got for _, theirs in found.walks[parted.body].pairs):
-            return True
+        walked = found.walks[parted.body]
+        if event is not None and parted.got is not None and any(theirs == event for _, theirs in walked.pairs):
+            lacked = lab.candidate.alignment.walks[parted.body].left(event, parted.got)
+            if walked.left(event, parted.got) < lacked:
+                return True
         if found.divergence is not None or not found.unsettled:
             return found.divergence is None or found.divergence.time > lab.last_time
         until, more = float(run.final_time), found.wanted.reference
@@ -341,7 +344,8 @@ class OwnState:
         flights: dict[str, OwnFlight] = {}
         known: dict[str, int] = {}
         for name in names:
-            before = [pair for pair in walks[name].pairs if pair[0] < parted.expected_event]
+            pairs = [pair for pair in walks[name].pairs if pair[1] != parted.candidate_event]  # which may be matched too
+            before = [pair for pair in pairs if pair[0] < parted.expected_event]
             flight = lab.own.flight(name, max((m for m, _ in before), default=None), turned=False)
             if flight is None:
                 return None

@@ -11,14 +11,15 @@ import pytest
 from truebreak.compare import comparison as comparison_module
 from truebreak.compare import study
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import laboratory
+from truebreak.compare.causes import evidence, laboratory
 from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import nearest, rounded
 from truebreak.compare.comparison import Comparison, compare
+from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.floating.quad import QUADS
 from truebreak.floating.rounded import Rounding
 from truebreak.floating.single import SINGLES
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, Wall, catalogue
 from truebreak.scenarios.engine import Engine
 
 
@@ -196,3 +197,47 @@ def test_a_tie_broken_by_flights_of_few_bits_is_not_laid_on_its_impulses() -> No
     assert CauseName.FLIGHTS in diagnosis.sufficient and CauseName.IMPACTS not in diagnosis.sufficient
     tie = next(e for e in diagnosis.experiments if e.cause is CauseName.TIE)
     assert tie.suffices is False and "rounding before it chose" in tie.result
+
+
+class OneTooMany(RecordedEngine):
+    """Doubles that report contacts of one instant, and where circles are after it."""
+
+    name, bits, rounds_input = "one too many", 53, True
+    scene_keys = frozenset({"fixed", "wall", "restitution"})
+
+    def __init__(self, pairs: list[tuple[str, str]], after: dict[str, tuple[float, float, float, float]]) -> None:
+        self.pairs, self.after = pairs, after
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """One event, at t = 3."""
+        recording.hits(3.0, self.pairs, self.after)
+        recording.end(quiet=True)
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_the_contact_itself_has_to_be_in_the_exact_run_of_the_rounded_scene(
+    again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is not there where both have another contact in its instant; nor is it twice where A slides on from once."""
+    apart = Circle("20 + 1/3", 9, id="apart")  # so that the input is rounded
+    if again:
+        sliding = Circle(0, 4, vx=1, vy=-1, id="A")
+        scene = Scene([sliding, apart], [Wall(0, 0, 1, 0, id="B")], restitution=0)
+        judged = OneTooMany([("A", "B"), ("A", "B")], {"A": (3, 1, 1, 0)})
+    else:
+        falling = [Circle(0, 4, vy=-1, id="A"), Circle(2, 4, vy=-1, id="D")]
+        scene = Scene([*falling, Circle(0, -1, m="oo", id="B"), Circle(2, -1, m="oo", id="C"), apart])
+        judged = OneTooMany([("A", "B"), ("C", "D"), ("A", "D")], {"A": (0, 1, 0, 1), "D": (2, 1, 0, 1)})
+    seen: list[bool] = []
+
+    def law(lab: Any, rows: Any) -> list[Experiment]:
+        seen.append(evidence._given_does(lab))
+        return []
+
+    monkeypatch.setattr(evidence, "law", law)
+    found = compare(scene, [judged]).candidates[0]
+    assert seen == [False]
+    assert found.alignment.divergence is not None and found.diagnosis is not None
+    assert (found.alignment.divergence.body, found.alignment.divergence.got) == ("A", judged.pairs[-1][1])
+    assert CauseName.INPUT not in found.diagnosis.sufficient
+    assert not any("has the contacts that" in row.result for row in found.diagnosis.experiments)  # from its own state
