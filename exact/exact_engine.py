@@ -436,7 +436,8 @@ class ExactEngine(Declared):
             notes = (return_note(outer, decider.retrace.home, decider.state.exact, motion),)
         motion.returned, motion.tape = home, tape
         if stop.reason is StopReason.QUIET:
-            motion.wait_for_rest()
+            for _, rest in motion.ends.values():
+                motion.end = motion.end if motion.reaches(rest) else rest
         log.events = records if isinstance(records, PackedRecords) else None
         reversal = None
         if history.reversal is not None:

@@ -440,15 +440,6 @@ class ExactMotion:
             raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
         return at
 
-    def wait_for_rest(self) -> None:
-        """Puts the end of a run off until all that bounces infinitely often is at rest."""
-        for end in self._ends.values():
-            self.end = end if self.reaches(end) is False else self.end
-
-    def rest_at(self, time: object) -> tuple[int, int] | None:
-        """The circle and its knot before which infinitely many bounces end at a time of this run."""
-        return next((place for place, end in self._ends.items() if end is time), None)
-
     def reaches(self, time: RunTime) -> bool:
         """Whether a time is not after the end, or not known to be."""
         with suppress(ValueError):
@@ -539,37 +530,37 @@ class ExactMotion:
             other = isinstance(formulas[0], OtherRun)
             formulas[2:] = formulas[:2] if other else [FallSpeed(i, 0, time), FallSpeed(i, 1, time)]
         if bounces is not None and isinstance(formulas[0], OtherRun):
-            formulas, end, start = formulas[:2] * 2, self._ends[i, k], self.knot_time(i, k)
+            formulas, (start, end) = formulas[:2] * 2, self.ends[i, k]
             near = amid_bounces(near, self.log.scene, end.formula.wall, start, end, time, bounces)
         elif bounces is not None:
-            nth = self._ends[i, k].formula.nth
+            nth = self.ends[i, k][1].formula.nth
             formulas = [Bounced(i, along, n % 2, n > 1, time, nth, bounces) for n, along in enumerate(formulas)]
             near = (arb.nan(),) * 4
         rows = zip(formulas, near, strict=True)
         return tuple(ExactValue(self.log, upto, bodies, *row) for row in rows)  # pyright: ignore[reportReturnType]
 
-    @property
+    @kept
     def ends(self) -> dict[tuple[int, int], tuple[ExactValue, ExactValue]]:
         """By circle and the place of the knot after them: when infinitely many bounces begin, and end."""
-        return {place: (self.knot_time(*place), end) for place, end in self._ends.items()}
-
-    @kept
-    def _ends(self) -> dict[tuple[int, int], ExactValue]:
-        """The ends alone."""
         found = endless(self.log.steps, self.knots) if self.log.given.settle else {}
-        return {place: ExactValue(self.log, upto, place[:1], end, arb.nan()) for place, (upto, end) in found.items()}
+        return {
+            place: (self.knot_time(*place), ExactValue(self.log, upto, place[:1], end, arb.nan()))
+            for place, (upto, end) in found.items()
+        }
 
     def _bounces(self, i: int, k: int, time: RunTime) -> int | None:
         """After how many of the infinitely many bounces before a knot a time is, besides the first; None of others."""
-        end, begins = self._ends.get((i, k)), self._own(time) == self.knots[i][k][6]
-        if end is None or time is end or not (begins or self._after(end, time)):
+        if (i, k) not in self.ends:
+            return None
+        (start, end), begins = self.ends[i, k], self._own(time) == self.knots[i][k][6]
+        if time is end or not (begins or self._after(end, time)):
             return None
 
         def is_later(number: int) -> bool:
             then = BounceTime(i, end.formula.wall, end.formula.nth, number)
             return self._after(ExactValue(self.log, end.upto, (i,), then, arb.nan()), time)
 
-        e, start = self.log.scene.restitution, self.knot_time(i, k)
+        e = self.log.scene.restitution
         return 0 if begins else bounce_before(start, end, time, e, EQUAL_BITS, is_later)
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -607,7 +598,7 @@ class ExactMotion:
                         continue
                     near = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS), vx, vy)
                     result[row, i] = [_double(value) for value in near]
-            for k, end in ((k, end) for (j, k), end in self._ends.items() if j == i):
+            for k, end in ((k, end) for (j, k), (_, end) in self.ends.items() if j == i):
                 for row in np.nonzero((found == k) & (at <= float(end)))[0]:
                     result[row, i] = [float(value) for value in self._of_circle(i, Quantity.of(float(at[row])))]
         return result

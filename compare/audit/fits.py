@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb
 
 from ...exact.numbers import ball
-from .residuals import Laws, length_of
+from .residuals import Laws, along, length_of
 
 if TYPE_CHECKING:
     from .transcript import ReportedFlight, ReportedInstant, Transcript
@@ -244,7 +244,7 @@ def with_bounces(laws: Laws, k: int, row: Sequence[ReportedFlight], end: float) 
         found.append(flight)
         if not flight.bounces or laws.fall is None:
             continue
-        rest, pull, e = laws.along(k, flight), laws.fall.pull, laws.change - 1
+        rest, pull, e = along(laws, k, flight), laws.fall.pull, laws.change - 1
         ux, uy = flight.vx - rest.vx, flight.vy - rest.vy
         span = 2 * (ux * ux + uy * uy).sqrt() / (pull * (1 - e))
         height = float(((ux * ux + uy * uy) / (2 * pull)).mid())

@@ -285,8 +285,8 @@ class Laws:
         """
         for k in instant.rested:
             flight = instant.before[k]
-            instant.before[k] = self.along(k, flight)
-            yield self._rested(k, flight, instant.before[k], instant.after[k])
+            instant.before[k] = along(self, k, flight)
+            yield _rested(self, k, flight, instant.before[k], instant.after[k])
         for k, after in instant.after.items():
             if self.moving[k]:
                 yield self._flown(k, instant.before[k], after, events)
@@ -320,35 +320,6 @@ class Laws:
                 x, y = ends[0] - ball.constant(ends[2]), ends[1] - ball.constant(ends[3])
                 size = math.hypot(float(ends[2]), float(ends[3]))
                 yield Residual("start", (k,), length_of(x, y), 2 * self.unit * size * self.start + LEAST)
-
-    def along(self, k: int, flight: ReportedFlight) -> ReportedFlight:
-        """How a circle would go on from the beginning of a flight if the wall next to it carried it: see `supports`."""
-        walls = [self.line(k, wall).at(flight.t) for wall in self.supports[k]]
-        gaps = [w.nx * (w.x - flight.x) + w.ny * (w.y - flight.y) - self.things[k].r for w in walls]
-        if not walls:
-            return flight
-        gap, wall = min(zip(gaps, walls, strict=True), key=lambda pair: abs(float(pair[0].mid())))
-        near = wall.nears(flight.vx, flight.vy)
-        x, y, vx, vy = (
-            flight.x + wall.nx * gap,
-            flight.y + wall.ny * gap,
-            flight.vx - wall.nx * near,
-            flight.vy - wall.ny * near,
-        )
-        return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
-
-    def _rested(self, k: int, flight: ReportedFlight, along: ReportedFlight, after: ReportedFlight) -> Residual:
-        """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
-
-        It is told as the way that the circle goes in it with the speed v after that; a is the pull.
-        """
-        assert self.fall is not None
-        ux, uy = flight.vx - along.vx, flight.vy - along.vy
-        speed, lost = (ux * ux + uy * uy).sqrt(), 2 - self.change
-        per_speed = 2 / (self.fall.pull * lost)
-        size = size_of((after.t - flight.t - speed * per_speed) * speed)
-        times = after.time + flight.time + flight.speed * float(per_speed.mid())
-        return Residual("support", (k,), size, ROOT_UNITS * self.unit * times * float(speed.mid()) + LEAST)
 
     def _flown(self, k: int, before: ReportedFlight, after: ReportedFlight, events: int) -> Residual:
         """How far from where it flew to a circle says that it is."""
@@ -620,6 +591,37 @@ class Laws:
             return self.scene.circles[place].drift
         exact = self.scene.walls[wall] if wall < len(self.scene.walls) else None
         return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
+
+
+def along(laws: Laws, k: int, flight: ReportedFlight) -> ReportedFlight:
+    """How a circle would go on from the beginning of a flight if the wall next to it carried it: see `supports`."""
+    walls = [laws.line(k, wall).at(flight.t) for wall in laws.supports[k]]
+    gaps = [w.nx * (w.x - flight.x) + w.ny * (w.y - flight.y) - laws.things[k].r for w in walls]
+    if not walls:
+        return flight
+    gap, wall = min(zip(gaps, walls, strict=True), key=lambda pair: abs(float(pair[0].mid())))
+    near = wall.nears(flight.vx, flight.vy)
+    x, y, vx, vy = (
+        flight.x + wall.nx * gap,
+        flight.y + wall.ny * gap,
+        flight.vx - wall.nx * near,
+        flight.vy - wall.ny * near,
+    )
+    return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
+
+
+def _rested(laws: Laws, k: int, flight: ReportedFlight, along: ReportedFlight, after: ReportedFlight) -> Residual:
+    """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
+
+    It is told as the way that the circle goes in it with the speed v after that; a is the pull.
+    """
+    assert laws.fall is not None
+    ux, uy = flight.vx - along.vx, flight.vy - along.vy
+    speed, lost = (ux * ux + uy * uy).sqrt(), 2 - laws.change
+    per_speed = 2 / (laws.fall.pull * lost)
+    size = size_of((after.t - flight.t - speed * per_speed) * speed)
+    times = after.time + flight.time + flight.speed * float(per_speed.mid())
+    return Residual("support", (k,), size, ROOT_UNITS * laws.unit * times * float(speed.mid()) + LEAST)
 
 
 def _falls(laws: Laws, k: int, flight: ReportedFlight) -> bool:

@@ -354,7 +354,8 @@ class Transcript:
         motion = run.motion
         self._motion = motion
         self.states = not getattr(motion, "reckoned", ())
-        self.wide = not isinstance(motion, DoubleMotion) and encloses and self._own_numbers()
+        wide = not isinstance(motion, DoubleMotion) and encloses
+        self.wide = wide and not all(isinstance(v, float) for v in next(iter(motion.state(0.0)), (0.0,)))
         self._count = len(run.scene.circles)
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -386,14 +387,9 @@ class Transcript:
                 for k, row in motion.carried.items()
             }
 
-    def _own_numbers(self) -> bool:
-        """Whether a state holds numbers that enclose, or that are wider than doubles."""
-        row = next(iter(self._motion.state(0.0)), (0.0,))
-        return not all(isinstance(value, float) for value in row)
-
     def first(self) -> list[ReportedFlight]:
         """The flight with which each circle begins; the ends of segments, which never move, come last."""
-        return [*self._first(), *(self._end(k) for k in self.scene.ends)]
+        return [*self._first(), *(_end_of(self.scene, k) for k in self.scene.ends)]
 
     def _first(self) -> list[ReportedFlight]:
         if isinstance(self._motion, DoubleMotion):
@@ -443,7 +439,7 @@ class Transcript:
         links += [link for others in parts.values() for link in others]
         for _, j in links:
             if j in self.scene.ends:
-                instant.before[j] = self._end(j)
+                instant.before[j] = _end_of(self.scene, j)
         return replace(instant, impulses=tuple(links))
 
     def _pushing(self, i: int, j: int, times: int, instant: ReportedInstant) -> list[tuple[int, int]]:
@@ -469,13 +465,6 @@ class Transcript:
         with ball.precision(READ_BITS):
             return PartsNear(self.run.scene, ball.BALLS)
 
-    def _end(self, k: int) -> ReportedFlight:
-        """An end of a segment, which stands, or flies straight with it."""
-        end = self.scene.circles[k]
-        x, y, vx, vy = (value.ball(READ_BITS) for value in (end.x, end.y, *end.drift))
-        place, speed = math.hypot(float(end.x), float(end.y)), math.hypot(*map(float, end.drift))
-        return ReportedFlight(arb(0), x, y, vx, vy, 0.0, place, speed, 0)
-
     def flights(self, bounced: Bounced | None = None) -> Sequence[Sequence[Sequence[float]]]:
         """For each circle (t, x, y, vx, vy) of its flights as doubles, by ascending time.
 
@@ -484,7 +473,7 @@ class Transcript:
         Args:
             bounced: fills in the infinitely many bounces of which the first alone is reported.
         """
-        fixed = [[_middle(self._end(k))] for k in self.scene.ends]
+        fixed = [[_middle(_end_of(self.scene, k))] for k in self.scene.ends]
         if isinstance(self._motion, DoubleMotion) and not self._ends:
             self.carried = self._carried
             return [*self._motion.knots, *fixed] if fixed else self._motion.knots
@@ -581,7 +570,7 @@ class Transcript:
             return
         if len(events) > 1 and self._apart(events, remaining, left):
             for index in events:
-                mine = {k: self._due(remaining[k], index, k, left) for k in self._circles(index) if remaining.get(k)}
+                mine = {k: _due(remaining[k], index, k, left) for k in self._circles(index) if remaining.get(k)}
                 yield (
                     ReportedInstant((index,), now, t, self._links(index)),
                     {k: n for k, n in mine.items() if n is not None},
@@ -604,17 +593,6 @@ class Transcript:
             for k in self._circles(index):
                 hits[k] = hits.get(k, 0) + 1
         return all(len(changed.get(k, ())) in (0, number) for k, number in hits.items())
-
-    def _due(self, rows: list[int], index: int, place: int, left: Sequence[tuple[float, Sequence[int]]]) -> int | None:
-        """The flight of a circle, out of those of one time, with which an event leaves it."""
-        if not left:
-            return rows.pop(0)
-        upto = bisect_left(rows, left[index][1][place])
-        if not upto:
-            return None
-        found = rows[upto - 1]
-        del rows[:upto]
-        return found
 
     # -- from states read at every event
 
@@ -697,3 +675,23 @@ class Transcript:
         """The impulses of an event, by place."""
         impulses: Sequence[Contact] = self.run.events[index].impulses
         return tuple((self._places[a], self._places[b]) for a, b in impulses)
+
+
+def _due(rows: list[int], index: int, place: int, left: Sequence[tuple[float, Sequence[int]]]) -> int | None:
+    """The flight of a circle, out of those of one time, with which an event leaves it."""
+    if not left:
+        return rows.pop(0)
+    upto = bisect_left(rows, left[index][1][place])
+    if not upto:
+        return None
+    found = rows[upto - 1]
+    del rows[:upto]
+    return found
+
+
+def _end_of(scene: Scene, k: int) -> ReportedFlight:
+    """An end of a segment, which stands, or flies straight with it."""
+    end = scene.circles[k]
+    x, y, vx, vy = (value.ball(READ_BITS) for value in (end.x, end.y, *end.drift))
+    place, speed = math.hypot(float(end.x), float(end.y)), math.hypot(*map(float, end.drift))
+    return ReportedFlight(arb(0), x, y, vx, vy, 0.0, place, speed, 0)

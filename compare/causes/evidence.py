@@ -344,7 +344,9 @@ class OwnState:
         flights: dict[str, OwnFlight] = {}
         known: dict[str, int] = {}
         for name in names:
-            pairs = [pair for pair in walks[name].pairs if pair[1] != parted.candidate_event]  # which may be matched too
+            pairs = [
+                pair for pair in walks[name].pairs if pair[1] != parted.candidate_event
+            ]  # which may be matched too
             before = [pair for pair in pairs if pair[0] < parted.expected_event]
             flight = lab.own.flight(name, max((m for m, _ in before), default=None), turned=False)
             if flight is None:

@@ -222,6 +222,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
     def time(value: Any) -> Written:
         return _time_data(value, number)
 
+    rest = next((place for place, (_, end) in motion.ends.items() if end is run.final_time), None)
     data: dict[str, Any] = {
         "engine": dict(run.parameters),
         "stop": [run.stop.reason.name, run.stop.message],
@@ -231,7 +232,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
         "plan": dict(run.plan),
         "notes": list(run.notes),
         "assumptions": [[a.event, a.question, a.proof.name, a.bound] for a in run.assumptions],
-        "end": time(run.final_time) if (rest := motion.rest_at(run.final_time)) is None else list(rest),
+        "end": time(run.final_time) if rest is None else list(rest),
         "ending": _ending_data(run.ending),
         "returned": motion.returned,
         "set_times": [[set_time_data(when), part] for when, part in motion.set_times.items()],

@@ -403,8 +403,11 @@ class Loop(Generic[N, K]):
 
     def _resolve(self, instant: Instant) -> Resolved[K]:
         """Resolves an instant and notes it; one at which a circle is crushed is none."""
-        if self.endings is not None and self.endings.closes and self._crushes(instant):
-            return Resolved(instant.number)
+        if self.endings is not None and self.endings.closes:
+            found = self.endings.crushed((*instant.hits, *instant.touches, *self.resolver.touching.all()))
+            if found is not None:
+                self._crush(found)
+                return Resolved(instant.number)
         decider, records = self.decider, len(self.history.records)
         decider.begin(instant.number)
         left = None if self.limits.events is None else self.limits.events - records
@@ -414,14 +417,6 @@ class Loop(Generic[N, K]):
         self._note(instant, done)
         self._look_for_endings(instant, done, done.standing)
         return done
-
-    def _crushes(self, instant: Instant) -> bool:
-        """Whether a circle has no room at an instant: it touches two walls, which close."""
-        assert self.endings is not None
-        found = self.endings.crushed((*instant.hits, *instant.touches, *self.resolver.touching.all()))
-        if found is not None:
-            self._crush(found)
-        return found is not None
 
     def _crush(self, closing: Squeeze) -> None:
         """Ends the run: a circle is crushed."""
