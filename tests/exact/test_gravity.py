@@ -166,7 +166,7 @@ FAULTS = {
         wall_flights, "fall_time", lambda gap, approach, root: (gap + gap) / (root + approach)
     ),
     "e squared": _made(_loss_squared),
-    "places in the falling frame": _form(exact_motion, "_sunk", lambda x, half, time: x),
+    "places in the falling frame": _form(exact_motion, "sunk", lambda x, half, time: x),
     "speeds in the falling frame": _form(exact_motion, "fall_speed", lambda v, half, dt: v),
 }
 
