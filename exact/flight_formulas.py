@@ -165,6 +165,9 @@ def endless(
     return found
 
 
+QUARTER = arb("0.25")
+
+
 def bounce_before(
     start: Enclosable, end: Enclosable, time: Enclosable, e: Quantity, most: int, is_later: Callable[[int], bool]
 ) -> int:
@@ -191,9 +194,9 @@ def bounce_before(
             whole = passed.floor().unique_fmpz()
         if whole is not None:
             return max(int(whole), 0)
-        if bits >= most and passed.is_finite():
+        if bits >= most and passed.rad() < QUARTER:  # so that no other whole number is in it
             nearest = round(float(passed.mid()))
-            return nearest - 1 if is_later(nearest) else nearest
+            return max(nearest - is_later(nearest), 0)
         bits *= 2
 
 

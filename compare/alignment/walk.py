@@ -138,7 +138,7 @@ def _tails(run: Trajectory, streams: Streams, circle: str) -> list[Tail]:
 def without_tails(
     reference: Trajectory, candidate: Trajectory, mine: Streams, theirs: Streams, patience: Patience
 ) -> tuple[Streams, Streams]:
-    """Two histories without what one alone lists of infinitely many bounces that come to an end.
+    """Two histories without those of infinitely many bounces on a wall that only one of them lists.
 
     Of these a run may list any number: what it lists beyond the other does not tell them apart.
     """

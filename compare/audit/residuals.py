@@ -610,13 +610,13 @@ def along(laws: Laws, k: int, flight: ReportedFlight) -> ReportedFlight:
     return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
 
 
-def _rested(laws: Laws, k: int, flight: ReportedFlight, along: ReportedFlight, after: ReportedFlight) -> Residual:
+def _rested(laws: Laws, k: int, flight: ReportedFlight, rest: ReportedFlight, after: ReportedFlight) -> Residual:
     """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
 
     It is told as the way that the circle goes in it with the speed v after that; a is the pull.
     """
     assert laws.fall is not None
-    ux, uy = flight.vx - along.vx, flight.vy - along.vy
+    ux, uy = flight.vx - rest.vx, flight.vy - rest.vy
     speed, lost = (ux * ux + uy * uy).sqrt(), 2 - laws.change
     per_speed = 2 / (laws.fall.pull * lost)
     size = size_of((after.t - flight.t - speed * per_speed) * speed)

@@ -471,7 +471,7 @@ class Transcript:
         Of enclosures they are the middles, followed by how far place and velocity may be from them.
 
         Args:
-            bounced: fills in the infinitely many bounces of which the first alone is reported.
+            bounced: fills in the infinitely many bounces of which only the first is reported.
         """
         fixed = [[_middle(_end_of(self.scene, k))] for k in self.scene.ends]
         if isinstance(self._motion, DoubleMotion) and not self._ends:
@@ -528,7 +528,7 @@ class Transcript:
         yield from self._bounced(end, flown, e)
         self._flown = flown
 
-    # -- infinitely many bounces, of which the first alone is reported
+    # -- infinitely many bounces, of which only the first is reported
 
     def _begun(self, k: int, flight: ReportedFlight, end: Any) -> ReportedFlight:
         """The flight with which a circle goes on, perhaps into such bounces, up to a time."""

@@ -346,7 +346,7 @@ class OwnState:
         for name in names:
             pairs = [
                 pair for pair in walks[name].pairs if pair[1] != parted.candidate_event
-            ]  # which may be matched too
+            ]  # some of it may be matched
             before = [pair for pair in pairs if pair[0] < parted.expected_event]
             flight = lab.own.flight(name, max((m for m, _ in before), default=None), turned=False)
             if flight is None:
