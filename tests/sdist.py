@@ -25,7 +25,9 @@ def build(folder: Path) -> Path:
     shutil.rmtree(copy)
     (archive,) = folder.glob("truebreak-*.tar.gz")
     with tarfile.open(archive) as packed:
-        packed.extractall(folder, filter="data")
+        if hasattr(tarfile, "data_filter"):  # from Python 3.11.4 on
+            packed.extraction_filter = tarfile.data_filter
+        packed.extractall(folder)
     (unpacked,) = (path for path in folder.glob("truebreak-*") if path.is_dir())
     return unpacked
 

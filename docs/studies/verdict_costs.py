@@ -352,7 +352,8 @@ def measured(name: str, repeats: int = REPEATS) -> Cost:
         processor_time(words)
         took = [(processor_time(words), processor_time(["-P", "-c", "pass"])) for _ in range(3 * repeats)]
         ours, least = (statistics.median(each) for each in zip(*took, strict=True))
-        return Cost(name, what, ours - least if name == "imports" else ours, least, 0.0, *target)
+        most, enough = (*target, 0.0)[:2]
+        return Cost(name, what, ours - least if name == "imports" else ours, least, 0.0, most, enough)
     if name in GROWTH:
         return grown(name)
     subject = SUBJECTS[name]()

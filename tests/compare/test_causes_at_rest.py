@@ -118,8 +118,8 @@ def test_no_margin_is_read_off_flights_that_do_not_fall() -> None:
 @pytest.mark.parametrize("factor", [0.0, 0.5])
 def test_a_law_that_is_broken_by_what_is_carried_outranks_all(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
     class Braked(plain.PlainState[Any]):
-        def settle(self, index: int, wall: int, slides: bool) -> None:
-            super().settle(index, wall, slides)
+        def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
+            super().settle(index, wall, slides, bounces)
             flight = self.bodies[index].flight
             self.bodies[index].flight = flight._replace(vx=flight.vx * factor)
 

@@ -53,10 +53,16 @@ def settled(run: Trajectory) -> list[tuple[str, str, float]]:
 
 @pytest.mark.parametrize("told", [{}, {"carried": True}, {"states": False}], ids=["states", "carried", "times alone"])
 def test_logs_of_an_engine_that_keeps_the_law(told: Mapping[str, bool], tmp_path: Path) -> None:
-    """Discs settle, slide, are struck and carried again; by times alone, where they are follows from the laws."""
-    count = 0
+    """Discs settle, slide, are struck and carried again; by times alone, where they are follows from the laws.
+
+    A log has no line for infinitely many bounces at once: runs that go on past such are left out.
+    """
+    count = left_out = 0
     for scene in filter(None, [*map(drawn, range(14)), catalogue.build("landing"), catalogue.build("struck")]):
         run = engine("double").run(scene, until=12, events=16)
+        if any(rest.since is not None for rest in run.settlings):
+            left_out += 1
+            continue
         log = logged(lines_of(run, **told), scene, tmp_path / "log.jsonl")
         found = compare(scene, [log], until=float(run.final_time)).candidates[0]
         assert found.verdict in ("agree", "unsettled"), scene
@@ -69,6 +75,7 @@ def test_logs_of_an_engine_that_keeps_the_law(told: Mapping[str, bool], tmp_path
                 assert (mine.x, mine.y) == pytest.approx((float(theirs.x), float(theirs.y)), abs=1e-9)
         count += len(run.settlings)
     assert count > 15
+    assert left_out < 4
 
 
 def test_single_precision_has_its_own_rounding(tmp_path: Path) -> None:
