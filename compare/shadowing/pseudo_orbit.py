@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.ball_state import BallState
+from ...exact.replay.ball_state import BallState, LoneContacts
 from ...exact.replay.contact import Flight, Touch, is_arc, is_flat, places_of, touch_of
 from ...exact.replay.landings import landing
 from ...exact.replay.parts import PartsNear
@@ -205,10 +205,41 @@ class FixedOrder:
         self.chain = chain
         self.free = moving(scene)
         self._made = BallState(scene)
+        self._alone = LoneContacts(self._made)
         self._bits = ball.bits_in_use()
 
-    def image(self, k: int, node: Node) -> tuple[Node, list[Impact]]:
-        """Where segment k leads from a node, and the impacts on the way.
+    @property
+    def reversible(self) -> bool:
+        """Whether what is turned back obeys the same law: contacts keep the energy, and no wall moves."""
+        return self.scene.elastic and not (self._made.drifts or self.scene.moving_ends)
+
+    def traced_back(self, k: int, node: Node) -> Node:
+        """The start from which the orbit through a node at the begin of segment k comes; see `reversible`.
+
+        Raises:
+            Missed: as `image`.
+        """
+        turn, fallen = self.chain[k].begin, self._made.falling
+        drop = [arb(0), arb(0)] if fallen is None else [2 * turn * part for part in fallen[:2]]
+
+        def turned(x: arb, y: arb, vx: arb, vy: arb) -> Node:
+            return [x, y, -vx - drop[0], -vy - drop[1]]
+
+        def by_circles(change: Callable[..., Node], flights: Node) -> Node:
+            return [value for i in range(0, len(flights), 4) for value in change(*flights[i : i + 4])]
+
+        halves = [part * turn / 2 for part in drop]
+        now = by_circles(lambda x, y, *v: turned(x + halves[0], y + halves[1], *v), node)
+        back = [
+            OrbitSegment(max(1, s.first), s.links[::-1], turn - s.end, turn - s.begin) for s in reversed(self.chain[:k])
+        ]
+        order = FixedOrder(self.scene, back)
+        for step in range(k):
+            now = [value.mid() for value in order.image(step, now, False)[0]]
+        return by_circles(lambda x, y, *v: turned(x + halves[0], y + halves[1], *v), now)
+
+    def image(self, k: int, node: Node, impacts: bool = True) -> tuple[Node, list[Impact]]:
+        """Where segment k leads from a node, and the impacts on the way, if they are asked for.
 
         Raises:
             Missed: if two that are to meet do not.
@@ -220,10 +251,13 @@ class FixedOrder:
             link = touch_of(self.scene, i, j)
             if not _meets(state, link):
                 raise Missed(segment.first + place)
+            if not impacts and self._alone.strike(link, self._bits, state.steps_done) is not None:
+                continue
             state.do(Go(link, link.circles))
             if not state.instant.is_finite():  # of two that pass each other it is no number
                 raise Missed(segment.first + place)
-            struck.append(_impact(state, link))
+            if impacts:
+                struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
         end = arb(segment.end)
         told: Node = []
@@ -236,12 +270,13 @@ class FixedOrder:
     def _state(self, segment: OrbitSegment, node: Node) -> BallState:
         if self._bits != ball.bits_in_use():
             self._made, self._bits = BallState(self.scene), ball.bits_in_use()
+            self._alone = LoneContacts(self._made)
         state, begin, last = self._made, arb(segment.begin), int(segment.first > 0)  # none touches but at the start
         for i in state.bodies.keys() - self.free:
             state.bodies[i].flight = state.bodies[i].flight._replace(last=0)
         for row, i in enumerate(self.free):
             x, y, vx, vy = node[4 * row : 4 * row + 4]
-            state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin, last=last)
+            state.bodies[i].flight, state.bodies[i].acc = Flight(x, y, vx, vy, begin, begin, last=last), self._bits
         state.contacts.clear()
         state.stand(begin, state.zero, last)
         return state
@@ -286,6 +321,10 @@ def _impact(state: BallState, link: Touch) -> Impact:
 # to first order the shortest is taken, over all nodes together: so the orbit found stays by the nodes, forwards and
 # backwards alike. Misfits are computed in balls, tangent maps in doubles: each round gains about as many digits as
 # these are good for.
+#
+# One node, the anchor, gets all the bits, and the start is traced back from it. Its errors grow both ways, so it stands
+# where they grow alike until either end. Of a misfit elsewhere only what is left of it at the anchor counts: it closes
+# at so many bits as errors grow by from there to that end, and no round looks at it any more.
 
 MOST_ROUNDS = 200
 """Rounds of Newton's method at most: each gains more than a bit, or the search ends."""
@@ -302,6 +341,9 @@ that size itself, and doubles are good for little more."""
 
 MENDED = 2
 """How often what an elimination leaves of the residuals is corrected: the second time nothing but rounding is left."""
+
+MARGIN_BITS = 8
+"""By how much smaller than asked for misfits are before they are let be: corrections elsewhere leave some there."""
 
 LEAST_GAIN = 0.5
 """A round that leaves more than this share of the misfits gains nothing."""
@@ -344,19 +386,33 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
     shortest: ShortestCorrections | None = None
     misfits: list[float] = []
     corrections: list[float] = []
-    bits, goal, stale = FIRST_BITS, 0.0, 0
+    bits, stale, missed = FIRST_BITS, 0, None
+    low, high, anchor, lost, goals = 0, len(order.chain), 0, 0.0, [0.0]
     for _ in range(MOST_ROUNDS):
+        fresh = shortest is None or corrections[-1] > log2(LINEAR)
+        if fresh:
+            low, high = 0, len(order.chain)
         with ball.precision(bits):
-            fresh = shortest is None or corrections[-1] > log2(LINEAR)
             try:
-                residuals, maps = _misfits(order, now, weights, shares, fresh)
+                residuals, maps = _misfits(order, now, (low, high), weights, shares, fresh)
             except Missed as error:
-                return Refined(now, tuple(misfits), tuple(corrections), False, bits, error.contact)
-            if fresh:
-                goal = -(_growth(maps) + GUARD_BITS)
+                missed = error.contact
+                break
             misfits.append(_largest(residuals))
-            if misfits[-1] < goal:
-                return Refined(now, tuple(misfits), tuple(corrections), True, bits)
+            if fresh:
+                anchor, lost, goals = _aims(maps, order.reversible)
+            open_ones = [k for k in range(low, high) if goals[k] <= misfits[-1] + MARGIN_BITS]
+            if not open_ones:
+                bits = int(GUARD_BITS + FIRST_BITS + lost)
+                with ball.precision(bits):
+                    try:
+                        start = order.traced_back(anchor, now[anchor])
+                    except Missed as error:
+                        missed = error.contact
+                        break
+                return Refined([start, *now[1:]], tuple(misfits), tuple(corrections), True, bits)
+            residuals = residuals[open_ones[0] - low : open_ones[-1] + 1 - low]
+            low, high = open_ones[0], open_ones[-1] + 1
             best = min(misfits[:-1], default=inf)
             stale = 0 if misfits[-1] < best + log2(LEAST_GAIN) else stale + 1
             if stale >= PATIENCE:
@@ -366,53 +422,73 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
             try:
                 if shortest is None or fresh:
                     shortest = ShortestCorrections(maps)
-                steps = shortest([np.array([float(value * factor) for value in row]) for row in residuals])
+                steps = shortest([np.array([float(value * factor) for value in row]) for row in residuals], low)
             except np.linalg.LinAlgError:  # by a graze: growth there is without bound
                 break
             corrections.append(exponent + log2(max(float(np.abs(step).max()) for step in steps) or 2.0**-1000))
             if corrections[-1] > 0:
                 break
             factor = arb(2) ** exponent
-            now = [
-                [
-                    (value + arb(step) * factor).mid()
-                    for value, step in zip(node, (mine * weights).tolist(), strict=True)
-                ]
-                for node, mine in zip(now, steps, strict=True)
-            ]
-        bits = max(bits, int(GUARD_BITS + FIRST_BITS - goal))
-    return Refined(now, tuple(misfits), tuple(corrections), False, bits)
+            for k, mine in enumerate(steps, low):
+                shifts = (mine * weights).tolist()
+                now[k] = [(value + arb(step) * factor).mid() for value, step in zip(now[k], shifts, strict=True)]
+        bits = FIRST_BITS + max(0, -exponent)
+    return Refined(now, tuple(misfits), tuple(corrections), False, bits, missed)
 
 
 def _misfits(
-    order: FixedOrder, nodes: Sequence[Node], weights: NDArray[np.float64], shares: Node, fresh: bool
+    order: FixedOrder,
+    nodes: Sequence[Node],
+    span: tuple[int, int],
+    weights: NDArray[np.float64],
+    shares: Node,
+    fresh: bool,
 ) -> tuple[list[Node], list[NDArray[np.float64]]]:
-    """Image less next node, of every segment, and the tangent maps if they are wanted; both by the scale."""
+    """Image less next node, of some segments, and the tangent maps if they are wanted; both by the scale."""
     residuals: list[Node] = []
     maps: list[NDArray[np.float64]] = []
-    for k, node in enumerate(nodes[:-1]):
-        image, struck = order.image(k, node)
+    for k in range(*span):
+        image, struck = order.image(k, nodes[k], fresh)
         residuals.append([(a - b) / w for a, b, w in zip(image, nodes[k + 1], shares, strict=True)])
         if fresh:
             maps.append(order.tangent(k, struck) * weights[None, :] / weights[:, None])
     return residuals, maps
 
 
+def _aims(maps: Sequence[NDArray[np.float64]], reversible: bool) -> tuple[int, float, list[float]]:
+    """The anchor, by its node; the bits that the whole run loses; and how small each segment's misfit has to become.
+
+    Args:
+        reversible: whether the start may be traced back from another node; else it is the anchor.
+    """
+    after = _growths(maps[::-1])[::-1]
+    before = [0.0] + [inf] * len(maps)
+    if reversible:
+        try:
+            before = _growths([np.linalg.inv(step) for step in maps])
+        except np.linalg.LinAlgError:  # by a graze
+            reversible = False
+    anchor = min(range(len(maps)), key=lambda k: max(after[k], before[k]))
+    goals = [-(GUARD_BITS + (after[k] if k >= anchor else before[k + 1])) for k in range(len(maps))]
+    return anchor, after[0], goals
+
+
+def _growths(maps: Sequence[NDArray[np.float64]]) -> list[float]:
+    """Bits by which the worst displacement grows through the first of some maps: none, one, two, ..."""
+    product, scale, found = np.eye(len(maps[0])), 0.0, [0.0]
+    for step in maps:
+        product = product @ step
+        size = float(np.abs(product).max())
+        product /= size
+        scale += log2(size)
+        found.append(max(0.0, scale + log2(float(np.linalg.norm(product)))))
+    return found
+
+
 def _largest(residuals: Sequence[Node]) -> float:
     """log2 of the largest, whatever its size: upper ends are exact numbers, of which one is the largest."""
     top = max(value.abs_upper() for row in residuals for value in row)
     return -inf if top.is_zero() else float(top.log() / arb(2).log())
-
-
-def _growth(maps: Sequence[NDArray[np.float64]]) -> float:
-    """Bits by which the worst displacement grows along all segments."""
-    product, scale = np.eye(len(maps[0])), 0.0
-    for step in maps:
-        product = step @ product
-        size = float(np.abs(product).max())
-        product /= size
-        scale += log2(size)
-    return max(0.0, scale + log2(float(np.linalg.norm(product, 2))))
 
 
 class ShortestCorrections:
@@ -440,27 +516,31 @@ class ShortestCorrections:
                 block = block - step @ self._inverses[-1] @ step.T
             self._inverses.append(np.linalg.inv(block))
 
-    def __call__(self, residuals: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
-        """The corrections, one more than there are residuals."""
+    def __call__(self, residuals: Sequence[NDArray[np.float64]], low: int = 0) -> list[NDArray[np.float64]]:
+        """The corrections, one more than there are residuals: these are of the segments from `low` on, the others 0."""
+        maps = self._maps[low : low + len(residuals)]
         found = [np.zeros(len(residuals[0])) for _ in range(len(residuals) + 1)]
         left = [-row for row in residuals]
         for _ in range(1 + MENDED):
-            for step, more in zip(found, self._least(left), strict=True):
+            for step, more in zip(found, self._least(left, low), strict=True):
                 step += more
             left = [
                 -row - (step @ mine - other)
-                for row, step, mine, other in zip(residuals, self._maps, found, found[1:], strict=False)
+                for row, step, mine, other in zip(residuals, maps, found, found[1:], strict=False)
             ]
         return found
 
-    def _least(self, right: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    def _least(self, right: Sequence[NDArray[np.float64]], low: int = 0) -> list[NDArray[np.float64]]:
         """The shortest s with A s = right, as exact as one elimination makes it."""
-        maps, sides = self._maps, list(right)
-        for k in range(1, len(maps)):
-            sides[k] = sides[k] + maps[k] @ (self._inverses[k - 1] @ sides[k - 1])
-        sides[-1] = self._inverses[-1] @ sides[-1]
-        for k in range(len(maps) - 2, -1, -1):
-            sides[k] = self._inverses[k] @ (sides[k] + maps[k + 1].T @ sides[k + 1])
+        count, sides = len(right), list(right)
+        maps, inverses = self._maps[low : low + count], self._inverses[low : low + count]
+        for k in range(1, count):
+            sides[k] = sides[k] + maps[k] @ (inverses[k - 1] @ sides[k - 1])
+        sides[-1] = inverses[-1] @ sides[-1]
+        for k in range(count - 2, -1, -1):
+            sides[k] = inverses[k] @ (sides[k] + maps[k + 1].T @ sides[k + 1])
         steps = [maps[0].T @ sides[0]]
-        steps += [maps[k].T @ sides[k] - sides[k - 1] for k in range(1, len(maps))]
+        if low:
+            steps[0] = steps[0] - self._inverses[low - 1] @ steps[0]
+        steps += [maps[k].T @ sides[k] - sides[k - 1] for k in range(1, count)]
         return [*steps, -sides[-1]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,15 @@ from truebreak.compare.report.schema import schema
 from truebreak.compare.report.search_text import at_most
 from truebreak.compare.shadowing import shadows
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
-from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, ShortestCorrections, recorded, refined, segments
+from truebreak.compare.shadowing.pseudo_orbit import (
+    FIRST_BITS,
+    GUARD_BITS,
+    FixedOrder,
+    ShortestCorrections,
+    recorded,
+    refined,
+    segments,
+)
 from truebreak.compare.shadowing.shadows import longest, shadow
 from truebreak.compare.tangent.impacts import NoTangentMap
 from truebreak.exact import ExactEngine
@@ -223,6 +232,50 @@ def test_the_map_of_a_fixed_order_has_the_tangent_of_its_differences(spec: str) 
                 slope = [float((a - b) / step) for a, b in zip(order.image(k, near)[0], image, strict=True)]
                 assert tangent[:, column] == pytest.approx(slope, rel=1e-9, abs=1e-9)
             node = [value.mid() for value in image]
+
+
+@pytest.mark.parametrize("spec", ["gas:n=3,mixed=yes", "gas-under-gravity:n=3", "peg-mirror:e=1", "stadium"])
+def test_a_start_is_traced_back_from_a_node(spec: str) -> None:
+    scene = catalogue.build(spec)
+    record = recorded(engine("double").run(scene, events=12), 12)
+    with ball.precision(400):
+        order = FixedOrder(scene.surfaces, segments(record, 3))
+        assert order.reversible
+        start = [arb(v) for i in order.free for v in record.flights[i][0][1:]]
+        node = start
+        for k in range(3):
+            node = [value.mid() for value in order.image(k, node)[0]]
+        back = order.traced_back(3, node)
+        assert max(abs(a - b) for a, b in zip(back, start, strict=True)) < arb(2) ** -300
+
+
+@pytest.mark.parametrize("spec", ["cooling:n=3", "piston:n=3", "closing-wall"])
+def test_no_start_is_traced_back_where_energy_is_lost_or_walls_move(spec: str) -> None:
+    scene = catalogue.build(spec)
+    with ball.precision(64):
+        assert not FixedOrder(scene.surfaces, []).reversible
+
+
+@pytest.mark.parametrize(("reversible", "most"), [(True, 0.72), (False, 0.68)])
+def test_a_search_looks_at_fewer_segments_each_round(
+    reversible: bool, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those whose misfits are small enough for what is left of them where they count are let be."""
+    looked = Counter[int]()
+    true = FixedOrder.image
+
+    def watched(order: FixedOrder, k: int, *rest: Any) -> Any:
+        looked[len(order.chain)] += 1
+        return true(order, k, *rest)
+
+    monkeypatch.setattr(FixedOrder, "image", watched)
+    monkeypatch.setattr(FixedOrder, "reversible", reversible)
+    found = shadow(catalogue.build("gas"), events=1600)
+    assert found.proof is not None and found.refinement is not None
+    rounds, count = len(found.refinement.misfits), max(looked)
+    assert looked[count] < most * rounds * count
+    lost = found.refinement.bits - FIRST_BITS - GUARD_BITS
+    assert rounds < 5 + lost / (80 if reversible else 40)
 
 
 LIFTED = Scene(
