@@ -473,7 +473,7 @@ def _aims(maps: Sequence[NDArray[np.float64]], reversible: bool) -> tuple[int, f
     return anchor, after[0], goals
 
 
-def _growths(maps: Sequence[NDArray[np.float64]]) -> list[float]:
+def _growths(maps: Sequence[NDArray[Any]]) -> list[float]:
     """Bits by which the worst displacement grows through the first of some maps: none, one, two, ..."""
     product, scale, found = np.eye(len(maps[0])), 0.0, [0.0]
     for step in maps:
