@@ -100,30 +100,47 @@ class PlainState(ReplayState[M]):
 RETURNS = 100
 """How often all circles must come back to the same flights: what comes back once may yet leave, by what it met last."""
 
+FAINT = 2.0**-53
+"""A push that is less than so much of an earlier one at the same time leads nowhere any more: where something bounces
+to an end, each is a share of the one before, and that goes on to the least number that there is."""
+
 MOST = 1_000_000
 """Events at one time, whatever the circles do."""
 
 
-class StandingClock:
+class StandingClock(Generic[M]):
     """Looks at a run as it goes on.
 
-    >>> clock = StandingClock()
+    Args:
+        size: a bound of the size of a number.
+
+    >>> clock = StandingClock(abs)
     >>> for events in range(1000):
-    ...     clock.look(events, 4.0, lambda: [events % 2])
+    ...     clock.look(events, 4.0, lambda: [(0.0, 0.0, events % 2, 0.0, 4.0)])
     Traceback (most recent call last):
         ...
     truebreak.exact.numbers.system.BudgetSpent: passes without end: 541 events at time 4, and the same flights again
+    >>> clock = StandingClock(abs)
+    >>> for events in range(1000):
+    ...     clock.look(events, 4.0, lambda: [(0.0, 0.0, 0.5**events, 0.0, 4.0)])
+    Traceback (most recent call last):
+        ...
+    truebreak.exact.numbers.system.BudgetSpent: passes without end: 254 events at time 4, each fainter than the last
     """
 
-    def __init__(self) -> None:
+    def __init__(self, size: Callable[[M], float]) -> None:
+        self._size = size
+        self._last: Sequence[Sequence[M]] | None = None
+        self._hardest = 0.0
+        self._faints = 0
         self._time = -inf
         self._first = 0
-        self._kept: Sequence[object] | None = None
+        self._kept: Sequence[Sequence[M]] | None = None
         self._at = 0
         self._returns = 0
         self._seen = 0
 
-    def look(self, events: int, time: float, flights: Callable[[], Sequence[object]]) -> None:
+    def look(self, events: int, time: float, flights: Callable[[], Sequence[Sequence[M]]]) -> None:
         """Notes where the run is.
 
         The flights are compared with those at the last power of two of the events at this time: whatever the period,
@@ -132,7 +149,7 @@ class StandingClock:
         Args:
             events: how many there have been; no more since the last look, as where two only grazed, tell nothing.
             time: of the last of them.
-            flights: of all circles.
+            flights: (x, y, vx, vy, t) of all circles.
 
         Raises:
             BudgetSpent: if no time passes any more.
@@ -142,16 +159,30 @@ class StandingClock:
         self._seen = events
         if time > self._time:
             self._time, self._first, self._kept, self._at = time, events, None, 1
+            self._last, self._hardest, self._faints = None, 0.0, 0
             return
         stood = events - self._first
         if stood >= MOST:
             raise BudgetSpent(f"passes without end: {stood:,} events at time {time:g}")
+        if stood >= RETURNS and self._fades(flights()):
+            raise BudgetSpent(f"passes without end: {stood:,} events at time {time:g}, each fainter than the last")
         if self._kept is not None and flights() == self._kept:
             self._returns += 1
             if self._returns == RETURNS:
                 raise BudgetSpent(f"passes without end: {stood:,} events at time {time:g}, and the same flights again")
         elif stood >= 2 * self._at:
             self._kept, self._at, self._returns = flights(), stood, 0
+
+    def _fades(self, flights: Sequence[Sequence[M]]) -> bool:
+        """Whether the last pushes were all but none."""
+        last, self._last = self._last, flights
+        if last is None:
+            return False
+        changed = [pair for pair in zip(last, flights, strict=True) if pair[0] != pair[1]]
+        push = max((self._size(new[k] - old[k]) for old, new in changed for k in (2, 3)), default=0.0)
+        self._hardest = max(self._hardest, push)
+        self._faints = self._faints + 1 if 0.0 < push < FAINT * self._hardest else 0
+        return self._faints >= RETURNS
 
 
 # -- Decisions in a finite precision that answers, or fails to answer, at once: nothing stronger stands behind it.
@@ -241,7 +272,7 @@ class PlainDecider(Generic[M]):
         self.reading = PlainReading(state, numbers)
         self.stride = None
         self._sign = numbers.sign
-        self._standing = StandingClock()
+        self._standing = StandingClock[M](lambda value: max(map(abs, numbers.bounds(value))))
         self.refresh([*state.bodies.values(), *state.pockets])
 
     def _parts(self, numbers: NumberSystem[M]) -> tuple[History[M], ArrivalQueue[M], PlainMeetings[M]]:

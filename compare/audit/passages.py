@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
-from ...exact.replay.round_falls import RoundFall, told_falling_zero
+from ...exact.replay.landings import told_falling_zero
+from ...exact.replay.round_falls import RoundFall
 from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, SideInBalls, WallInBalls, size_of
 from .transcript import Leg, legs_of
 

@@ -13,8 +13,9 @@ from ...exact.laws import formulas as law
 from ...exact.laws.formulas import pair_discriminant, pair_gap
 from ...exact.numbers import ball
 from ...exact.replay.contact import WallFall
+from ...exact.replay.landings import told_falling_zero
 from ...exact.replay.parts import NearestPart, PartsNear
-from ...exact.replay.round_falls import RoundFall, told_falling_zero
+from ...exact.replay.round_falls import RoundFall
 from ...exact.replay.wall_flights import fall_of
 from ...floating.knots import DoubleMotion, SteppedFall
 from ...scenarios.numbers.quantity import ZERO, Quantity, real

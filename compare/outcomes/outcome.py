@@ -10,7 +10,8 @@ from functools import cache, lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
-from ...exact.replay.round_falls import gap_quartic, told_falling_zero
+from ...exact.replay.landings import told_falling_zero
+from ...exact.replay.round_falls import gap_quartic
 from ...floating.pocket_entries import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history

@@ -17,7 +17,8 @@ from ...exact.laws.formulas import (
     wall_approach,
 )
 from ...exact.numbers import ball
-from ...exact.replay.round_falls import RoundFall, horner, told_falling_zero
+from ...exact.replay.landings import told_falling_zero
+from ...exact.replay.round_falls import RoundFall, horner
 from ...exact.replay.wall_flights import SeenWall
 from ...scenarios.lazy import Later
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from math import inf
+from math import frexp, inf, isfinite, ldexp
 from typing import NamedTuple, TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
@@ -19,6 +19,7 @@ from .round_falls import (
     EXACT_WEIGHTS,
     GREATEST,
     LEAST,
+    SMALLEST,
     SPLITS,
     Isolated,
     RoundFall,
@@ -36,7 +37,6 @@ from .round_falls import (
     last_zero,
     parted,
     sharpened,
-    told_falling_zero,
 )
 from .state import Flights
 
@@ -514,6 +514,44 @@ SHARPENINGS = 8
 
 MOST_ZEROS = 4
 """A quartic has no more."""
+
+
+NEARER = 16.0
+"""Up to how many times the least time at which its first coefficient may be outweighed a zero is looked for nearby."""
+
+CLOSE = 2**60
+"""To what share of itself a zero is told of exact ends."""
+
+
+def told_falling_zero(c: Sequence[float]) -> float | None:
+    """A double beside the first falling zero of the polynomial with these very coefficients; None where none falls.
+
+    However near to 0 that is: right after a bounce, which may be the last of many, there is no bound to it.
+
+    >>> told_falling_zero([2.0, 0.0, -1.0]), told_falling_zero([1.0, 0.0, -2.0, 0.0, 1.0])
+    (1.414213562373095, None)
+    >>> told_falling_zero([1e-100, -10.0, 0.0, 1.0])
+    1e-101
+    """
+    if not all(map(isfinite, c)) or not c[0] > 0.0:
+        return None
+    found, unit = falling_zero(c, [0.0] * len(c)), 0
+    if isinstance(found, Unclear):
+        (_, first), *rest = map(frexp, c)
+        unit = min(((first - power) // k for k, (share, power) in enumerate(rest, 1) if share), default=0)
+        scaled = [ldexp(x, unit * k - first) for k, x in enumerate(c)]  # in units of time that make all 1 at most
+        found = falling_zero(scaled, [SMALLEST if x else 0.0 for x in c], NEARER) or found
+    if found is None:
+        return None
+    if isinstance(found, Isolated):
+        return ldexp(0.5 * (float(found.low) + float(found.high)), unit)  # pyright: ignore[reportArgumentType]
+    exact = falling_zero_exactly([fmpq(*value.as_integer_ratio()) for value in c])
+    if isinstance(exact, bool):
+        return None
+    low, high = exact.low, exact.high
+    while (high - low) * CLOSE > high:
+        low, high = halved(exact.factor, low, high)
+    return int(high.p) / int(high.q)
 
 
 def told_wait(state: Flights[M], link: Round) -> M | None:

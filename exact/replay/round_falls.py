@@ -459,38 +459,10 @@ def falling_zero_exactly(c: Sequence[fmpq]) -> ExactZero | bool:
     if found is None:
         return touched is not None
     low, high = found
-    grazes = False
-    while touched is not None:
-        if touched[1] < low:
-            grazes = True
-            break
-        if touched[0] > high:
-            break
+    while touched is not None and touched[0] <= high and low <= touched[1]:
         (low, high), touched = halved(odd, low, high), halved(even, *touched)
+    grazes = touched is not None and touched[1] < low
     return ExactZero(odd, low, high, grazes)
-
-
-def told_falling_zero(c: Sequence[float]) -> float | None:
-    """A double beside the first falling zero of the polynomial with these very coefficients; None where none falls.
-
-    >>> told_falling_zero([2.0, 0.0, -1.0]), told_falling_zero([1.0, 0.0, -2.0, 0.0, 1.0])
-    (1.414213562373095, None)
-    """
-    if not all(map(isfinite, c)) or not c[0] > 0.0:
-        return None
-    found = falling_zero(c, [0.0] * len(c))
-    if found is None:
-        return None
-    if isinstance(found, Isolated):
-        return 0.5 * (float(found.low) + float(found.high))  # pyright: ignore[reportArgumentType]
-    exact = falling_zero_exactly([fmpq(*value.as_integer_ratio()) for value in c])
-    if isinstance(exact, bool):
-        return None
-    low, high = exact.low, exact.high
-    for _ in range(60):
-        low, high = halved(exact.factor, low, high)
-    middle = (low + high) / 2
-    return int(middle.p) / int(middle.q)
 
 
 def first_zero_exactly(poly: fmpq_poly) -> tuple[fmpq, fmpq] | None:

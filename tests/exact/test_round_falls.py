@@ -27,6 +27,7 @@ from quartic_referee import Poly, first_fall, value
 
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay import round_falls
+from truebreak.exact.replay.landings import told_falling_zero
 from truebreak.exact.replay.round_falls import (
     ExactZero,
     Isolated,
@@ -37,7 +38,6 @@ from truebreak.exact.replay.round_falls import (
     falling_zero_in_balls,
     gap_quartic,
     sharpened,
-    told_falling_zero,
 )
 
 
@@ -77,6 +77,15 @@ def without_bounds(c: Poly) -> Any:
     """Doubles at their word."""
     found = told_falling_zero([float(x) for x in c])
     return None if found is None else Isolated(found * (1 - 2.0**-45), found * (1 + 2.0**-45))
+
+
+@pytest.mark.parametrize("bits", [3, 40, 70, 120, 220, 400, 1000])
+def test_a_zero_next_to_0_is_told_to_as_many_digits_as_others(bits: int) -> None:
+    """As after a bounce of such a speed: v - 5 s - 10 v s^2 + 25 s^3; it was off by as much as a far one is."""
+    speed = 2.0**-bits
+    assert told_falling_zero([speed, -5.0, -10 * speed, 25.0]) == pytest.approx(
+        speed / 5, rel=0.05 if bits == 3 else 1e-9
+    )
 
 
 @pytest.mark.parametrize("fault", [by_samples, grazes_taken_for_hits, without_bounds])

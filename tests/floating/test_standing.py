@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.engines import engine
 from truebreak.floating import plain as standing
-from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
+from truebreak.scenarios import Circle, Scene, Segment, StopReason, Wall, catalogue
 
 SQUEEZED = Scene(
     [Circle(0, 0, vx=1), Circle(2, 0, vx=-1, m=2)],
@@ -81,3 +83,20 @@ def test_an_instant_in_which_nothing_pushes_is_no_event() -> None:
     assert told.trajectory.stop.reason is StopReason.BUDGET
     assert "contradict" in told.trajectory.stop.message
     assert told.verdict != "agree" and not told.trajectory.events
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad", "rounded:bits=30"])
+@pytest.mark.parametrize("share", ["1/2", "9/10"])
+def test_bounces_straight_onto_an_end_come_to_one(name: str, share: str) -> None:
+    """Each takes `share` of the time of the one before, and has that of its speed, however little that is; ever
+    fainter, they end soon after the clock stands still: of double-double numbers it went on for a million events."""
+    balls, shelves = [Circle(5, 6, id="ball")], [Segment(-5, 0, 5, 0)]
+    scene = Scene(balls, segments=shelves, gravity=(0, -10), restitution=share)
+    run = engine(name).run(scene, until=20, events=1500)
+    assert run.stop.reason is StopReason.BUDGET
+    assert "passes without end" in run.stop.message
+    assert len(run.events) < 1000
+    fine = run.events[:100] if name == "quad" else run.events[:15]
+    speeds = [float(run.motion.state(event.time)[0][3]) for event in fine]
+    wanted = [10 * float(Fraction(share)) ** (k + 1) for k in range(len(fine))]
+    assert speeds == pytest.approx(wanted, rel=1e-9 if name == "quad" else 1e-2, abs=0)
