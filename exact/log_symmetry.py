@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from math import inf
@@ -67,22 +68,23 @@ class Past:
         self.rows: list[list[Block]] = [[] for _ in self.movable]
         self._steps = steps
         self._done = 0
-        self._starts: list[tuple[int, int]] = [(0, 0)]
+        self._starts, self._instants = array("q", [0]), array("q", [0])
         self._place = 0
         self._count = 0
 
     def begin(self, instant: int) -> None:
         """Told, before the steps of an instant, its number."""
-        self._starts.append((len(self._steps), instant))
+        self._starts.append(len(self._steps))
+        self._instants.append(instant)
 
     def catch_up(self) -> list[Block]:
         """Adds the steps that the log has gained; the blocks that they make."""
         blocks: list[Block] = []
         starts = self._starts
         while self._done < len(self._steps):
-            while self._place + 1 < len(starts) and starts[self._place + 1][0] <= self._done:
+            while self._place + 1 < len(starts) and starts[self._place + 1] <= self._done:
                 self._place += 1
-            blocks += self._blocks(self._steps[self._done], starts[self._place][1])
+            blocks += self._blocks(self._steps[self._done], self._instants[self._place])
             self._done += 1
         return blocks
 

@@ -48,7 +48,7 @@ class RefinableState:
         self.n = len(scene.circles)
         self.bits = bits
         self.steps: list[Step] = []
-        self._in_field: list[bool] = []
+        self._in_field = bytearray()
         self._left: dict[int, list[tuple[int, Flight[FieldNumber]]]] = {}
         self._stale = set(range(self.n))
         self.numbers = Field()
@@ -60,7 +60,7 @@ class RefinableState:
         self.length = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
-        self._tried: set[int] = set()
+        self._tried = bytearray()
         self._touched: dict[int, dict[int, tuple[int, frozenset[Link]]]] = {}
         for body in self.bodies.values():
             body.acc = bits
@@ -169,7 +169,8 @@ class RefinableState:
             link: the contact.
             steps: to it, and its impulse.
         """
-        self._tried.add(len(self.steps))
+        self._tried += bytes(len(self.steps) + 1 - len(self._tried))
+        self._tried[len(self.steps)] = True
         pegs = self.scene.pegs
         if self.balls.stands and is_pair(link) and self.balls.on_peg(link) and pegs.isdisjoint(link):
             return False
@@ -180,7 +181,7 @@ class RefinableState:
             return False
         self.lowest = min(self.lowest, accuracy)
         self.steps += steps
-        self._in_field += (False, False)
+        self._in_field += bytes(2)
         if self.held is not None:
             self._hold(link.circles)
         return True
@@ -313,7 +314,7 @@ class RefinableState:
 
     def _alone(self, k: int) -> Touch | None:
         """The contact of steps k and k + 1, where they were tried in one go, and carried out in balls; else None."""
-        if k not in self._tried or self._in_field[k] or k + 1 in self._left:
+        if k >= len(self._tried) or not self._tried[k] or self._in_field[k] or k + 1 in self._left:
             return None
         step = self.steps[k]
         assert isinstance(step, Go)
