@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from random import Random
 
 import law_forms
 import law_proofs
 import numpy as np
 import pytest
+from flint import arb, arb_mat
 from law_proofs import functions
 
 from truebreak.compare.tangent import growth
 from truebreak.compare.tangent import impacts as impacts_of
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
 from truebreak.compare.tangent.hazard import Course
-from truebreak.compare.tangent.impacts import Graze, NoTangentMap, first_graze, impacts, moving
+from truebreak.compare.tangent.impacts import LEAST_BITS, Graze, NoTangentMap, first_graze, impacts, moving
 from truebreak.exact import ExactEngine
-from truebreak.exact.exact_motion import ExactMotion
+from truebreak.exact.exact_motion import ExactMotion, motion_of
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
+from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import Pair
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Arc, Circle, Pocket, Polygon, Quantity, Scene, Segment, Trajectory, Wall, catalogue
@@ -541,3 +544,27 @@ def test_a_graze_under_gravity_has_no_tangent_map(r, events, thing):
     else:
         with pytest.raises(NoTangentMap, match="ball and thing graze: nearby they hit or miss"):
             [*impacts(run, 3)]
+
+
+def test_a_long_run_carried_in_sets_has_its_growth_with_the_bits_that_it_lost() -> None:
+    """Displacements as balls lose less than the run's own numbers do: no second attempt is needed."""
+    run = ExactEngine().run(catalogue.build("stadium"), events=6000)
+    log = motion_of(run).log  # pyright: ignore[reportOptionalMemberAccess]
+    assert log.centred
+    told = certified_growth(run, 6000)
+    assert told.bits == log.lost + LEAST_BITS
+    assert told.high - told.low < 1e-9
+    assert log.lost > told.high > 0.9 * log.lost
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rows_of_balls_are_carried_by_the_matrix_of_the_same_map(seed: int) -> None:
+    draw = Random(seed)
+    with ball.precision(200):
+        dx, dy, vx, vy, wa, wb = (arb(draw.randint(1, 50)) / 7 for _ in range(6))
+        reach = (dx * dx + dy * dy).sqrt()
+        rows = [arb_mat([[arb(draw.randint(-50, 50)) / 3 for _ in range(2)]]) for _ in range(4)]
+        told = growth._by_blocks(dx, dy, vx, vy, reach, wa, wb, *rows)
+        for column in range(2):
+            wanted = pair_tangent(dx, dy, vx, vy, reach, wa, wb, *(row[0, column] for row in rows))
+            assert all(abs(a[0, column] - b) < arb(2) ** -150 for a, b in zip(told, wanted, strict=True))
