@@ -116,7 +116,7 @@ class Displacements:
 
     def _collide(self, hit: Impact) -> None:
         a, b = self._of(self._row.get(hit.a)), self._of(self._row.get(hit.b))
-        between = [second - first for first, second in zip(a, b, strict=True)]
+        between: list[Any] = [second - first for first, second in zip(a, b, strict=True)]
         tangent = _by_blocks if isinstance(between[0], arb_mat) else pair_tangent
         gain = tangent(hit.dx, hit.dy, hit.vx, hit.vy, hit.reach, hit.wa, hit.wb, *between)
         if self._pull is not None and (hit.a in self._row) != (hit.b in self._row):  # one of them falls, one stands
