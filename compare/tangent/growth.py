@@ -116,8 +116,8 @@ class Displacements:
 
     def _collide(self, hit: Impact) -> None:
         a, b = self._of(self._row.get(hit.a)), self._of(self._row.get(hit.b))
-        between: list[Any] = [second - first for first, second in zip(a, b, strict=True)]
-        tangent = _by_blocks if isinstance(between[0], arb_mat) else pair_tangent
+        between = [second - first for first, second in zip(a, b, strict=True)]
+        tangent = _by_blocks if isinstance(self._rows, list) else pair_tangent
         gain = tangent(hit.dx, hit.dy, hit.vx, hit.vy, hit.reach, hit.wa, hit.wb, *between)
         if self._pull is not None and (hit.a in self._row) != (hit.b in self._row):  # one of them falls, one stands
             gx, gy = self._pull if hit.b in self._row else (-self._pull[0], -self._pull[1])
