@@ -434,7 +434,9 @@ def explained(
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene
-    new = "" if scene.restitution.sign() or engine.step is None else "whose restitution is 0, of engines of steps"
+    new = ""
+    if engine.step is not None and scene.gravity is not None and not scene.restitution.sign():
+        new = "with gravity whose restitution is 0, of engines of steps"
     motion = candidate.trajectory.motion
     if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
         new = "with gravity, for engines that add g dt before they move a circle"

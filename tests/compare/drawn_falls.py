@@ -1,4 +1,4 @@
-"""Scenes drawn from a seed, most under gravity: in boxes, among pegs and edges, with what rests, and with pockets."""
+"""Scenes drawn from a seed, most under gravity: in boxes, among pegs and edges, with rests and pockets."""
 
 from __future__ import annotations
 
@@ -140,3 +140,22 @@ def settled(seed: int) -> Scene:
     walls = [Wall(0, 0, 1, 0, id="floor"), Wall(-4, 0, -4, 1, id="left"), Wall(11, 0, 11, 1, id="right")]
     e, pull = draw.choice((0, 0, "1/2", 1)), draw.choice(((0, -10), (0, "-1"), (0, "-sqrt(3)")))
     return Scene(lying + high, walls, gravity=pull, restitution=e, settle=True, until=40, name=f"settled {seed}")
+
+
+def sticking(seed: int) -> Scene:
+    """Three discs at restitution 0 without gravity, and a peg, a thick bar, or nothing else; a wall may move."""
+    draw = Random(f"sticking {seed}")
+    discs = [
+        Circle(
+            f"{2 * k + 1} + {draw.randint(0, 60)}/100", f"{1 + 2 * k} + {draw.randint(0, 90)}/100", "1/2",
+            f"{draw.randint(-200, 200)}/100", f"{draw.randint(-200, 200)}/100",
+        )
+        for k in range(3)
+    ]  # fmt: skip
+    beside = draw.choice(("", "peg", "bar"))
+    pegs = [Circle(f"6 + {draw.randint(0, 90)}/100", 2, "1/4", m="oo", id="peg")] if beside == "peg" else []
+    bar = Segment("1/2", f"5 + {draw.randint(0, 90)}/100", 3, f"6 + {draw.randint(0, 90)}/100", id="bar", r="1/8")
+    right = Wall(9, 0, 9, 1, id="right", vx="-1/8" if draw.random() < 0.3 else 0)
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(0, 8, 1, 8, id="top"), Wall(0, 0, 0, 1, id="left"), right]
+    bars = [bar] if beside == "bar" else []
+    return Scene([*discs, *pegs], walls, segments=bars, restitution=0, name=f"sticking {seed}")

@@ -1,6 +1,6 @@
 """Tries to refute the causes that a comparison names, by other runs; it shares no code with what names them.
 
-    python tests/compare/refuting.py placements racks catalogue survey falls rests pocketings [--json FILE]
+    python tests/compare/refuting.py placements racks catalogue survey falls rests pocketings stickings [--json FILE]
 
 A cause is a claim about other runs. "Input rounding suffices" says that the exact engine on the rounded scene lacks,
 or gains, the same contact; "time step" says that a finer step passes the event; "law" that the steps do not keep the
@@ -22,7 +22,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from drawn_falls import edged, fallen, pegged, pocketed, settled
+from drawn_falls import edged, fallen, pegged, pocketed, settled, sticking
 from other_runs import (
     PASSES,
     PAST,
@@ -135,7 +135,7 @@ def share_of(entry: Any) -> Share:
 def said_of(candidate: Candidate) -> Said:
     """The one place that knows the form of a diagnosis: of shares that add up, or of experiments that suffice."""
     found: Any = candidate.diagnosis
-    alone = "nothing else" in str(getattr(found, "finding", "")).lower()
+    alone = "without it nothing else" in str(getattr(found, "finding", "")).lower()
     if hasattr(found, "shares"):
         shares = [share_of(s) for s in found.shares]
         causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
@@ -571,6 +571,13 @@ def pocketings() -> Iterator[Job]:
             yield Job(f"bumper:rows=3,offset={offset}", catalogue.build(f"bumper:rows=3,offset={offset}"), name, 60)
 
 
+def stickings() -> Iterator[Job]:
+    """Scenes at restitution 0 without gravity, where what has met stays closed, in engines of steps and of events."""
+    for seed in range(60):
+        for name in ("pymunk:dt=1/64", f"pymunk:dt=1/64,collision_bias={0.9**60!r}", "double", "rounded:bits=12"):
+            yield Job(f"sticking {seed}", sticking(seed), name, 20)
+
+
 def every_scene() -> Iterator[Job]:
     """Every scene of the catalogue in every engine that is built in."""
     listed = {spec.partition(":")[0] for spec in CATALOGUE}
@@ -610,6 +617,7 @@ CAMPAIGNS: dict[str, Callable[[], Iterator[Job]]] = {
     "falls": falls,
     "rests": rests,
     "pocketings": pocketings,
+    "stickings": stickings,
 }
 
 
