@@ -116,9 +116,8 @@ class Audit:
     @property
     def steps(self) -> str:
         """How much was audited, in words."""
-        return (
-            f"{self.impacts:,} impact{'s' * (self.impacts != 1)} and {self.flights:,} flight{'s' * (self.flights != 1)}"
-        )
+        counts = ((self.impacts, "impact"), (self.flights, "flight"))
+        return " and ".join(f"{many:,} {what}{'s' * (many != 1)}" for many, what in counts)
 
     @property
     def finding(self) -> str:
@@ -398,7 +397,7 @@ def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[
             declared["compliance"] += 1
         else:
             kept.append(s)
-    ways = [d for d in measures.drifts if math.hypot(d.x, d.y) > length]
+    ways = [d for d in measures.drifts if d.size > length]
     through = [p for p in measures.passages if p.residual.size > length]
     key = "margin" if allows.get("margin", 0.0) >= allows.get("slop", 0.0) else "slop"
     declared[key] += len(measures.drifts) - len(ways) + len(measures.passages) - len(through)
@@ -409,21 +408,14 @@ def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[
 def _step_violations(measures: Measures, ids: tuple[str, ...], kinds: set[str], step: float) -> list[Violation]:
     """Every step of an engine of steps that misses a law by what is not of the step, in order of time."""
     found: list[Violation] = []
-    if "impulse" in kinds:
-        found += [
-            Violation("impulse", s.event, s.time, tuple(ids[k] for k in s.pair), s.defect * s.speed, s.room * s.speed)
-            for s in measures.samples
-            if s.defect > NEAR * s.room
-        ]
-    if "lateness" in kinds:
-        found += [
-            Violation("gap", s.event, s.time, tuple(ids[k] for k in s.pair), abs(s.sunk), s.loose)
-            for s in measures.samples
-            if abs(s.sunk) > s.loose
-        ]
+    for s in measures.samples:
+        pair = tuple(ids[k] for k in s.pair)
+        if "impulse" in kinds and s.defect > NEAR * s.room:
+            found.append(Violation("impulse", s.event, s.time, pair, s.defect * s.speed, s.room * s.speed))
+        if "lateness" in kinds and abs(s.sunk) > s.loose:
+            found.append(Violation("gap", s.event, s.time, pair, abs(s.sunk), s.loose))
     if "correction" in kinds:
-        for d in measures.drifts:
-            found.append(Violation("flight", d.event, d.time, (ids[d.circle],), math.hypot(d.x, d.y), d.room))
+        found += [Violation("flight", d.event, d.time, (ids[d.circle],), d.size, d.room) for d in measures.drifts]
     for kind, name in (("several", ("energy", "impulse")), ("bystander", ("bystander",))):
         if kind in kinds:
             found += [
@@ -461,7 +453,6 @@ FEW_IMPACTS = 4
 LATE = 2.0
 """An engine that finds an overlap at the end of a step and pushes in the next is late by two steps; one that tells
 contacts at the end of the step before is early by one."""
-
 
 LASTING_UNITS = 64
 """Units in the last place of the greatest speeds of two that a contact that lasts may leave, at restitution 0."""
@@ -566,7 +557,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
                 late = transcript.fall.place_late
                 ends = ((instant.before[k].time, instant.time) for k in instant.after if laws.moving[k])
                 found.behind = max([found.behind, *(late(end - begin) for begin, end in ends)])
-            found.drifts += [d for d in drifts(laws, instant, events) if math.hypot(d.x, d.y) > NEAR * d.room]
+            found.drifts += [d for d in drifts(laws, instant, events) if d.size > NEAR * d.room]
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
@@ -602,7 +593,7 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
 
 def _corrected(measures: Measures) -> float:
     """By how much places are moved without a flight: the median; under gravity, where most are of rest, the most."""
-    moved = [math.hypot(d.x, d.y) for d in measures.drifts]
+    moved = [d.size for d in measures.drifts]
     return max(moved, default=0.0) if measures.behind else _middle_of(moved)
 
 

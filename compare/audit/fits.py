@@ -126,6 +126,11 @@ class Drift(NamedTuple):
     speed: float
     room: float
 
+    @property
+    def size(self) -> float:
+        """How far off it is."""
+        return math.hypot(self.x, self.y)
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -431,7 +436,7 @@ def descriptions(laws: Laws, samples: Sequence[Sample], flights: Sequence[Drift]
         [s for s in samples if off(s.aside, s) and not math.isnan(s.sliding)],
         [s for s in samples if not math.isnan(s.masses) and (off(abs(s.masses - 1), s) or off(s.lost, s))],
         [s for s in samples if abs(s.gap) > s.loose],
-        [d for d in flights if math.hypot(d.x, d.y) > d.room],
+        [d for d in flights if d.size > d.room],
     )
     if missed.flights:
         return [fit for fit, shift, turn in _flights(missed) if _follows(laws, missed, shift, turn)]
@@ -608,7 +613,7 @@ def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
             if all(abs((d.y, d.x)[axis]) <= d.room for d in flown):
                 yield fit, abs(fit.value) * longest**2, abs(fit.value) * longest
     for fit in tried(
-        [math.hypot(d.x, d.y) for d in bad], [d.room for d in bad],
+        [d.size for d in bad], [d.room for d in bad],
         lambda value: f"places moved by {value:.3g}, without a flight", "correction",
     ):  # fmt: skip
         yield fit, fit.value, 0.0

@@ -34,6 +34,7 @@ from .free_flights import short_quantity
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
+    from ..alignment.align import Alignment
     from .budget import Account, Contribution
     from .free_flights import OwnFlight
     from .laboratory import Laboratory
@@ -101,14 +102,20 @@ def phantom(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return []  # in its own flights the two do meet, or pass
     if not (faint := _faint(lab)):
         return []
-    event, place = min(faint, key=lambda at: abs(at[0] - (parted.candidate_event or 0)))
-    approach, speed = faint[event, place]
-    found = align(lab.reference, _without(run, faint), span=lab.study.span, bits=lab.engine.bits).divergence
-    if found is not None and found.expected_event <= parted.expected_event:
+
+    def without(among: Collection[tuple[int, int]]) -> Alignment:
+        return align(lab.reference, _without(run, among), span=lab.study.span, bits=lab.engine.bits)
+
+    event, place = named = min(faint, key=lambda at: abs(at[0] - (parted.candidate_event or 0)))
+    more, found = 0, without({named})
+    if found.verdict != "agree" and len(faint) > 1:  # what is said is what was tried
+        more, found = len(faint) - 1, without(faint)
+    later = found.divergence
+    if found.verdict != "agree" and (later.expected_event if later else found.agreed - 1) <= parted.expected_event:
         return []
-    pair, again = run.events[event].impulses[place], len(faint) - 1 if lab.engine.step is not None else 0
-    others = f" and {again:,} more below rounding" if again else ""
-    rest = f"without it{others} nothing else differs" if found is None else "what differs later has other reasons"
+    pair, (approach, speed) = run.events[event].impulses[place], faint[named]
+    others = f"without it{f' and {more:,} more below rounding' if more else ''}"
+    rest = f"{others} nothing else differs" if found.verdict == "agree" else f"{others} the two agree for longer"
     meet = f"approach by {approach:.3g}" if approach else "do not approach"
     told = f"{pair.first} and {pair.second} {meet} there; rounding of speeds of {speed:.3g} comes to more"
     finer = any(row.suffices and row.cause is CauseName["STEP"] for row in rows)  # that comes before it
@@ -349,9 +356,8 @@ class OwnState:
         flights: dict[str, OwnFlight] = {}
         known: dict[str, int] = {}
         for name in names:
-            pairs = [
-                pair for pair in walks[name].pairs if pair[1] != parted.candidate_event
-            ]  # some of it may be matched
+            # some of that event may be matched
+            pairs = [pair for pair in walks[name].pairs if pair[1] != parted.candidate_event]
             before = [pair for pair in pairs if pair[0] < parted.expected_event]
             flight = lab.own.flight(name, max((m for m, _ in before), default=None), turned=False)
             if flight is None:
@@ -484,10 +490,8 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return _by_runs_alone(lab, account)
     if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
-        own = Experiment(
-            CauseName["ARITHMETIC"], f"its share is not determined: {account}{chose}", None, lab.chosen_before or None
-        )
-        return [*_input_by_run(lab), own]
+        told = f"its share is not determined: {account}{chose}"
+        return [*_input_by_run(lab), Experiment(CauseName["ARITHMETIC"], told, None, lab.chosen_before or None)]
     if any(row.suffices and row.cause is CauseName["ITERATIONS"] for row in rows):
         named = {CauseName["SOLVER"]: CauseName["ITERATIONS"]}
         parts = tuple(replace(part, cause=named.get(part.cause, part.cause)) for part in account.contributions)
@@ -509,8 +513,7 @@ def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
         given = Experiment(given.cause, told, None, False)
     if given.suffices is False and laws is not None and laws.kept:
         told = f"each step of {lab.name} keeps the law, and input rounding by itself changes nothing"
-        told = f"{told}, so its own rounding does"
-        told = f"{told}; no displacement is known: {why}"
+        told = f"{told}, so its own rounding does; no displacement is known: {why}"
         return [given, Experiment(cause, told, None, True)]
     return [given, Experiment(cause, f"its share is not determined: {why}")]
 
@@ -576,14 +579,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             rest = [] if abs(part.size) > abs(total) / 2 else [other for other in parts if other is not part]
             flips = None if any(_alone(lab, other, account.along) is None for other in rest) else True
         if part is account.own:
-            found.append(
-                Experiment(
-                    part.cause,
-                    f"both together: {told}" if lab.engine.step is None else f"all together: {told}",
-                    None,
-                    flips,
-                )
-            )
+            whole = "both" if lab.engine.step is None else "all"
+            found.append(Experiment(part.cause, f"{whole} together: {told}", None, flips))
             continue
         if part.cause is CauseName["OWN"]:
             laws = lab.candidate.laws
@@ -594,10 +591,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             told += f"; its kinds cannot be distinguished: {account.lumped}"
         found.append(Experiment(part.cause, told, part.size, flips, part.size / total if total else None))
     if not lab.input_rounded and lab.engine.rounds_input:
-        found.insert(
-            0,
-            Experiment(CauseName["INPUT"], f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False),
-        )
+        told = f"the scene is exact in {lab.numbers}, so no input was rounded"
+        found.insert(0, Experiment(CauseName["INPUT"], told, 0.0, False))
     if itself is not None:
         told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}; its answer differs"
         cause = CauseName["DECISION"]

@@ -116,7 +116,7 @@ def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
 
     Where velocities after one exact instant are in question, they must have come nearer by what a series demands.
     """
-    alignment = align(lab.reference, run, span=lab.span, step=step, bits=lab.engine.bits)
+    alignment = align(lab.reference, run, span=lab.passing, step=step, bits=lab.engine.bits)
     if lab.divergence.kind is Kind.TIE:
         own = _difference(lab, lab.candidate.trajectory, lab.candidate.alignment)
         nearer = _difference(lab, run, alignment)

@@ -375,9 +375,18 @@ class Laboratory:
         """Up to the divergence."""
         return Span(min(self.divergence.expected_event + 1, len(self.reference.events)), self.divergence.time)
 
+    @property
+    def passing(self) -> Span:
+        """Up to where another step has to agree: a contact too many may come later then, up to the reference's next."""
+        span, events, event = self.span, self.reference.events, self.divergence.expected_event
+        if self.divergence.kind is not Kind.EXTRA:
+            return span
+        next_time = float(events[event].time if event < len(events) else self.reference.final_time)
+        return Span(span.events, max(span.time, next_time))
+
     def until(self, step: float | None) -> float:
         """How far an experiment has to run: past both meetings, by what an error may delay them."""
-        times = (self.divergence.time, self.divergence.expected_time or 0.0)
+        times = (self.passing.time, self.divergence.expected_time or 0.0)
         return max(times) * 1.125 + SERIES_MORE * (step or 0.0) + self.study.patience(None).slack / 8
 
     def changes(self, value: arb | None) -> bool:

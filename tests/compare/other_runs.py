@@ -337,6 +337,25 @@ def approach(run: Trajectory, event: int, one: str, other: str) -> tuple[float, 
     return gap / reach, speed / max(math.hypot(*row[2:]) for row in rows.values())
 
 
+def pushed(run: Trajectory, event: int) -> float:
+    """By how much an event of a run changes a velocity; 0 under gravity, where it changes between events too."""
+    if run.scene.gravity is not None:
+        return 0.0
+    before = rows_of(run.after(event - 1) if event else run.at(0))
+    after, names = rows_of(run.after(event)), {name for pair in run.events[event].impulses for name in pair}
+    return max((math.dist(before[name][2:], after[name][2:]) for name in names & after.keys()), default=0.0)
+
+
+def met(run: Trajectory) -> dict[str, list[tuple[int, str]]]:
+    """Whom each circle that can move meets at which event, in order; the contacts of one instant by name."""
+    found: dict[str, list[tuple[int, str]]] = {str(c.id): [] for c in run.scene.circles if not c.fixed}
+    for event in run.events:
+        for name in found:
+            partners = sorted(b if a == name else a for a, b in event.impulses if name in (a, b))
+            found[name] += [(event.index, partner) for partner in partners]
+    return found
+
+
 def least_gap(run: Trajectory, one: str, other: str, time: float) -> float:
     """The least gap of two around a time, over the flights of the run that hold it and those beside them.
 

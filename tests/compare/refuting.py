@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -33,7 +34,10 @@ from other_runs import (
     Runs,
     decimal,
     decisions,
+    met,
+    pushed,
     rounded_scene,
+    rows_of,
 )
 
 from truebreak.compare import compare
@@ -45,6 +49,7 @@ from truebreak.scenarios import (
     Circle,
     Scene,
     SceneError,
+    StopReason,
     Trajectory,
     catalogue,
 )
@@ -106,7 +111,7 @@ class Said:
         displacement: what the account is of; None where there is none.
         closed: whether it is said to add up; None where nothing is said.
         refused: kinds that were tried and said not to be enough by themselves.
-        alone: whether it is said that but for a phantom contact nothing has changed.
+        without: how many contacts it is said that nothing has changed but for, phantoms all; 0 where it is not.
     """
 
     causes: tuple[str, ...]
@@ -115,7 +120,7 @@ class Said:
     displacement: float | None = None
     closed: bool | None = None
     refused: frozenset[str] = frozenset()
-    alone: bool = False
+    without: int = 0
 
 
 def kinds_of(name: Any) -> tuple[str, ...]:
@@ -132,10 +137,15 @@ def share_of(entry: Any) -> Share:
     return Share(kinds_of(entry.cause)[0], entry.displacement, entry.share)
 
 
+WITHOUT = re.compile(r"without it(?: and ([\d,]+) more below rounding)? nothing else differs")
+"""How a report says so."""
+
+
 def said_of(candidate: Candidate) -> Said:
     """The one place that knows the form of a diagnosis: of shares that add up, or of experiments that suffice."""
     found: Any = candidate.diagnosis
-    alone = "without it nothing else" in str(getattr(found, "finding", "")).lower()
+    without = WITHOUT.search(str(getattr(found, "finding", "")))
+    phantoms = 1 + int((without[1] or "0").replace(",", "")) if without else 0
     if hasattr(found, "shares"):
         shares = [share_of(s) for s in found.shares]
         causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
@@ -143,7 +153,7 @@ def said_of(candidate: Candidate) -> Said:
         enough = frozenset(kind for name in named for kind in kinds_of(name) if kind != UNKNOWN)
         tried = getattr(found, "experiments", ())
         no = frozenset(kind for e in tried if e.suffices is False for kind in kinds_of(e.cause))
-        return Said(causes, enough, tuple(shares), found.displacement, found.closed, no, alone)
+        return Said(causes, enough, tuple(shares), found.displacement, found.closed, no, phantoms)
     name = str(getattr(found.name, "value", found.name))
     causes = tuple(kind for kind in kinds_of(found.name) if kind != UNKNOWN)
     listed = {UNKNOWN: (), name: causes}
@@ -308,32 +318,39 @@ def _contacts(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
 
 
 def _alone(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
-    """But for the one contact too many, every circle meets whom it meets in the reference, as far as both runs go."""
+    """But for so many contacts, the one in question among them, every circle meets whom it meets in the reference.
+
+    That is as far as both runs go. What they leave of velocities is seen where nothing else is in their instants.
+    """
     at, run = runs.at, runs.candidate.trajectory
-    if not said.alone or at.candidate_event is None or at.got is None:
+    if not said.without or at.candidate_event is None or at.got is None:
         return
     reference = ExactEngine().run(runs.scene, events=max(len(run.events), at.event + PAST))
+    over = reference.stop.reason is StopReason.QUIET
     mine, theirs = (met(t) for t in (reference, run))
-    for name in {at.body, at.got} & theirs.keys():
-        other = at.got if name == at.body else at.body
-        place = sum(name in pair for e in run.events[: at.candidate_event] for pair in e.impulses)
-        place = next(k for k in range(place, len(theirs[name])) if theirs[name][k] == other)
-        del theirs[name][place]
-    for name, partners in theirs.items():
-        wanted = mine.get(name, [])
-        for one, two in zip(wanted, partners, strict=False):
-            if one != two:
-                yield Refutation(PHANTOM, "something else", f"{name} meets {two} as well where it should meet {one}")
-                return
+    named, more = (at.candidate_event, frozenset({at.body, at.got})), Counter[tuple[int, frozenset[str]]]()
+    for name, meetings in theirs.items():
+        due, left = [partner for _, partner in mine.get(name, [])], Counter({named: 1})
+        for event, partner in meetings:
+            if due[:1] == [partner] and left[event, frozenset({name, partner})] <= 0:
+                due.pop(0)
+            elif due or over:
+                left[event, frozenset({name, partner})] -= 1
+        more |= Counter({key: -many for key, many in left.items()})  # of a pair both have it
+    if more.total() > said.without - 1:
+        told = f"{' meets '.join(sorted(min(more)[1]))} as well"
+        yield Refutation(PHANTOM, "something else", f"{told}: {more.total()} contacts too many beside the one")
+    states = [run.at(0), *(run.after(e.index) for e in run.events)]
+    fastest = max(math.hypot(*row[2:]) for state in states for row in rows_of(state).values())
+    for event in sorted({named[0], *(event for event, _ in more)}):
+        pushes = Counter(frozenset(pair) for pair in run.events[event].impulses)
+        extra = Counter({pair: many for (index, pair), many in (more + Counter([named])).items() if index == event})
+        if pushes <= extra and pushed(run, event) > FAINT * 2.0 ** -(runs.engine.bits or 53) * fastest:
+            yield Refutation(PHANTOM, "real contact", f"event {event} of the engine changes a velocity")
 
 
-def met(run: Trajectory) -> dict[str, list[str]]:
-    """Whom each circle that can move meets, in order; the contacts of one instant by name."""
-    found: dict[str, list[str]] = {str(c.id): [] for c in run.scene.circles if not c.fixed}
-    for event in run.events:
-        for name in found:
-            found[name] += sorted(b if a == name else a for a, b in event.impulses if name in (a, b))
-    return found
+FAINT = 2**10
+"""Units in the last place of the greatest speed that contacts below rounding may change a velocity by."""
 
 
 def entered_in_one(runs: Runs) -> set[tuple[str, str]]:
@@ -404,9 +421,8 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             left_out = left_out or any(  # how deep it would come in is not looked at
                 name in things and f"gap to {name}" not in both for name in (at.expected, at.got)
             )
-            told = [
-                key for key in both if not key.startswith("speed")
-            ]  # a wall decides only where one run flies from it
+            # a wall decides only where one run flies from it
+            told = [key for key in both if not key.startswith("speed")]
             if told and not close and not left_out:  # else the decision may be about what has moved
                 yield Refutation(
                     "account", "displacement", f"{said.displacement!r} is said; from the states it is {both}"
@@ -678,9 +694,8 @@ def main(arguments: list[str]) -> int:
             against[refutation.claim, refutation.rule] += 1
             print(f"{one.label} {one.engine} event {one.event}: {refutation.claim}: {refutation.because}", flush=True)
     print("named:", ", ".join(f"{kind} {count}" for kind, count in said.most_common()))
-    print(
-        "refuted:", ", ".join(f"{claim} ({rule}) {count}" for (claim, rule), count in against.most_common()) or "none"
-    )
+    refuted = ", ".join(f"{claim} ({rule}) {count}" for (claim, rule), count in against.most_common())
+    print("refuted:", refuted or "none")
     return 1 if against else 0
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import pytest
 from drawn_falls import sticking
-from refuting import refute
+from refuting import PHANTOM, Said, refute
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
@@ -141,6 +142,30 @@ def test_causes_at_restitution_0_are_not_refuted(seed: int) -> None:
     for name in ("pymunk:dt=1/64", "rounded:bits=12"):
         found = compare(sticking(seed), [engine_named(name)], events=12).candidates[0]
         assert not refute(sticking(seed), engine_named(name), found)
+
+
+BIASED = f"pymunk:dt=1/64,collision_bias={0.9**60!r}"
+
+
+@pytest.mark.parametrize(("seed", "name"), [(7, "rounded:bits=12"), (5, "pymunk:dt=1/64")])
+def test_a_phantom_contact_is_said_with_those_that_were_left_out_beside_it(seed: int, name: str) -> None:
+    """Without it alone another is left, of an engine of events too: what is said is what was tried."""
+    scene, chosen = sticking(seed), engine_named(name)
+    found = compare(scene, [chosen], events=20).candidates[0]
+    assert re.search("without it and [1-9] more below rounding nothing else", getattr(found.diagnosis, "finding", ""))
+    assert not refute(scene, chosen, found)
+    alone = Said((PHANTOM,), frozenset({PHANTOM}), without=1)
+    assert "something else" in {refutation.rule for refutation in refute(scene, chosen, found, alone)}
+
+
+def test_a_finer_step_that_has_the_contact_too_many_later_does_not_pass() -> None:
+    """A contact that lasts is reported again at every step, at another time: up to the reference's next event."""
+    found = compare(sticking(21), [engine_named(BIASED)], events=20).candidates[0]
+    why = found.diagnosis
+    assert why is not None
+    assert str(why) == "phantom contact"
+    assert "the two agree for longer" in why.finding
+    assert not refute(sticking(21), engine_named(BIASED), found)
 
 
 def test_under_gravity_causes_at_restitution_0_are_not_looked_for_in_steps() -> None:

@@ -254,7 +254,7 @@ class Accounted:
     shares: list[Any]
     displacement: float | None = 2.0
     closed: bool = True
-    finding: str = "nothing else has changed"
+    finding: str = "without it and 1,002 more below rounding nothing else differs"
 
 
 @dataclass
@@ -274,7 +274,7 @@ def test_both_forms_of_a_diagnosis_are_read() -> None:
         assert said.causes == (INPUT,)
         assert said.suffices == {INPUT}
         assert said.shares == (Share(INPUT, 1.5, 0.75, "run"), Share(TIE, 0.5, 0.25, "run"))
-        assert (said.displacement, said.closed, said.alone) == (2.0, True, True)
+        assert (said.displacement, said.closed, said.without) == (2.0, True, 1003)
     both = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT, name), []))))
     assert (both.causes, both.suffices) == ((INPUT, TIE), frozenset())
     none = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted(("not determined",), [], None, False, ""))))
@@ -303,7 +303,7 @@ def test_a_phantom_is_alone_only_where_nothing_else_has_changed() -> None:
     for strength, wrong in ((Fraction(1, 2**50), False), (Fraction(1, 2), True)):
         engine = Made((Invent(event, Fraction(0), *pair, strength),))
         found = compare(scene, [engine], events=event + 8, causes=False).candidates[0]
-        said = Said((PHANTOM,), frozenset({PHANTOM}), alone=True)
+        said = Said((PHANTOM,), frozenset({PHANTOM}), without=1)
         rules = {r.rule for r in refute(scene, engine, found, said)}
         assert ("something else" in rules) == wrong, (strength, rules)
 
