@@ -366,11 +366,8 @@ def entered_in_one(runs: Runs) -> set[tuple[str, str]]:
             since = sum(
                 entry.circle in pair for e in run.events if float(e.time) <= float(entry.time) for pair in e.impulses
             )
-            if (
-                entry.circle in names
-                and float(entry.time) <= last
-                and since == _met(reference, runs.at.event, entry.circle)
-            ):
+            among = entry.circle in names and float(entry.time) <= last
+            if among and since == _met(reference, runs.at.event, entry.circle):
                 told.add((entry.circle, entry.pocket))
         return told
 

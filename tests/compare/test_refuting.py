@@ -278,7 +278,7 @@ def test_both_forms_of_a_diagnosis_are_read() -> None:
     both = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT, name), []))))
     assert (both.causes, both.suffices) == ((INPUT, TIE), frozenset())
     none = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted(("not determined",), [], None, False, ""))))
-    assert (none.causes, none.suffices, none.alone) == ((), frozenset(), False)
+    assert (none.causes, none.suffices, none.without) == ((), frozenset(), 0)
 
 
 def test_an_account_that_does_not_add_up_is_refuted() -> None:
