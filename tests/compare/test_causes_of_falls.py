@@ -403,7 +403,7 @@ def test_the_account_closes_where_what_has_met_stays_closed(seed: int) -> None:
 
 def test_what_is_not_looked_for_is_refused_by_name() -> None:
     """A disc passes between two that close: steps of 1/8 find no gap, and shut it."""
-    scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0)
+    scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0, gravity=(0, -1))
     found = compare(scene, [PymunkEngine(dt=1 / 8)], events=9).candidates[0]
     assert found.verdict == "diverged"
     assert found.diagnosis is not None
