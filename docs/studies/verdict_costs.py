@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import gc
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -458,6 +459,7 @@ def main(arguments: list[str] | None = None, repeats: int = REPEATS) -> int:
     except SceneError as error:
         parser.error(str(error))
     gc.set_threshold(RARELY)  # as the command line does, and its workers
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what is loaded is compiled once, as it is for users
     found, now = list[Cost](), commit()  # the code that is loaded, whatever is committed meanwhile
     with tempfile.TemporaryDirectory() as folder:
         saved, environ[FOLDER] = environ.get(FOLDER), folder
