@@ -12,6 +12,7 @@ from flint import arb, arb_mat
 from ...exact.replay.contact import Sides
 from ...exact.replay.parts import NearestPart, PartsNear
 from ...floating.double import DOUBLES
+from ...floating.knots import DoubleKnot, EndlessBounces
 from ...scenarios.lazy import Later, kept
 from ...scenarios.surfaces import parts_of
 
@@ -373,13 +374,30 @@ class Supports:
             place: of the wall, segment or polygon.
             row: x, y, vx, vy: of several faces the nearest one counts.
         """
+        shelf = self._nearest(k, place, row)
+        return None if shelf is None else shelf.slope
+
+    def bounces(self, k: int, place: int, knot: DoubleKnot, until: float, e: float) -> EndlessBounces | None:
+        """Those that a circle goes on with after a bounce on a wall, up to when they end; None if it does not leave it.
+
+        Args:
+            knot: its time, and x, y, vx, vy as it leaves the wall.
+        """
+        time, *row = knot
+        shelf = self._nearest(k, place, (row[0], row[1], row[2], row[3]))
+        speed = 0.0 if shelf is None else shelf.nx * row[2] + shelf.ny * row[3]
+        if shelf is None or not (0.0 < e < 1.0 and speed > 0.0 and time < until):
+            return None
+        return EndlessBounces(time, until, shelf.nx, shelf.ny, speed, e)
+
+    def _nearest(self, k: int, place: int, row: Row) -> Shelf | None:
         x, y, radius = *row[:2], self._radii[k]
         near = [
             (abs(s.nx * (x - s.x) + s.ny * (y - s.y) - radius), n)
             for n, s in enumerate(self.shelves[k])
             if s.place == place
         ]
-        return self.shelves[k][min(near)[1]].slope if near else None
+        return self.shelves[k][min(near)[1]] if near else None
 
 
 def _normal(part: NearestPart[float]) -> Normal:

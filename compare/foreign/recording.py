@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from ...floating.knots import (
     DoubleKnot,
     DoubleMotion,
+    EndlessBounces,
     EventMotion,
     FallingEvents,
     FallingMotion,
@@ -69,6 +71,7 @@ class RunSoFar:
         reckoned: the events that came without states.
         carried: for each circle the knots from which on a wall carries it, by their place, with the place of the wall.
         slides: those of them from which on it slides down a slope, with half of what there is of gravity along that.
+        bounced: those of them before which infinitely many bounces come, with these.
     """
 
     def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row], steps: Steps) -> None:
@@ -82,6 +85,7 @@ class RunSoFar:
         self.reckoned: set[int] = set()
         self.carried: list[dict[int, int]] = [{} for _ in rows]
         self.slides: list[dict[int, tuple[float, float]]] = [{} for _ in rows]
+        self.bounced: list[dict[int, EndlessBounces]] = [{} for _ in rows]
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
 
@@ -127,6 +131,15 @@ class RunSoFar:
                         self.slides[k][len(self.knots[k])] = slope
                 self.knots[k].append((now, *row))
 
+    def bounce_out(self, k: int, wall: int, now: float) -> None:
+        """What falls since it bounced on a wall, which carries it by now, has bounced there infinitely often."""
+        knot = time, x, y, vx, vy = self.knots[k][-1]
+        met = any((k, wall) in links for links in self._links[bisect_left(self.times, time) :])
+        last = self.supports.bounces(k, wall, knot, now, float(self.scene.restitution))
+        if met and last is not None and self.support(k) is None:
+            self.bounced[k][len(self.knots[k])] = last
+            self.fly(time, {k: (x, y, vx - last.nx * last.speed, vy - last.ny * last.speed)}, {k: wall})
+
     def support(self, k: int) -> int | None:
         """The place of the wall that carries a circle now; None where it falls."""
         return self.carried[k].get(len(self.knots[k]) - 1)
@@ -136,13 +149,12 @@ class RunSoFar:
         found: list[tuple[float, int, int]] = []
         for k, (row, carried) in enumerate(zip(knots, self.carried, strict=True)):
             last = {knot[0]: carried.get(place) for place, knot in enumerate(row)} if carried else {}
-            found += [
-                (time, k, wall)
-                for before, (time, wall) in zip([None, *last.values()], last.items(), strict=False)
-                if wall is not None and before is None
-            ]
-        ids = self.scene.ids
-        return tuple(Settling(ids[k], ids[wall], Double(time)) for time, k, wall in sorted(found))
+            pairs = zip([None, *last.values()], last.items(), strict=False)
+            found += [(time, k, wall) for before, (time, wall) in pairs if wall is not None and before is None]
+        ids, ends = self.scene.ids, {(k, b.start): b.until for k, row in enumerate(self.bounced) for b in row.values()}
+        rows = sorted((ends.get((k, time), time), k, wall, time) for time, k, wall in found)
+        said = [(Double(time), None if time == since else Double(since)) for time, _, _, since in rows]
+        return tuple(Settling(ids[k], ids[wall], *when) for (_, k, wall, _), when in zip(rows, said, strict=True))
 
     def leave(self, now: float) -> None:
         """The last event, if it is of this time, is over."""
@@ -182,19 +194,13 @@ class RunSoFar:
             return EventMotion(knots, end, left, reckoned)
         (gx, gy), pegs, (bits, step, fall) = self._gravity, self.scene.pegs, self._steps
         if fall is None and step is not None and not reckoned:
-            fall = step_fall(
-                knots,
-                self._gravity,
-                step,
-                pegs,
-                FLIGHT * scale if bits is None else max(FLIGHT, 4.0 * 2.0**-bits) * scale,
-            )
+            share = FLIGHT if bits is None else max(FLIGHT, 4.0 * 2.0**-bits)
+            fall = step_fall(knots, self._gravity, step, pegs, share * scale)
         if fall is None or step is None:
-            carried = {
-                k: frozenset(n for n in told if n < len(knots[k])) for k, told in enumerate(self.carried) if told
-            }
-            slides = dict(enumerate(self.slides))
-            return FallingEvents(knots, end, (gx / 2, gy / 2), pegs, carried, slides, left=left, reckoned=reckoned)
+            carried = {k: frozenset(n for n in row if n < len(knots[k])) for k, row in enumerate(self.carried) if row}
+            slides, bounced = dict(enumerate(self.slides)), dict(enumerate(self.bounced))
+            halves = gx / 2, gy / 2
+            return FallingEvents(knots, end, halves, pegs, carried, slides, bounced, left=left, reckoned=reckoned)
         return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
 
 
@@ -483,7 +489,8 @@ class Recording:
         """Where circles are at a time, and how fast they go; for an engine of steps, after each step.
 
         Where a velocity has changed since the last state, and no hit was reported, the contacts are inferred: of the
-        pairs that touch, or have come nearer than a step takes them, those whose impulses explain the change.
+        pairs that touch, or have come nearer than a step takes them, those whose impulses explain the change. What is
+        `carried` now, and has fallen since it bounced on that wall, has bounced there infinitely often meanwhile.
 
         Raises:
             EngineError: as `hit`, and for a change of velocity that no contact explains.
@@ -492,6 +499,9 @@ class Recording:
         given = self._reports.states(states)
         way = self.step if self.step is not None else now - self._now
         self._turn_before(now)
+        supports = None if carried is None else self._reports.carried(carried)
+        for k, wall in (supports or {}).items():
+            self._course.bounce_out(k, wall, now)
         before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
         share, stands = self._course.rounds(now), self.scene.gravity is None
@@ -504,7 +514,6 @@ class Recording:
         if changed and not self._reported:
             links = self._inferred(now, way, rows, before)
             self._course.add(self.where, now, links, rows, self.step is not None)
-        supports = None if carried is None else self._reports.carried(carried)
         under = self._carried_by(now, given, before, supports)
         off = [
             k
@@ -583,7 +592,7 @@ class Recording:
             reversal=turned,
             pocketings=entries(self.scene, motion, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
-            settlings=self._course.settlings(knots),
+            settlings=tuple(s for s in self._course.settlings(knots) if float(s.time) <= float(end)),
         )
 
     # -- what is made of it
@@ -618,10 +627,8 @@ class Recording:
         if told is not None or not self.scene.settle:
             return told or {}
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *left.values()])
-        found = {
-            k: self._course.supports.under(k, row, max(FLIGHT, self._unit), self._unit * fastest, fastest * now)
-            for k, row in left.items()
-        }
+        under, share, still = self._course.supports.under, max(FLIGHT, self._unit), self._unit * fastest
+        found = {k: under(k, row, share, still, fastest * now) for k, row in left.items()}
         return {k: wall for k, wall in found.items() if wall is not None and self._impacts.moves(k)}
 
     def _bounce(
@@ -635,10 +642,10 @@ class Recording:
         after = self._impacts.bounce([*links, *(u for u in under.items() if u not in links)], rows, now)
         if after is None:
             if not self.notes:
+                one, other = (self.scene.ids[k] for k in links[0])
                 self.notes.append(
-                    f"event {len(self._course) - 1}: with the times reported, the laws do not have "
-                    f"{self.scene.ids[links[0][0]]} and {self.scene.ids[links[0][1]]} approach there: from then on "
-                    "where circles are is not known; report states"
+                    f"event {len(self._course) - 1}: with the times reported, the laws do not have {one} and {other} "
+                    "approach there: from then on where circles are is not known; report states"
                 )
             return
         left = {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]}
