@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ..foreign.guard import finer_of, firmer_of, run_guarded
+from ..foreign.guard import allowances, finer_of, firmer_of, run_guarded
 from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
 from .passages import Passage, passages, passes_between
-from .residuals import AUDIT_BITS, KINDS, Laws, Residual, allowances
+from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
 
 if TYPE_CHECKING:

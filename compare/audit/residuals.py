@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
@@ -79,27 +79,6 @@ energy of several contacts; a velocity that changes without a contact; the rever
 that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
 
 
-ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
-"""What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
-speed below which nothing bounces, a share of each impulse, the speed that is lost in a unit of time."""
-
-
-def allowances(engine: Any, scene: Scene) -> dict[str, float]:
-    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`.
-
-    Lengths and speeds are in the scene's units; one whose own follow the scene has a method `allows` of the scene.
-    """
-    told: Any = getattr(engine, "allows", None)
-    told = told(scene) if callable(told) else told
-    if not isinstance(told, Mapping):
-        return {}
-    found: dict[str, float] = {}
-    for key, value in told.items():
-        if key in ALLOWANCES and isinstance(value, int | float) and value > 0:
-            found[key] = float(value)
-    return found
-
-
 class Thing(NamedTuple):
     """A circle: radius, and 1/m, 0 of a fixed one; sizes as doubles."""
 
@@ -142,6 +121,7 @@ class ImpactLaws(NamedTuple):
         bounced: the opening that the restitution multiplies, where that is another one: an engine that moves first
             bounces with the velocity of before its last g dt, which is there all the same; `opening` is then the one
             that the change of velocity is 1 + e times as large as.
+        curve: a bound of the rate at which the opening changes, along the engine's flights; 0 of an engine of steps.
     """
 
     nx: arb
@@ -153,6 +133,7 @@ class ImpactLaws(NamedTuple):
     turned: float
     stretched: float = 0.0
     bounced: arb | None = None
+    curve: float = 0.0
 
     def bend(self, speed: float, opening: float) -> float:
         """By what speed an impulse may be off, for a line of centres that is turned or stretched."""
@@ -162,6 +143,16 @@ class ImpactLaws(NamedTuple):
     def bent(self) -> float:
         """The same for the impulse that the two get as they meet."""
         return self.bend(self.speed, float(self.opening.mid()))
+
+    @property
+    def grazed(self) -> float:
+        """By what speed the opening may be off, as rounding of the gap moves the time: its square by 4 `curve` `room`.
+
+        >>> ImpactLaws(arb(1), arb(0), arb(0), arb(-0.5), 1.0, 0.03, 0.0, curve=2.0).grazed
+        0.4
+        """
+        speed, off = abs(float(self.opening.mid())), 4 * self.curve * self.room
+        return speed - math.sqrt(speed**2 - off) if off < speed**2 else speed + math.sqrt(speed**2 + off)
 
 
 def length_of(x: arb, y: arb) -> float:
@@ -391,7 +382,9 @@ class Laws:
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             gap = height - self.things[i].r
-            return ImpactLaws(line.nx, line.ny, gap, opening, a.speed + line.drift, room, turn, bounced=bounced)
+            curve = self._curve(0.0, 1.0, line.nx, line.ny, True)
+            speed = a.speed + line.drift
+            return ImpactLaws(line.nx, line.ny, gap, opening, speed, room, turn, bounced=bounced, curve=curve)
         b, xb, yb = instant.there(j)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
@@ -415,7 +408,15 @@ class Laws:
         bounced = None
         if one_falls and self.fall is not None:
             opening, bounced = self._bounced(opening, nx, ny, self.fall, 1 if _falls(self, i, a) else -1)
-        return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched, bounced)
+        curve = self._curve(speed, near, nx, ny, one_falls)
+        return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched, bounced, curve)
+
+    def _curve(self, speed: float, near: float, nx: arb, ny: arb, falls: bool) -> float:
+        """See `ImpactLaws.curve`, of two so far from each other, of which only one falls, or none, or both."""
+        if self.step is not None:
+            return 0.0
+        pull = 0.0 if self.fall is None or not falls else abs(float((nx * self.fall.gx + ny * self.fall.gy).mid()))
+        return speed**2 / near + pull
 
     def _bounced(self, opening: arb, nx: arb, ny: arb, fall: Fall, sign: int = 1) -> tuple[arb, arb | None]:
         """See `ImpactLaws.bounced`, between what falls and what stands; `sign` is -1 where the second falls."""
@@ -444,7 +445,8 @@ class Laws:
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         turned = min(1.0, blur / near) + _bent_beside(self, side, x, y, near, blur, self.things[i].radius)
         opening, bounced = (opening, None) if self.fall is None else self._bounced(opening, nx, ny, self.fall)
-        return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced)
+        curve = self._curve(a.speed, near, nx, ny, True)
+        return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced, curve)
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -486,9 +488,9 @@ class Laws:
             granted = units * (before.speed + left.speed + 2 * share * (met.speed if wall else before.speed + other))
             granted += units * (before.fallen + (0.0 if wall else instant.before[j if k == i else i].fallen))
             granted += 2 * share * met.bent + LEAST
-            found = length_of(dvx, dvy)
-            if found - granted >= size - room:
-                size, room = found, granted
+            found, grazed = length_of(dvx, dvy), granted + 2 * share * met.grazed
+            if found - grazed >= size - room:
+                size, room = found, grazed
             faint = faint and (closing == 1 or 2 * share * abs(float(met.opening.mid())) <= granted)
         yield Residual("impulse", pair, size, room)
         if faint:  # the two part already, or come together by less than rounding
@@ -563,6 +565,7 @@ class Laws:
             wanted[k] = float(x.mid()) / root, float(y.mid()) / root
         strengths = _sharpened(self, strengths_of(columns, wanted), columns, links, met, change)
         bent = max(met[link].bend(2 * fastest, 2 * fastest) for link in links)  # two at rest may be fast a round later
+        grazed = max(met[link].grazed for link in links)
         rounds = max(len(pairs), len(links))
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
         # a wall that moves does work, and none as seen from itself; of two that move apart nothing is known
@@ -570,7 +573,7 @@ class Laws:
         ux, uy = map(ball.constant, next(iter(frames), (NONE, NONE)))
         for k in circles:
             x, y = _unexplained(k, self.things[k].weight, change[k], links, strengths, met)
-            granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * bent + LEAST
+            granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * (bent + grazed) + LEAST
             found = Residual("impulse", (k,), length_of(x, y), granted)
             if found.size - found.room > worst.size - worst.room:
                 worst = found

@@ -457,7 +457,9 @@ class Transcript:
                 if thing.moves:  # as seen from it
                     ux, uy = (value.ball(READ_BITS) for value in (thing.vx, thing.vy))
                     x, y, vx, vy = x - ux * time, y - uy * time, vx - ux, vy - uy
-            links = self._parts.pushing(i, j, x, y, vx, vy, push, times, room, turn)
+            blur = self._loose + NEAREST if self._step is None else 0.0
+            blur *= flight.speed + instant.left(i)
+            links = self._parts.pushing(i, j, x, y, vx, vy, push, times, room, turn, blur)
         return [places_of(self.scene, link) for link in links]
 
     @cached_property

@@ -14,9 +14,8 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span
 from ..alignment.instants import DOUBLE_BITS, Kind, instants
-from ..audit.residuals import allowances
 from ..deadline import NO_TIME, OutOfTime, time_to_read
-from ..foreign.guard import run_guarded
+from ..foreign.guard import allowances, run_guarded
 from ..study import SERIES_MORE
 from .decision import DecidingNumber, Pairing, RunReader, answer, decides_by_speed
 from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed

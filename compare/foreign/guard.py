@@ -7,7 +7,7 @@ holds, its motion at every reading, and the engines that it names as finer, wide
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, SupportsFloat
@@ -232,3 +232,24 @@ def _further(engine: Engine, what: str) -> Engine | None:
         return None if told is None else check_engine(told)
     except EngineError as error:
         raise EngineError(f"engine {engine.name!r}: {what} gave what is no engine: {error}") from None
+
+
+ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
+"""What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
+speed below which nothing bounces, a share of each impulse, the speed that is lost in a unit of time."""
+
+
+def allowances(engine: Any, scene: Scene) -> dict[str, float]:
+    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`.
+
+    Lengths and speeds are in the scene's units; one whose own follow the scene has a method `allows` of the scene.
+    """
+    told: Any = getattr(engine, "allows", None)
+    told = told(scene) if callable(told) else told
+    if not isinstance(told, Mapping):
+        return {}
+    found: dict[str, float] = {}
+    for key, value in told.items():
+        if key in ALLOWANCES and isinstance(value, int | float) and value > 0:
+            found[key] = float(value)
+    return found

@@ -512,6 +512,9 @@ def order_exactly(one: ExactMoment, other: ExactMoment) -> int:
 SHARPENINGS = 8
 """Steps of Newton's rule after doubles, each of which doubles the bits: enough for all that there are."""
 
+LONGER = 4.0
+"""A step that is so much longer than the one before is of the rounding of gaps, as where two all but graze."""
+
 MOST_ZEROS = 4
 """A quartic has no more."""
 
@@ -519,8 +522,8 @@ MOST_ZEROS = 4
 NEARER = 16.0
 """Up to how many times the least time at which its first coefficient may be outweighed a zero is looked for nearby."""
 
-CLOSE = 2**60
-"""To what share of itself a zero is told of exact ends."""
+NARROW, CLOSE = 2**24, 2**60
+"""To what share of itself a zero is told of ends in doubles, where these part it from another so well, and exactly."""
 
 
 def told_falling_zero(c: Sequence[float]) -> float | None:
@@ -544,7 +547,9 @@ def told_falling_zero(c: Sequence[float]) -> float | None:
     if found is None:
         return None
     if isinstance(found, Isolated):
-        return ldexp(0.5 * (float(found.low) + float(found.high)), unit)  # pyright: ignore[reportArgumentType]
+        low, high = float(found.low), float(found.high)  # pyright: ignore[reportArgumentType]
+        if (high - low) * NARROW < high:
+            return ldexp(0.5 * (low + high), unit)
     exact = falling_zero_exactly([fmpq(*value.as_integer_ratio()) for value in c])
     if isinstance(exact, bool):
         return None
@@ -573,6 +578,7 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
         stood = True
     for found in _told_zeros([float(value) for value in gap_of(link, fall, stood)]):  # pyright: ignore[reportArgumentType]
         wait, far = state.constant(Quantity.of(found)), False
+        step = inf if stood and not _is_beside(fall, fall.after(wait)) else found / LONGER**5
         for _ in range(SHARPENINGS):
             then = fall.after(wait)
             slope = then.approach() + then.approach()
@@ -582,6 +588,9 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
             better = wait - gap / slope
             if not better > state.zero or not (better < wait or better > wait):
                 break
+            before, step = step, abs(float(better - wait))  # pyright: ignore[reportArgumentType]
+            if step > LONGER * max(before, 2.0**-42 * float(wait)):  # pyright: ignore[reportArgumentType]
+                break
             far = bool(better + better + better < wait + wait or better > wait + wait)
             wait = better
         then = fall.after(wait)
@@ -590,6 +599,13 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
         if not is_arc(link) or within_arc(state, link, then.dx, then.dy) > state.zero:
             return wait
     return None
+
+
+def _is_beside(fall: RoundFall[M], then: RoundFall[M]) -> bool:
+    """Whether a circle is still next to where it was: the rounding of places is more of gaps then than that of their
+    polynomial's coefficients, once the zero at 0 is divided out."""
+    way = max(abs(float(then.dx - fall.dx)), abs(float(then.dy - fall.dy)))  # pyright: ignore[reportArgumentType]
+    return 16 * way < abs(float(fall.reach))  # pyright: ignore[reportArgumentType]
 
 
 def _is_put_into(state: Flights[M], link: Round, fall: RoundFall[M]) -> bool:

@@ -116,17 +116,20 @@ class PartsNear(Generic[N]):
         count: int = 1,
         room: float = 0.0,
         turn: float = SAME_GAP,
+        blur: float = 0.0,
     ) -> list[Touch]:
         """The parts of a thing that have pushed a circle at (x, y) by some change of its velocity (vx, vy) before.
 
         In a concave corner a circle touches two faces at once, and a report says only whom they are of. Beside the
         place where a face becomes an end, rounding leaves open which of the two it is, though their normals differ by
-        its root. It is the one along whose normal the push is; where it is along none, all of those that are near.
+        its root. It is the one along whose normal the push is; of several the one that it is as strong as, by the law;
+        where it is along none, all of those that are near.
 
         Args:
             count: how many contacts with the thing are reported.
             room: by how much more than the nearest one another may be away, as rounding or a time step may make it.
             turn: the same of the direction of a push, as an angle.
+            blur: by how much rounding may have changed the push, as a speed; 0 where strengths are not to be looked at.
 
         >>> from truebreak.floating.double import DOUBLES
         >>> from truebreak.scenarios import Circle, Polygon
@@ -150,8 +153,13 @@ class PartsNear(Generic[N]):
         if count > 1 and len(links) == 1 and min(off) > ONE_WAY:  # two normals at a right angle or more: it is of both
             links = [part.link for part in parts]
         links = links[:count] if count > 1 or self.things[thing].convex else links  # the nearest ones
-        if strength > 0.0 and count == 1 and min(off) <= ONE_WAY:  # of several, the nearest
-            return [next(part.link for part, by in zip(parts, off, strict=True) if by <= min(off) + turn)]
+        if strength > 0.0 and count == 1 and min(off) <= ONE_WAY:
+            turn += blur / strength
+            along = [part for part, by in zip(parts, off, strict=True) if by <= min(off) + turn]
+            if not blur or len(along) == 1:
+                return [along[0].link]  # the nearest
+            change = 1.0 + float(self._flights.scene.restitution)
+            return [min(along, key=lambda p: abs(strength + change * _double(p.nx * vx + p.ny * vy))).link]
         links = links or [nearest.link]
         return [*links, *(links[0] for _ in range(count - len(links)))]
 
