@@ -301,8 +301,7 @@ def _first_after(since: float, constant: float, slope: float, half: float) -> fl
 def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     """How far into a face a circle falls that comes to it from before, between its ends by more than rounding.
 
-    Up to where it is out on the other side or beside an end, or turns back, or its flight ends. What comes beside an
-    end meets that first.
+    Up to where it is out on the other side, beside an end, or turns back. What comes beside an end meets that first.
     """
     line, r = laws.line(leg.circle, wall), laws.things[leg.circle].r
     drift, (leg, line) = line.drift, line.seen(leg)
@@ -314,7 +313,8 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     gap = height - radius
     sizes = math.hypot(x, y) + line.size + radius + leg.speed * abs(leg.start)
     blur = max(CLOSE, ROOT_UNITS * laws.unit) * sizes + leg.apart
-    if closing > 0.0 and height <= blur:  # a point on the line may be on either side
+    rise = 0.0 if closing > 0.0 else closing * closing / (2 * pull) if pull > 0.0 and not line.thick else math.inf
+    if height + rise <= blur:  # a point on the line, or that grazes it, may be on either side
         return None
     if gap <= 0.0 < closing:
         wait = 0.0

@@ -44,12 +44,20 @@ ONTO_AN_END = Scene(
 )
 """It grazes an end of an arc, at a zero of the gap which Newton's rule comes near to in halves."""
 
+FROM_ABOVE = Scene(
+    [Circle("243/100", "-44/25", 0, vx="-123/50", vy="43/25", id="point", point=True)],
+    segments=[Segment(0, 0, "6/5", "8/5", r="1/4", id="post"), Segment("-4/5", "3/5", "8/5", "-6/5", id="bar")],
+    gravity=("3/50", "2/25"),
+    restitution="1/2",
+)
+"""It comes down onto a bar without thickness, touches it, and is pulled up again: it flies through nothing."""
+
 
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
         (POINT, "double"), (POINT, "single"), (BESIDE, "quad"), (WITHIN, "double"), (WITHIN, "quad"),
-        (WITHIN, "rounded:bits=30"), (ONTO_AN_END, "double"), (ONTO_AN_END, "single"),
+        (WITHIN, "rounded:bits=30"), (ONTO_AN_END, "double"), (ONTO_AN_END, "single"), (FROM_ABOVE, "quad"),
     ],
 )  # fmt: skip
 def test_what_grazes_but_for_rounding_keeps_the_law(scene: Scene, name: str) -> None:
