@@ -148,8 +148,8 @@ class ImpactLaws(NamedTuple):
     def grazed(self) -> float:
         """By what speed the opening may be off, as rounding of the gap moves the time: its square by 4 `curve` `room`.
 
-        >>> ImpactLaws(arb(1), arb(0), arb(0), arb(-0.5), 1.0, 0.03, 0.0, curve=2.0).grazed
-        0.4
+        >>> ImpactLaws(arb(1), arb(0), arb(0), arb(-0.625), 1.0, 0.0625, 0.0, curve=1.0).grazed
+        0.25
         """
         speed, off = abs(float(self.opening.mid())), 4 * self.curve * self.room
         return speed - math.sqrt(speed**2 - off) if off < speed**2 else speed + math.sqrt(speed**2 + off)

@@ -467,8 +467,8 @@ REVERSAL = (
     ),
     Mutant(
         "instants_off_by_one", PAST,
-        "starts[self._place + 1][0] <= self._done",
-        "starts[self._place + 1][0] < self._done",
+        "starts[self._place + 1] <= self._done",
+        "starts[self._place + 1] < self._done",
         "the first step of an instant is put to the one before",
         why_it_survives="the first step of an instant is a Go, which makes no block; at time 0 there is no "
         "instant before",
