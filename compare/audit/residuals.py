@@ -382,7 +382,7 @@ class Laws:
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
             gap = height - self.things[i].r
-            curve = self._curve(0.0, 1.0, line.nx, line.ny, True)
+            curve = _curve(self, 0.0, 1.0, line.nx, line.ny, True)
             speed = a.speed + line.drift
             return ImpactLaws(line.nx, line.ny, gap, opening, speed, room, turn, bounced=bounced, curve=curve)
         b, xb, yb = instant.there(j)
@@ -408,15 +408,8 @@ class Laws:
         bounced = None
         if one_falls and self.fall is not None:
             opening, bounced = self._bounced(opening, nx, ny, self.fall, 1 if _falls(self, i, a) else -1)
-        curve = self._curve(speed, near, nx, ny, one_falls)
+        curve = _curve(self, speed, near, nx, ny, one_falls)
         return ImpactLaws(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched, bounced, curve)
-
-    def _curve(self, speed: float, near: float, nx: arb, ny: arb, falls: bool) -> float:
-        """See `ImpactLaws.curve`, of two so far from each other, of which only one falls, or none, or both."""
-        if self.step is not None:
-            return 0.0
-        pull = 0.0 if self.fall is None or not falls else abs(float((nx * self.fall.gx + ny * self.fall.gy).mid()))
-        return speed**2 / near + pull
 
     def _bounced(self, opening: arb, nx: arb, ny: arb, fall: Fall, sign: int = 1) -> tuple[arb, arb | None]:
         """See `ImpactLaws.bounced`, between what falls and what stands; `sign` is -1 where the second falls."""
@@ -445,7 +438,7 @@ class Laws:
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         turned = min(1.0, blur / near) + _bent_beside(self, side, x, y, near, blur, self.things[i].radius)
         opening, bounced = (opening, None) if self.fall is None else self._bounced(opening, nx, ny, self.fall)
-        curve = self._curve(a.speed, near, nx, ny, True)
+        curve = _curve(self, a.speed, near, nx, ny, True)
         return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced, curve)
 
     def underflown(self, speed: float, root: float) -> float:
@@ -594,6 +587,14 @@ class Laws:
             return self.scene.circles[place].drift
         exact = self.scene.walls[wall] if wall < len(self.scene.walls) else None
         return (NONE, NONE) if exact is None else (exact.vx, exact.vy)
+
+
+def _curve(laws: Laws, speed: float, near: float, nx: arb, ny: arb, falls: bool) -> float:
+    """See `ImpactLaws.curve`, of two so far from each other, of which only one falls, or none, or both."""
+    if laws.step is not None:
+        return 0.0
+    pull = 0.0 if laws.fall is None or not falls else abs(float((nx * laws.fall.gx + ny * laws.fall.gy).mid()))
+    return speed**2 / near + pull
 
 
 def along(laws: Laws, k: int, flight: ReportedFlight) -> ReportedFlight:
