@@ -487,7 +487,8 @@ def line(truth: Truth) -> str:
 
 def page() -> str:
     """The whole of docs/truths.md."""
-    return put_together(lines((*EXACT, *STATISTICAL)), {name: part() for name, part in PARTS.items()})
+    rows = [*lines((*EXACT, *STATISTICAL))]  # first: what is not reproduced is said before the rest is measured
+    return put_together(rows, {name: part() for name, part in PARTS.items()})
 
 
 def put_together(rows: Iterable[str], parts: Mapping[str, str]) -> str:

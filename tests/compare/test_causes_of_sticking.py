@@ -137,7 +137,7 @@ def test_a_contact_that_lasts_and_is_told_again_is_a_phantom() -> None:
         assert not refute(box("1", "-1"), Sticks(again=again), found)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 5, 7])
+@pytest.mark.parametrize("seed", [0, 1, 7])
 def test_causes_at_restitution_0_are_not_refuted(seed: int) -> None:
     for name in ("pymunk:dt=1/64", "rounded:bits=12"):
         found = compare(sticking(seed), [engine_named(name)], events=12).candidates[0]
