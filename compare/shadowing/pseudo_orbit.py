@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf, log2
 from typing import TYPE_CHECKING, Any, SupportsFloat
@@ -259,6 +260,7 @@ class FixedOrder:
             if impacts:
                 struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
+        ball.use_bits(self._bits)  # of contacts alone, numbers that have lost many are computed with fewer
         end = arb(segment.end)
         told: Node = []
         for i in self.free:
@@ -464,10 +466,8 @@ def _aims(maps: Sequence[NDArray[np.float64]], reversible: bool) -> tuple[int, f
     after = _growths(maps[::-1])[::-1]
     before = [0.0] + [inf] * len(maps)
     if reversible:
-        try:
+        with suppress(np.linalg.LinAlgError):  # by a graze: then the start is the anchor
             before = _growths([np.linalg.inv(step) for step in maps])
-        except np.linalg.LinAlgError:  # by a graze
-            reversible = False
     anchor = min(range(len(maps)), key=lambda k: max(after[k], before[k]))
     goals = [-(GUARD_BITS + (after[k] if k >= anchor else before[k + 1])) for k in range(len(maps))]
     return anchor, after[0], goals
