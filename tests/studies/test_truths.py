@@ -72,6 +72,7 @@ def test_the_page_is_put_together_of_what_is_measured(root: Path) -> None:
 def test_the_command_measures_rows_and_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     short = Truth("two and two", "4", "nobody", "expr 2 + 2", lambda: same("4", "4"))
     monkeypatch.setattr(truths, "EXACT", (short,))
+    monkeypatch.setattr(truths, "STATISTICAL", ())
     monkeypatch.setattr(truths, "PARTS", {part: part.upper for part in PARTS})
     rows, parts = cut_up(truths.page())
     assert rows == ["| two and two | 4 | 4 | none | nobody | `expr 2 + 2` |"]
