@@ -9,13 +9,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf, nextafter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mpmath
-import numpy as np
 from flint import arb, fmpq
 from mpmath.libmp import mpf_gt, mpf_le, to_float
-from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers import ball
@@ -30,6 +28,10 @@ from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain import LastBounces, PlainDecider, PlainState, bounced_knots, carried_knots, run_plain
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
@@ -362,6 +364,8 @@ class IntervalMotion:
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the middles; what is at rest throughout is looked up once."""
+        import numpy as np  # here, since a run needs it nowhere else
+
         still = self.falling is None
         flies = [
             i for i, row in enumerate(self.knots) if not still or len(row) > 1 or row[0][3] != ZERO or row[0][4] != ZERO

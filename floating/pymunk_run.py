@@ -8,9 +8,9 @@ import threading
 import time as clock
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import combinations
 from typing import Any, Protocol
 
-import numpy as np
 import pymunk
 
 from ..scenarios.engine import horizon
@@ -448,19 +448,17 @@ class Run:
 
     def quiet(self) -> bool:
         """Whether no two circles and no circle and wall come nearer to each other: then none ever will."""
-        place = np.array([tuple(body.position) for body in self.world.bodies])
-        speed = np.array([tuple(body.velocity) for body in self.world.bodies])
-        for number, (nx, ny, _) in enumerate(self.world.walls):
-            side = np.array([sides[number] for sides in self.world.sides])
-            if np.any(side * (speed @ (nx, ny)) < 0):
+        flights = [(*body.position, *body.velocity) for body in self.world.bodies]
+        for sides, (_, _, vx, vy) in zip(self.world.sides, flights, strict=True):
+            if any(side * (vx * nx + vy * ny) < 0 for side, (nx, ny, _) in zip(sides, self.world.walls, strict=True)):
                 return False
         for body in self.world.moving:  # a distance from a segment is convex along a flight
             for away in self.world.ways_from(*body.position):
                 if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
                     return False
         return not any(
-            np.any(np.einsum("ij,ij->i", place[i + 1 :] - place[i], speed[i + 1 :] - speed[i]) < 0)
-            for i in range(len(place) - 1)
+            (x2 - x1) * (vx2 - vx1) + (y2 - y1) * (vy2 - vy1) < 0
+            for (x1, y1, vx1, vy1), (x2, y2, vx2, vy2) in combinations(flights, 2)
         )
 
     def notes(self) -> Iterable[str]:

@@ -94,11 +94,7 @@ class Deviations:
     def __init__(
         self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]], falling: Gravity[arb] | None = None
     ) -> None:
-        from .error_set import (
-            FALLING_GROWTH,
-            MOST_GROWTH,
-            ErrorSet,
-        )  # here, since it loads numpy, which short runs do without
+        from .error_set import ErrorSet, growth_in_a_block  # here, since it loads numpy, which short runs do without
 
         self.time_power = unit_of_time(members, falling)
         self.unit = 2.0**self.time_power
@@ -111,7 +107,7 @@ class Deviations:
         shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
         powers = (0, 0, self.time_power, self.time_power)
         boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
-        self.errors = ErrorSet(boxes, shift, self.unit, MOST_GROWTH if falling is None else FALLING_GROWTH)
+        self.errors = ErrorSet(boxes, shift, self.unit, growth_in_a_block(len(members), falling is not None))
         self._balls: dict[int, arb] = {}
         self._strengths: dict[Round, float] = {}
         self._faces: dict[AtWall, Face] = {}

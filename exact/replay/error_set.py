@@ -48,12 +48,24 @@ MOST_GROWTH = 2.0**45
 """By how much a bound may grow within a block. What is beside M is some 2**-32 of the bounds by then, as E grows by
 2**-39 a step; in gases of 3 to 20 discs M grows by some 0.6 of the bits that they do, and stays 2**10 above that."""
 
-FALLING_GROWTH = 2.0**30
-"""The same in the frame that falls. Of a circle that bounces on a floor bounds grow by 2.5 bits a contact and M hardly:
-at 2**45 what is beside M would be 2**11 of it, at 2**30 it is less than 2**-5."""
+FALLING_GROWTH, MANY_FALLING_GROWTH = 2.0**15, 2.0**30
+"""The same in the frame that falls, of few bodies and of many. Of a circle that bounces on a floor bounds grow by 2.5
+bits a contact, of one in a bowl by 1.5, and M hardly: at 2**30 what is beside M is 2**-5 of it, and fills the directions
+in which it is thin. Of 900 events `bowl` loses 205 bits at 2**30, 94 at 2**15, two discs above a floor 342 and 310, five
+361 and 348, and ten as many, for which a basis made anew costs more."""
+
+FEW = 5
+"""Bodies."""
 
 CONTACTS_A_BODY = 20
 """Contacts in a block for each body, at most: making the basis anew then costs less than carrying it."""
+
+
+def growth_in_a_block(bodies: int, fall: bool) -> float:
+    """By how much a bound may grow before a block of so many bodies ends, which fall or do not."""
+    if not fall:
+        return MOST_GROWTH
+    return FALLING_GROWTH if bodies <= FEW else MANY_FALLING_GROWTH
 
 
 Legs: TypeAlias = tuple[float, float, float, float, float]
