@@ -50,9 +50,9 @@ MOST_GROWTH = 2.0**45
 
 FALLING_GROWTH, MANY_FALLING_GROWTH = 2.0**15, 2.0**30
 """The same in the frame that falls, of few bodies and of many. Of a circle that bounces on a floor bounds grow by 2.5
-bits a contact, of one in a bowl by 1.5, and M hardly: at 2**30 what is beside M is 2**-5 of it, and fills the directions
-in which it is thin. Of 900 events `bowl` loses 205 bits at 2**30, 94 at 2**15, two discs above a floor 342 and 310, five
-361 and 348, and ten as many, for which a basis made anew costs more."""
+bits a contact, of one in a bowl by 1.5, and M hardly: at 2**30 what is beside M is 2**-5 of it, and fills the
+directions in which it is thin. Of 900 events `bowl` loses 205 bits at 2**30, 94 at 2**15, two discs above a floor 342
+and 310, five 361 and 348, and ten as many, for which a basis made anew costs more."""
 
 FEW = 5
 """Bodies."""

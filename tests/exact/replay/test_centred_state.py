@@ -173,7 +173,7 @@ def scene_by(name):
     ],
 )
 def test_where_discs_fall_onto_something_round_bits_go_as_fast_too(name, events, balls):
-    """Pegboards, a table of pegs, faces, ends and arcs, a gas among pegs, and a bowl, in which next to nothing grows."""
+    """Pegboards, a table of pegs, faces, ends and arcs, a gas among pegs; a bowl, in which next to nothing grows."""
     scene = scene_by(name).surfaces
     run = ExactEngine().run(scene, events=events)
     steps = run.motion.log.steps
