@@ -248,9 +248,10 @@ def _input(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         elif runs.input == PASSES:
             yield Refutation(INPUT, "exact on rounded", f"the exact run of the scene in {bits} bits passes the event")
     laws = runs.candidate.laws
-    honest = runs.scene.settle and runs.input == PASSES and laws is not None and bool(laws.kept)
+    lasts = runs.scene.settle or runs.scene.restitution == 0  # what stays closed has no account, but runs
+    honest = lasts and runs.input == PASSES and laws is not None and bool(laws.kept)
     told = said.closed is False and said.causes and said.causes[0] in ROUNDING and runs.input != SAME
-    if told and not (honest and said.causes[0] == ARITHMETIC):  # what is carried has no account, but runs
+    if told and not (honest and said.causes[0] == ARITHMETIC):
         yield Refutation(said.causes[0], "not closed", "the account does not close, and no run says so either")
     if runs.engine.step is None and runs.engine.rounds_input and runs.input == SAME:
         same = f"the exact run of the scene in {bits} bits does the same"
