@@ -20,7 +20,7 @@ play: .venv/ready
 test: .venv/ready
 	$(BIN)/python -m pytest -n auto
 
-# What takes over .6 s of CPU, a tenth of all tests at most, by tests/durations.json.
+# What takes over .4 s of CPU, a tenth of all tests at most, by tests/durations.json.
 long: .venv/ready
 	$(BIN)/python -m pytest -n auto -m long
 

@@ -53,7 +53,7 @@ def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
 # What a test costs. Those over `LONG` seconds of CPU are marked `long`, by a file that `make durations` writes.
 
 DURATIONS = Path(__file__).parent / "durations.json"
-LONG = 0.6
+LONG = 0.4
 """Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts."""
 
 MOST_LONG = 0.099

@@ -35,6 +35,7 @@ def test_the_cause_is_the_one_that_was_made(family: str) -> None:
     assert not wrong, "\n".join(f"{name}: {'; '.join(said)}" for name, said in wrong.items())
 
 
+@pytest.mark.slow
 def test_there_are_sixty_cases_and_mixed_ones_among_them() -> None:
     made = [known for family in FAMILIES.values() for known in family()]
     assert len({known.name for known in made}) == len(made) >= 60

@@ -194,9 +194,9 @@ def at_length(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("at_length")
 def test_with_every_older_ingredient_a_referee_agrees() -> None:
     """The campaign in short: gravity, walls that move and a restitution with everything else, by chance."""
-    rows = [row for seed in range(60) if (row := edge_campaign.verdict(seed, FALLING))]
+    rows = [row for seed in range(40) if (row := edge_campaign.verdict(seed, FALLING))]
     assert [row for row in rows if row["outcome"] == "failure"] == []
-    assert sum(row["outcome"] == "ok" for row in rows) > 40
+    assert sum(row["outcome"] == "ok" for row in rows) > 26
     assert len({name for row in rows for name in row["ingredients"]}) == len(FALLING.ingredients) + 5 + 2
 
 

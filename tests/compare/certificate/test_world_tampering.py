@@ -60,6 +60,7 @@ def test_what_falls_on_one_instant_by_symmetry_is_shown_by_isometries_of_arcs(na
     assert len(told["roots"]) < 3 and any(part.get("zeros") for part in told["instants"])
 
 
+@pytest.mark.slow
 def test_a_push_that_no_witness_shows_to_fall_on_an_instant_is_no_defect(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where nothing shows that two meet at once, the certificate is refused by name."""
     monkeypatch.setattr(prover.Prover, "_new", lambda *given: iter(()))
