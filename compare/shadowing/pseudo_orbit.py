@@ -237,7 +237,7 @@ class FixedOrder:
         order = FixedOrder(self.scene, back)
         for step in range(k):
             now = [value.mid() for value in order.image(step, now, False)[0]]
-        return by_circles(lambda x, y, *v: turned(x + halves[0], y + halves[1], *v), now)
+        return [value.mid() for value in by_circles(lambda x, y, *v: turned(x + halves[0], y + halves[1], *v), now)]
 
     def image(self, k: int, node: Node, impacts: bool = True) -> tuple[Node, list[Impact]]:
         """Where segment k leads from a node, and the impacts on the way, if they are asked for.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import hypot
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -317,8 +317,9 @@ def check_event(scene: Scene, event: Event) -> None:
     """Refuses an instant that nearby runs take in orders which differ in their outcome to the first order.
 
     Several contacts at one instant have a tangent map where no moving circle takes part in two of them, and where
-    one that does meets nothing but walls and fixed circles in directions at right angles to each other: reflections
-    that commute. With a moving partner they do not, for the time between two impacts then turns the second.
+    one that does meets nothing but walls and fixed circles in directions at right angles to each other, and these are
+    all flat, or stand still at restitution 1: see `_check_bent`. With a moving partner they do not commute, for the
+    time between two impacts then turns the second.
 
     Raises:
         NoTangentMap: naming the event and the circle.
@@ -332,10 +333,35 @@ def check_event(scene: Scene, event: Event) -> None:
             continue
         partners = {other for pair in event.contacts if name in pair for other in pair if other != name}
         if event.coupled or partners & free or len(event.impulses) != len(event.contacts):
-            raise NoTangentMap(
-                f"event {event.index}: {name} has several contacts at one instant, whose order matters to nearby runs",
-                event.index,
-            )
+            raise _order_matters(event, name)
+
+
+def _order_matters(event: Event, name: str) -> NoTangentMap:
+    order = "several contacts at one instant, whose order matters to nearby runs"
+    return NoTangentMap(f"event {event.index}: {name} has {order}", event.index)
+
+
+def _check_bent(scene: Scene, event: Event, struck: Iterable[Impact]) -> None:
+    """Refuses a circle that meets two things at right angles at one instant, one of them round, of which one moves or
+    takes energy.
+
+    With normals m and n at right angles, and the surface along m bent by k, a displacement turns m by k (dx.n + v.n dt)
+    towards n. So the first impact changes the velocity along m by v.n times that; taken after the other, which leaves
+    -e v.n and -e dx.n, by e^2 times as much; where the other moves, not even the same at e = 1. Flat ones have k = 0.
+
+    Raises:
+        NoTangentMap: naming the event and the circle.
+    """
+    if scene.elastic and not scene.moving_walls:
+        return
+    met, bent = Counter[int](), set[int]()
+    for impact in struck:
+        both = (impact.a,) if impact.b is None else (impact.a, impact.b)
+        met.update(both)
+        bent.update(both if impact.b is not None else ())
+    for k in sorted(bent):
+        if met[k] > 1 and k < len(scene.circles) and not scene.circles[k].fixed:
+            raise _order_matters(event, str(scene.circles[k].id))
 
 
 def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> list[list[Impact]]:
@@ -347,8 +373,8 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
         bits: the precision of the replay; by default as many as it takes for each number to be told to a double.
 
     Raises:
-        NoTangentMap: where there is none (see `check_start`, `check_sizes`, `check_event`), from a reversal on, and
-            from where two circles of an exact run graze.
+        NoTangentMap: where there is none (see `check_start`, `check_sizes`, `check_event`, `_check_bent`), from a
+            reversal on, and from where two circles of an exact run graze.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -373,8 +399,12 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
             told = _sharply(trajectory, motion, events, together=False)
         else:
             told = _replayed(trajectory, motion, events, bits, together=False)
-        return [[impact for struck in mine for impact in struck] for mine in told]
-    return list(_read(trajectory, events))
+        found = [[impact for struck in mine for impact in struck] for mine in told]
+    else:
+        found = list(_read(trajectory, events))
+    for event, mine in zip(trajectory.events, found, strict=False):
+        _check_bent(scene, event, mine)
+    return found
 
 
 def rounds(trajectory: Trajectory, events: int) -> list[list[list[Impact]]]:

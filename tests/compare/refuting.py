@@ -247,8 +247,7 @@ def _input(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
             yield Refutation(INPUT, "refused scene", f"in {bits} bits it is no scene: that is evidence of nothing")
         elif runs.input == PASSES:
             yield Refutation(INPUT, "exact on rounded", f"the exact run of the scene in {bits} bits passes the event")
-    laws = runs.candidate.laws
-    lasts = runs.scene.settle or runs.scene.restitution == 0  # what stays closed has no account, but runs
+    laws, lasts = runs.candidate.laws, runs.scene.settle or runs.scene.restitution == 0  # no account, but runs
     honest = lasts and runs.input == PASSES and laws is not None and bool(laws.kept)
     told = said.closed is False and said.causes and said.causes[0] in ROUNDING and runs.input != SAME
     if told and not (honest and said.causes[0] == ARITHMETIC):

@@ -255,6 +255,37 @@ def test_with_a_moving_partner_they_do_not_commute_and_the_map_is_refused() -> N
     assert np.abs(np.subtract(*quotients)).max() > 0.01
 
 
+def onto_two(what: str, aside: Quantity | int = 0, e: str | int = 1) -> Scene:
+    """A disc that meets two things at time 1, at right angles, one of them round; displaced by so much."""
+    if what == "two discs":
+        still = [Circle(0, -20, 19, m="oo"), Circle(2, 0, 1, m="oo")]
+        return Scene([Circle(-1, Quantity.of(aside) + 10, vx=1, vy=-10), *still], restitution=e)
+    wall = Wall(2, 0, 2, 1, vx=-1) if what == "a wall that moves" else Wall(1, 0, 1, 1)
+    return Scene([Circle(Quantity.of(aside) - 3, 2, vx=3, vy=-2), Circle(0, -2, 1, m="oo")], [wall], restitution=e)
+
+
+@pytest.mark.parametrize(("what", "e"), [("two discs", "1/10"), ("a wall", "1/2"), ("a wall that moves", 1)])
+def test_beside_something_round_they_commute_only_where_all_stand_and_keep_energy(what: str, e: str | int) -> None:
+    """What a displacement leads to depends on its sign: by which of the two is met first."""
+    run = ExactEngine().run(onto_two(what, e=e), until=2)
+    assert len(run.events[0].contacts) == 2 and not run.events[0].coupled
+    with pytest.raises(NoTangentMap, match="event 0: c1 has several contacts"):
+        impacts(run, 1)
+    quotients = []
+    for size in ("10**-150", "-10**-150"):
+        near = ExactEngine().run(onto_two(what, Quantity.of(size), e), until=2)
+        one, two = (r.at("9/8").circles[0] for r in (run, near))
+        pairs = [(getattr(one, k), getattr(two, k)) for k in ("x", "y", "vx", "vy")]
+        quotients.append([float((y.ball(900) - x.ball(900)) / Quantity.of(size).ball(900)) for x, y in pairs])
+    assert np.abs(np.subtract(*quotients)).max() > 0.01
+
+
+@pytest.mark.parametrize("what", ["two discs", "a wall"])
+def test_beside_something_round_that_stands_they_commute_where_energy_is_kept(what: str) -> None:
+    run = ExactEngine().run(onto_two(what), until=2)
+    assert len(run.events[0].contacts) == 2 and len(impacts(run, 1)[0]) == 2
+
+
 def test_a_wall_and_a_fixed_circle() -> None:
     scene = Scene(
         [Circle(0, 0, vx=1, vy="1/3", id="a"), Circle(9, 2, m="oo", id="o")],
