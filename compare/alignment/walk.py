@@ -166,6 +166,23 @@ def without_tails(
     return Streams(sides[0][1], mine.times), Streams(sides[1][1], theirs.times)
 
 
+def bounces_of_one(
+    reference: Trajectory, candidate: Trajectory, patience: Patience
+) -> tuple[set[tuple[float, str]], set[tuple[float, str]]]:
+    """What `without_tails` leaves out of the reference's history and of the candidate's: times and circles."""
+    sides = history(reference), history(candidate)
+    kept = without_tails(reference, candidate, *sides, patience)
+    mine, theirs = (
+        {
+            (side.times[met.event], circle)
+            for circle, row in side.meetings.items()
+            for met in set(row).difference(left.meetings[circle])
+        }
+        for side, left in zip(sides, kept, strict=True)
+    )
+    return mine, theirs
+
+
 def patience_for(scene: Scene, step: float | None) -> Patience:
     """What a scene's own measures grant: the time in which its fastest circle crosses it, and two time steps.
 

@@ -275,9 +275,11 @@ class Laws:
             events: how many events the run had before it.
         """
         for k in instant.rested:
-            flight = instant.before[k]
-            instant.before[k] = along(self, k, flight)
-            yield _rested(self, k, flight, instant.before[k], instant.after[k])
+            flight, after = instant.before[k], instant.after[k]
+            rest = along(self, k, flight)
+            yield _rested(self, k, flight, rest, after)
+            high = rest._replace(x=flight.x, y=flight.y)  # as it bounced last: an engine leaves it there, or puts it on
+            instant.before[k] = min(rest, high, key=lambda way: self._flown(k, way, after, events).size)
         for k, after in instant.after.items():
             if self.moving[k]:
                 yield self._flown(k, instant.before[k], after, events)

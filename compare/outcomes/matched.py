@@ -12,6 +12,7 @@ from ...scenarios.lazy import Later
 from ...scenarios.trajectory import AT_AN_END, StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
+from ..alignment.walk import bounces_of_one
 from ..foreign.impulses import Impacts
 from .outcome import Entries, changed_outcomes, wait_to_enter
 
@@ -177,7 +178,22 @@ def held(
     if changed and (certain, sure) != (known, entered):
         kept = changed_outcomes(tell(_part(reference, certain, sure.values(), end)), values, agrees=loose)
         changed = [name for name in changed if name in kept]
+    if changed and reference.scene.settle:
+        part = _part(reference, known, entered.values(), end)
+        both = zip((part, history), bounces_of_one(reference, run, patience), strict=True)
+        kept = changed_outcomes(*(tell(_leaving_out(one, bounces)) for one, bounces in both), agrees=loose)
+        changed = [name for name in changed if name in kept]
     return MatchedOutcomes(history, values, expected, tuple(changed), until)
+
+
+def _leaving_out(run: Trajectory, bounces: Collection[tuple[float, str]]) -> Trajectory:
+    """A run without bounces on walls, by their times and circles: of infinitely many it may list any number."""
+
+    def left(event: Event) -> tuple[Contact, ...]:
+        return tuple(p for p in event.impulses if not any((float(event.time), name) in bounces for name in p))
+
+    events = [replace(event, impulses=pairs) for event in run.events if (pairs := left(event))]
+    return replace(run, events=tuple(replace(event, index=k) for k, event in enumerate(events)))
 
 
 def told_until(run: Trajectory, reference: Trajectory, span: Span) -> float | None:

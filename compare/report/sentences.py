@@ -364,6 +364,10 @@ SETTLED_BY = 1.0 - 2.0**-20
 """A share of the common time of two runs: what settles later may do so beyond the end of the other by rounding."""
 
 
+SAME_TIME = 2.0**-20
+"""A share of a time by which rounding may move it."""
+
+
 def settled_phrase(comparison: Comparison) -> str:
     """What walls began to carry in the reference, and which engines have it otherwise; empty where nothing settles.
 
@@ -372,35 +376,45 @@ def settled_phrase(comparison: Comparison) -> str:
     >>> settled_phrase(compare(catalogue.build("landing"), ["double"]))
     'sitter on floor at time 0.774596669, slider on floor at time 1; the same in double'
     """
-    reference, same, others = comparison.reference, list[str](), list[str]()
+    reference, same, late, others = comparison.reference, list[str](), list[str](), list[str]()
     rows = [f"{s.circle} on {s.wall} at time {float(s.time):.9g}" for s in reference.settlings]
     for candidate in comparison.candidates:
         if comparison.scene.settle and not candidate.unable:
-            (same if _settles_alike(comparison, candidate) else others).append(candidate.engine)
+            apart = _settles_apart(comparison, candidate)
+            if apart is not None:
+                (same if apart <= SAME_TIME else late if apart < math.inf else others).append(candidate.engine)
     if not rows and not others:
         return ""
     more = f" and {len(rows) - SHOWN_SETTLINGS} more" if len(rows) > SHOWN_SETTLINGS else ""
     told = f"{', '.join(rows[:SHOWN_SETTLINGS])}{more}" if rows else f"nothing in {reference.engine}"
     told += f"; the same in {listed(same)}" if same else ""
+    told += f"; at other times in {listed(late)}" if late else ""
     return told + (f"; otherwise in {listed(others)}" if others else "")
 
 
-def _settles_alike(comparison: Comparison, candidate: Candidate) -> bool:
-    """Whether walls carry the same circles in the same order, each circle for itself, as long as both runs last.
+def _settles_apart(comparison: Comparison, candidate: Candidate) -> float | None:
+    """How far the times are apart, as a share, at which walls begin to carry circles in two runs; infinity where they
+    do not carry the same circles in the same order, each circle for itself, as long as both runs last.
 
-    After a divergence nothing is compared.
+    After a divergence nothing is compared. None where nothing but what lies from the start has settled by then.
     """
     runs, parted = (comparison.reference, candidate.trajectory), candidate.alignment.divergence
     ends = [float(run.final_time) for run in runs]
     times = () if parted is None else (parted.time, parted.expected_time, parted.got_time)
     end = min([*ends, *(time for time in times if time is not None)]) * SETTLED_BY
+    apart: float | None = None
     for circle in map(str, comparison.scene.ids):
         rows = ([(s.wall, float(s.time)) for s in run.settlings if s.circle == circle] for run in runs)
         for both in zip_longest(*rows):
             known = [row for row in both if row is not None]
-            if min(time for _, time in known) < end and (len(known) < 2 or known[0][0] != known[1][0]):
-                return False
-    return True
+            first, last = min(time for _, time in known), max(time for _, time in known)
+            if first >= end:
+                continue
+            if len(known) < 2 or known[0][0] != known[1][0]:
+                return math.inf
+            if last > 0.0:
+                apart = max(apart or 0.0, (last - first) / last)
+    return 0.0 if apart is None and parted is None else apart
 
 
 def _by_flight(time: float) -> float:

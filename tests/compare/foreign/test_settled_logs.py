@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,8 +18,9 @@ from truebreak.compare.cli import main
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.foreign.impulses import Supports
 from truebreak.compare.logdiff.lawful import lawful_runs
+from truebreak.compare.report.sentences import settled_phrase
 from truebreak.compare.validation import EngineError
-from truebreak.scenarios import Circle, Scene, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import dump_json
 
 FLOOR = Wall(0, 0, 1, 0, id="floor")
@@ -316,3 +318,51 @@ def test_a_line_tells_when_infinitely_many_bounces_end(fault: str, told: bool, t
         [mine] = log.last.settlings
         assert float(mine.time) == float(rest.time)
         assert float(mine.since or 0) == lines[-3]["time"]
+
+
+def dropped(
+    e: float, y: float, *, twice: bool = False, over: float = 1e-6, late: float = 0.0, to: float = 1.0
+) -> Lines:
+    """The log of an engine of one's own: a disc that bounces on a floor, and is put onto it where its bounces end."""
+    gravity, reach, speed, time, x, vx, lines = 10.0, 1.0, 0.0, 0.0, 0.0, 0.3, list[dict[str, Any]]()
+    while not lines or speed > over:
+        rise = speed / gravity if lines else math.sqrt(2.0 * (y - reach) / gravity)
+        wait = 2.0 * rise if lines else rise
+        time, x = time + wait, x + vx * wait
+        fall = gravity * wait - speed
+        speed = e * e * fall if twice else e * fall
+        row = [x, reach - 2.0**-53 * y * 4, vx, speed]
+        lines.append({"time": time, "contact": ["ball", "floor"], "states": {"ball": row}, "carried": {}})
+    left = 2.0 * speed / (gravity * (1.0 - e)) + late
+    rest = {"time": time + left, "states": {"ball": [x + vx * left, to, vx, 0.0]}, "carried": {"ball": "floor"}}
+    return [*lines, rest, {"end": 6.0}]
+
+
+def drop(e: str, y: str) -> Scene:
+    return Scene([Circle(0, y, 1, vx="0.3", id="ball")], [FLOOR], gravity=(0, -10), restitution=e, settle=True)
+
+
+@pytest.mark.parametrize(
+    ("e", "y"), [("1/2", "6.1"), ("1/4", "6.1"), ("1/10", "11.3"), ("1/20", "6.1"), ("3/10", "6.1")]
+)
+def test_an_engine_may_put_onto_its_wall_what_has_bounced_there_infinitely_often(
+    e: str, y: str, tmp_path: Path
+) -> None:
+    """Or leave it where it bounced last, off the wall by rounding; how many bounces are listed is no outcome."""
+    scene = drop(e, y)
+    for over in (1e-6, 1e-3):
+        lines = dropped(float(Quantity.of(e)), float(y), over=over)
+        found = compare(scene, [logged(lines, scene, tmp_path / "log.jsonl")], until=6)
+        [mine] = found.candidates
+        assert mine.laws is not None and mine.laws.kept, mine.laws.sentence
+        assert mine.verdict == "agree" and not mine.changed
+        assert settled_phrase(found).endswith("; the same in " + mine.engine)
+
+
+@pytest.mark.parametrize("fault", [{"twice": True}, {"late": 1e-3}, {"to": 1.0 + 1e-9}])
+def test_bounces_that_end_at_another_time_or_place_are_said_to(fault: Mapping[str, Any], tmp_path: Path) -> None:
+    scene = drop("1/2", "6.1")
+    found = compare(scene, [logged(dropped(0.5, 6.1, **fault), scene, tmp_path / "log.jsonl")], until=6)
+    [mine] = found.candidates
+    assert mine.laws is not None and mine.laws.kept is False
+    assert ("; at other times in " in settled_phrase(found)) == ("to" not in fault)
