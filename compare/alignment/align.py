@@ -121,6 +121,11 @@ class Alignment:
     walks: dict[str, Walk] = field(repr=False, default_factory=dict)
 
     @property
+    def taken_together(self) -> int:
+        """How many of the reference's events the candidate has as one contact with the one before."""
+        return len({m for walked in self.walks.values() for mine in walked.merged.values() for m in sorted(mine)[1:]})
+
+    @property
     def verdict(self) -> Verdict:
         """See `VERDICTS`."""
         if self.divergence is not None:

@@ -606,7 +606,8 @@ class Recording:
             return Stop(StopReason.EVENTS, f"{StopReason.EVENTS.value}: {count}")
         reached = self._now if end is None else end
         if limit is not None and (float(limit) <= reached or (self._quiet and end is not None)):
-            return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {limit.brief()}")
+            told = limit.brief() if len(limit.text()) < 20 else repr(float(limit))  # of a double the fraction is long
+            return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {told}")
         if end is None:
             return None
         if self._quiet:

@@ -108,6 +108,7 @@ def judge(
         from ...certificate.certified import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
+    from ...files.amounts import counted
     from ...report.changes import changes_of
 
     changes = changes_of(comparison)
@@ -124,6 +125,9 @@ def judge(
         for candidate in comparison.candidates:
             for note in candidate.trajectory.notes:
                 say(out, f"{candidate.engine}: {note}.")
+            if together := candidate.alignment.taken_together:
+                of = f"{together:,} of the exact run's {counted(len(comparison.reference.events), 'event')}"
+                say(out, f"{candidate.engine}: {of} come within two of its steps of the one before: one contact there.")
             if candidate.laws is not None and candidate.laws.bounces is not None:
                 say(out, f"{candidate.engine}: {candidate.laws.bounces}.")
         for change in changes:
