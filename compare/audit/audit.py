@@ -63,7 +63,7 @@ class Violation:
             "start": f"{who} begins {size} from where, or as fast as, the scene says",
             "flight": f"{who} is {size} from where it flew to",
             "gap": f"{who} are {size} from touching as they collide",
-            "impulse": f"the impulse of {who} changes a velocity by {size} more or less than the law",
+            "impulse": f"the impulse of {who} leaves a velocity {size} off the law's",
             "energy": f"the energy of those that {who} collide with changes by {size}",
             "bystander": f"the velocity of {who} changes by {size} without a contact",
             "reversal": f"the velocity of {who} is {size} from its negative at the reversal",

@@ -336,6 +336,11 @@ class ByBodies(RecordPairs):
         if x.event == y.event and body == a.contacts[0][0]:
             self.others(a, b)
 
+    def one_start(self) -> None:
+        """The clocks are one: what was taken for another start of the second is a time that differs."""
+        self.found.times_differ = self.found.times_differ or self.started
+        self.found.clock, self.shift, self.started = None, 0.0, None
+
     def clocks(self, a: LogRecord, b: LogRecord, body: str, stated: bool, off: float, before: float) -> None:
         """Compares the times of one meeting."""
         if a.clock is None or b.clock is None:
@@ -355,9 +360,7 @@ class ByBodies(RecordPairs):
             self.started = a, b
             agrees = True
         elif self.started is not None and late == 0 and self.shift and restarts == self.restarts:
-            # The clocks are one: what was taken for another start of the second is a time that differs.
-            found.times_differ = found.times_differ or self.started
-            found.clock, self.shift, self.started = None, 0.0, None
+            self.one_start()
         elif not agrees and unit.coarse is not None and unit.coarse.explains(x, y):
             found.explained += unit.coarse.side is not None
             agrees = True
@@ -411,8 +414,11 @@ class ByBodies(RecordPairs):
             self.meet((None, record), body, (None, partners))
 
     def finish(self) -> None:
-        """What is left when both logs have ended."""
+        """What is left when both logs have ended, and whether they end at one time."""
         found, queues = self.found, self.waiting.queues
+        over = [side.log.end for side in self.sides]
+        if self.started is not None and self.shift and None not in over and over[0] == over[1]:
+            self.one_start()
         for body in sorted(queues[0].keys() & queues[1].keys()):
             self.drain(body, ended=True)
         ends = [side.last.clock if side.last is not None else None for side in self.sides]

@@ -307,10 +307,10 @@ def _margin_words(candidate: Candidate) -> str:
 
 
 def _growth_words(candidate: Candidate) -> str:
-    """Whether errors grew on the way to the divergence: chaos, a close call, or between the two."""
+    """Whether errors grew on the way to the divergence: chaos, none, or on the way to it."""
     margin, parted = candidate.margin, candidate.alignment.divergence
     if parted is not None and not parted.expected_event:
-        return "It is a close call, not chaos: nothing happens before that instant in which errors could grow."
+        return "It is no chaos: nothing happens before that instant in which errors could grow."
     if margin is None or margin.error is None or parted is None:
         return ""
     if (0.0, 0.0) in {margin.gap, margin.distance}:
@@ -321,8 +321,8 @@ def _growth_words(candidate: Candidate) -> str:
     if _chaotic(candidate):
         return f"It is chaos: errors grow by {margin.growth:.3g} bits an event."
     if bits < CALM_BITS:
-        return "It is a close call, not chaos: errors hardly grow on the way."
-    return f"It lies between a close call and chaos: errors grow by {bits:.2g} bits on the way."
+        return "It is no chaos: errors hardly grow on the way."
+    return f"It is on the way to chaos: errors grow by {bits:.2g} bits on the way."
 
 
 def _chaotic(candidate: Candidate) -> bool:

@@ -423,3 +423,6 @@ def test_one_time_that_differs_is_no_other_start_of_a_clock(times: tuple[float, 
     assert compared(one, other).verdict.name is not Finding.IDENTICAL
     later = [{**line, "time": line["time"] + 0.5} for line in one]
     assert compared(one, later).verdict.name is Finding.IDENTICAL
+    ends = [[*lines, {"end": end}] for lines in (one, later) for end in (5.0, 5.5)]
+    assert compared(ends[0], ends[3]).verdict.name is Finding.IDENTICAL
+    assert compared(ends[0], ends[2]).verdict.name is not Finding.IDENTICAL  # both end at one time: so is their start

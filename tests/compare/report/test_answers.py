@@ -371,8 +371,8 @@ def test_the_json_has_what_the_page_says_was_run_in_its_place() -> None:
 @pytest.mark.parametrize(
     ("growth", "error", "gap", "said"),
     [
-        (0.01, 1e-9, None, "It is a close call, not chaos: errors hardly grow on the way."),
-        (0.1, 1e-9, None, "It lies between a close call and chaos: errors grow by 5 bits on the way."),
+        (0.01, 1e-9, None, "It is no chaos: errors hardly grow on the way."),
+        (0.1, 1e-9, None, "It is on the way to chaos: errors grow by 5 bits on the way."),
         (0.5, 1e-9, None, "It is chaos: errors grow by 0.5 bits an event."),
         (0.5, 1e-9, (0.0, 0.0), "It takes no chaos: any error, however small, decides it."),
         (None, 1e-9, None, "Whether errors grow on the way is not known."),

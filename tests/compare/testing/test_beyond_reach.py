@@ -80,7 +80,7 @@ def an_event_of_two_discs(after: int) -> int:
     ("bug", "told"),
     [
         (phantom, "from touching as they collide"),
-        (crooked, "more or less than the law"),
+        (crooked, "off the law's"),
     ],
 )
 def test_what_keeps_energy_and_momentum_beyond_reach_may_yet_be_wrong(bug: Any, told: str) -> None:
