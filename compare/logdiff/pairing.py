@@ -416,9 +416,6 @@ class ByBodies(RecordPairs):
     def finish(self) -> None:
         """What is left when both logs have ended, and whether they end at one time."""
         found, queues = self.found, self.waiting.queues
-        over = [side.log.end for side in self.sides]
-        if self.started is not None and self.shift and None not in over and over[0] == over[1]:
-            self.one_start()
         for body in sorted(queues[0].keys() & queues[1].keys()):
             self.drain(body, ended=True)
         ends = [side.last.clock if side.last is not None else None for side in self.sides]
@@ -442,6 +439,9 @@ class ByBodies(RecordPairs):
                     found.longer = found.longer or "ab"[side]
                 else:
                     self.alone(side, record)
+        over = [side.log.end for side in self.sides]
+        if self.started is not None and self.shift and None not in over and over[0] == over[1]:
+            self.one_start()
 
 
 def _partners(record: LogRecord) -> dict[str, list[str]]:
