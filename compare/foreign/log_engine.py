@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -254,6 +257,13 @@ def _csv_number(row: dict[str, str], key: str, where: str) -> float:
 # A log in the place of an engine: it runs the one scene of which it is, as far as it goes.
 
 
+SHORT = 1024
+"""Whole parts of 1: what has no more to it tells nothing of bits."""
+
+MANY_STEPS, MOST_STEPS, SAME_STEP = 12, 100_000, 1e-9
+"""So many equal steps are no chance; how many may be a unit of time; by what share of the time they may differ."""
+
+
 @dataclass(frozen=True)
 class LogEngine(Unchangeable):
     """An engine of which there is a log, and no more: it cannot be run on, nor made finer.
@@ -324,6 +334,23 @@ class LogEngine(Unchangeable):
     def over(self) -> bool:
         """Whether it says that nothing is left to happen."""
         return self.last.stop.reason is StopReason.QUIET
+
+    def undeclared(self) -> Iterator[str]:
+        """What its states look like and was not declared, each with the option that declares it."""
+        knots: Sequence[Sequence[tuple[float, ...]]] = getattr(self.last.motion, "knots", ())
+        last = [{knot[0]: knot for knot in row if knot[0] > 0.0} for row in knots]  # before it is where it would be
+        told = [knot for row in last for knot in row.values()]
+        places = [number for knot in told for number in knot[1:3]]
+        long = any(number * SHORT != math.floor(number * SHORT) for number in places)
+        if self.bits == 53 and long and all(math.ldexp(math.frexp(place)[0], 24).is_integer() for place in places):
+            yield "every place in it has 24 bits: if it computes in such numbers, judge it with --bits 24"
+        times = sorted({knot[0] for knot in told})
+        gaps = [later - time for time, later in pairwise(times)]
+        if self.step is None and len(gaps) >= MANY_STEPS and max(gaps) - min(gaps) <= SAME_STEP * times[-1]:
+            step = Fraction(times[-1] - times[0]) / len(gaps)
+            near = step.limit_denominator(MOST_STEPS)
+            shown = near if abs(near - step) <= SAME_STEP * step else float(step)
+            yield f"its states come at equal steps of {shown}: if it moves by steps, judge it with --step {shown}"
 
     def run(
         self,

@@ -122,7 +122,9 @@ def judge(
     else:
         print_comparison(comparison, verbose=asked.verbose, scene=scene)
         out = console()
-        for candidate in comparison.candidates:
+        for log, candidate in zip(engines, comparison.candidates, strict=False):
+            for hint in log.undeclared() if candidate.lawless or candidate.verdict == "diverged" else ():
+                say(out, f"{candidate.engine}: {hint}.")
             for note in candidate.trajectory.notes:
                 say(out, f"{candidate.engine}: {note}.")
             if together := candidate.alignment.taken_together:

@@ -366,3 +366,35 @@ def test_bounces_that_end_at_another_time_or_place_are_said_to(fault: Mapping[st
     [mine] = found.candidates
     assert mine.laws is not None and mine.laws.kept is False
     assert ("; at other times in " in settled_phrase(found)) == ("to" not in fault)
+
+
+@pytest.mark.parametrize(
+    ("name", "declared", "hint"),
+    [
+        ("single", {}, "judge it with --bits 24"),
+        ("single", {"bits": 24}, ""),
+        ("double", {}, ""),
+        ("pymunk:dt=1/64", {}, "equal steps of 1/64: if it moves by steps, judge it with --step 1/64"),
+        ("pymunk:dt=1/64", {"step": 1 / 64}, ""),
+    ],
+)
+def test_what_was_not_declared_is_seen_by_states(name: str, declared: Mapping[str, Any], hint: str) -> None:
+    scene = catalogue.build("gas-under-gravity:n=4" if "pymunk" in name else "gas:n=4,seed=2")
+    run = engine(name).run(scene, until=20)
+    recording = Recording(scene, "log")
+    if "pymunk" in name:
+        for step in range(1, 40):
+            ids, states = scene.ids, run.at(step / 64).circles
+            recording.state(step / 64, {str(i): (c.x, c.y, c.vx, c.vy) for i, c in zip(ids, states, strict=False)})
+    else:
+        for line in lines_of(run)[:-1]:
+            recording.hits(line["time"], [tuple(pair) for pair in line["contacts"]])
+            told = (
+                line["states"]
+                if name == "double"
+                else {i: np.float32(row).tolist() for i, row in line["states"].items()}
+            )
+            recording.state(line["time"], told)
+    recording.end(20.0)
+    hints = [*LogEngine(recording, "log", **declared).undeclared()]
+    assert len(hints) == bool(hint) and hint in "".join(hints)
