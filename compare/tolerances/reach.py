@@ -125,7 +125,8 @@ class ErrorWalk:
         beyond = {
             "walls of other kinds": bool(scene.other_walls), "segments or polygons that move": bool(scene.moving_solid),
             "restitution 0": scene.restitution.sign() == 0,
-            "gravity and something round and fixed": bool(scene.surfaces.pegs or (scene.gravity and scene.arcs)),
+            "gravity and something round and fixed (a circle, an arc, an end or a corner)":
+                bool(scene.surfaces.pegs or (scene.gravity and scene.arcs)),
             "gravity, and the engine falls by steps": scene.gravity is not None and local.order is not None,
         }  # fmt: skip
         for what in (name for name, there in beyond.items() if there):
