@@ -178,7 +178,7 @@ def held(
     if changed and (certain, sure) != (known, entered):
         kept = changed_outcomes(tell(_part(reference, certain, sure.values(), end)), values, agrees=loose)
         changed = [name for name in changed if name in kept]
-    if changed and reference.scene.settle:
+    if changed and reference.scene.settle and alignment.divergence is None:
         part = _part(reference, known, entered.values(), end)
         both = zip((part, history), bounces_of_one(reference, run, patience), strict=True)
         kept = changed_outcomes(*(tell(_leaving_out(one, bounces)) for one, bounces in both), agrees=loose)
