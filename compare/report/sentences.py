@@ -54,17 +54,18 @@ def verdict_sentence(comparison: Comparison) -> str:
         kept = f"; {listed(spared)} {'keeps' if len(spared) == 1 else 'keep'} it" if spared else ""
         name = f" ({first.engine})" if len(comparison.candidates) > 1 else ""
         return f"The collisions are right, the law is not: {law_phrase(first)}{name}{kept}."
+    broken = "".join(f"{c.engine} does not keep the law: {law_phrase(c)}. " for c in lawless)
     stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
     unsettled = listed([c.engine for c in by_verdict["unsettled"]])
     undecided = listed([c.engine for c in by_verdict["undecided"]])
     if by_verdict["unsettled"]:
         where = f"the {reference.engine} run near its end"
         told = f"Not settled: these runs do not show whether {unsettled} diverges from {where}"
-        return "; ".join([told, *filter(None, map(further_phrase, by_verdict["unsettled"]))]) + "."
+        return broken + "; ".join([told, *filter(None, map(further_phrase, by_verdict["unsettled"]))]) + "."
     if comparison.verdict == "undecided" and not by_verdict["undecided"]:
         return f"Undecided: {stopped}."
     if not agreeing:
-        return f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
+        return broken + f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
     verb = "agrees" if len(agreeing) == 1 else "agree"
     rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
     same = f"{listed(agreeing)} {verb} with the {reference.engine} run in {all_of(len(reference.events))}{rest}."

@@ -18,7 +18,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.foreign.impulses import Supports
 from truebreak.compare.logdiff.lawful import lawful_runs
-from truebreak.compare.report.sentences import settled_phrase
+from truebreak.compare.report.sentences import settled_phrase, verdict_sentence
 from truebreak.compare.validation import EngineError
 from truebreak.scenarios import Circle, Quantity, Scene, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import dump_json
@@ -398,3 +398,16 @@ def test_what_was_not_declared_is_seen_by_states(name: str, declared: Mapping[st
     recording.end(20.0)
     hints = [*LogEngine(recording, "log", **declared).undeclared()]
     assert len(hints) == bool(hint) and hint in "".join(hints)
+
+
+def test_a_law_that_is_broken_is_said_first_where_the_histories_are_not_settled(tmp_path: Path) -> None:
+    """Bounces that keep their height go on for longer than the log: how far it agrees is open, the law is not."""
+    scene = drop("1/2", "6.1")
+    lines = dropped(0.5, 6.1)[:2]
+    for line in lines:
+        line["states"]["ball"][3] *= 2.0
+    lines[1]["time"] = 3.0 * lines[0]["time"]
+    lines[1]["states"]["ball"][0] = 0.3 * lines[1]["time"]
+    found = compare(scene, [logged([*lines, {"end": 3.5}], scene, tmp_path / "log.jsonl")], until=6)
+    assert found.candidates[0].verdict == "unsettled"
+    assert verdict_sentence(found).startswith(f"{found.candidates[0].engine} does not keep the law: restitution 1 ")

@@ -191,7 +191,11 @@ def test_a_law_that_is_off_by_a_billionth_is_found(changes: dict[str, Any]) -> N
 def test_what_is_not_bounded_is_refused_in_one_line_and_a_span_is_not() -> None:
     for scene, name, told in (
         (LIFT, "pymunk", "gravity, and the engine falls by steps"),
-        (catalogue.build("galton"), "double", r"gravity and something round and fixed \(a circle, an arc, an end or a corner\)"),
+        (
+            catalogue.build("galton"),
+            "double",
+            r"gravity and something round and fixed \(a circle, an arc, an end or a corner\)",
+        ),
         (LIFT.with_changes(restitution=0), "double", "restitution 0"),
     ):
         with pytest.raises(SceneError, match=f"has {told}, where what rounding may do is not bounded yet; give a span"):
