@@ -126,13 +126,13 @@ def verdict_line(comparison: Comparison) -> str:
     >>> verdict_line(compare(catalogue.build("near-tie:k=40"), ["double", "quad"]))
     'Floating point changed what happened: double diverges at event 0 of 4.'
     """
-    first = headline(comparison)
-    if first is None or first.alignment.divergence is None:
+    if (first := headline(comparison)) is None or first.alignment.divergence is None:
         return verdict_sentence(comparison).partition(f": {comparison.reference.stop.message}")[0].rstrip(".") + "."
     head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
     law = "does not keep the law, and diverges" if first.lawless else "diverges"
-    total = len(comparison.reference.events)
-    return f"{head}{first.engine} {law} at event {first.alignment.divergence.event:,} of {total:,}."
+    event, total = first.alignment.divergence.event, len(comparison.reference.events)
+    place = f"at event {event:,}" if event < total else "after the last"
+    return f"{head}{first.engine} {law} {place} of {total:,}."
 
 
 def tone(comparison: Comparison) -> str:

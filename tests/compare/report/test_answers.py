@@ -17,6 +17,7 @@ from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.cli import main
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.engines import engine
+from truebreak.compare.foreign import LogEngine
 from truebreak.compare.picture import instant_of, moment_frames, states_at
 from truebreak.compare.report.answers import all_run, answers, right_to, subject, tone, verdict_line, why
 from truebreak.compare.report.documents import comparison_json
@@ -406,3 +407,9 @@ def test_velocities_that_differ_late_are_given_to_the_digit_that_differs() -> No
     found = answers(other_velocities(compare(catalogue.build("pinball-table"), ["double"]))).so_what
     one, other = re.findall(r"\([^)]*\)", found)[:2]
     assert "instead of" in found and one != other
+
+
+def test_a_divergence_beyond_the_last_event_is_said_to_be_after_it() -> None:
+    scene = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")], [Wall(9, 0, 9, 1, id="w")])
+    log = LogEngine.of([(2.0, "a", "b"), (6.0, "b", "w"), (10.0, "a", "b"), (12.0, "a", "b")], scene)
+    assert verdict_line(compare(scene, [log])).endswith("diverges after the last of 3.")
