@@ -330,7 +330,8 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
         lost, masses = (lost if lost > heavy else 0.0), (1.0 if abs(masses - 1) <= heavy else masses)
     aside = aside if aside > heavy else 0.0
     speeds = a.speed + a.fallen + la.speed + (0.0 if wall else instant.before[j].speed + instant.before[j].fallen)
-    room = (64 * laws.unit * speeds + met.bent + met.grazed) / (abs(closing) * (laws.restitution or 1.0))
+    closer = abs(closing) * (laws.restitution or 1.0)
+    room = (64 * laws.unit * speeds + met.bent + met.grazed) / closer if closer else math.inf
     e, slid = laws.restitution, then / across if across else math.nan
     ratio = -after / closing / e if e else 1 - after / closing
     yield Sample(

@@ -8,7 +8,7 @@ units, relatively. docs/audit.md derives the constants.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
@@ -17,7 +17,7 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import Sides
 from ...scenarios.numbers.quantity import ZERO as NONE
 from ...scenarios.surfaces import parts_of
-from ..foreign.impulses import solved, strengths_of
+from ..foreign.impulses import left_of, sharpened, strengths_of
 from .transcript import WallInBalls, groups_of
 
 if TYPE_CHECKING:
@@ -47,6 +47,9 @@ UNDERFLOW = {2.0**-11: 2.0**-24, 2.0**-24: 2.0**-149, 2.0**-53: 2.0**-1074}
 
 UNDERFLOWS = 8
 """Products of fourth order that a discriminant has, each of which may underflow."""
+
+CLOSE = 2.0**-40
+"""A share of a time within which two contacts may be of one instant."""
 
 LEAST = 2.0**-1070
 """Below the normal doubles a rounding is no longer relative: 16 of their least differences are granted."""
@@ -152,7 +155,8 @@ class ImpactLaws(NamedTuple):
         0.25
         """
         speed, off = abs(float(self.opening.mid())), 4 * self.curve * self.room
-        return speed - math.sqrt(speed**2 - off) if off < speed**2 else speed + math.sqrt(speed**2 + off)
+        share = off and (off / speed / speed if speed else math.inf)  # no square, which may be too small
+        return speed * (1.0 - math.sqrt(1.0 - share)) if share < 1.0 else speed + math.hypot(speed, math.sqrt(off))
 
 
 def length_of(x: arb, y: arb) -> float:
@@ -193,6 +197,8 @@ class Laws:
         self.parts = parts_of(scene)
         scene = scene.surfaces
         self.scene, self.unit, self.start, self.step = scene, unit, start, step
+        self.least = max(LEAST, 16 * UNDERFLOW.get(unit, 0.0))
+        self._came: list[dict[float, tuple[float, float]]] = [{} for _ in scene.circles]
         self.change = 1 + ball.constant(scene.restitution)
         self.restitution = float(scene.restitution)
         self.fall = fall
@@ -292,8 +298,9 @@ class Laws:
                 if self.moving[k]:
                     yield self._bystander("bystander", k, instant.before[k], after)
             return
-        groups = groups_of(instant.impulses, self.moving, self.count)
-        hit = instant.circles(self.count)
+        groups, hit = groups_of(instant.impulses, self.moving, self.count), instant.circles(self.count)
+        for k in hit:
+            self._begin(k, instant.before[k], instant.time)
         for pairs in groups:
             if len(pairs) == 1:
                 yield from self._impact(pairs[0], instant, left, events)
@@ -329,7 +336,7 @@ class Laws:
         """What rounding may make of a place, at the end of a flight; `speed` is that with which the circle goes on."""
         moved = max(0, events - before.made) if self.step is None else (time - before.time) / self.step
         units = FLIGHT_UNITS * (1 + moved)
-        return self.unit * units * (before.place + place + (before.speed + speed) * (time + before.time)) + LEAST
+        return self.unit * units * (before.place + place + (before.speed + speed) * (time + before.time)) + self.least
 
     def _bystander(self, kind: str, k: int, before: ReportedFlight, after: ReportedFlight) -> Residual:
         """A circle that meets nothing keeps its velocity."""
@@ -337,7 +344,7 @@ class Laws:
         fast += before.fallen
         if self.step is not None:  # a solver goes on pushing what impacts of other speeds have left by rounding
             self._fastest = fast = max(fast, self._fastest)
-        return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * fast + LEAST)
+        return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * fast + self.least)
 
     def _turned(self, instant: ReportedInstant, events: int) -> Iterator[Residual]:
         """At a reversal every velocity is negated; of what is hit at that very moment, the energy is kept."""
@@ -358,7 +365,7 @@ class Laws:
             speed = before.speed + after.speed + before.fallen
             room += float(mass) * speed * (2 * IMPULSE_UNITS * self.unit * speed + bent)
         if hit:
-            yield Residual("energy", instant.impulses[0], size_of(energy), room + LEAST)
+            yield Residual("energy", instant.impulses[0], size_of(energy), room + self.least)
 
     # -- contacts
 
@@ -401,8 +408,7 @@ class Laws:
             return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
         one_falls = self.fall is not None and _falls(self, i, a) != _falls(self, j, b)
         fast = 2 * max(speed, a.speed, b.speed) if one_falls else speed  # g t is no more than both its speeds
-        far = near + fast * max(0.0, time - max(a.time, b.time))
-        room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
+        room = blur + self._missed((i, a), (j, b), near, wide, fast, time)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
@@ -432,8 +438,7 @@ class Laws:
         if not near:  # in the very middle: no line leads to the arc
             return ImpactLaws(dx, dy, gap, arb(0), a.speed, blur, 1.0)
         fast = a.speed if self.fall is None else 2 * a.speed  # as of two circles
-        far = near + fast * max(0.0, instant.time - a.time)
-        room = blur + ROOT_UNITS * self.unit * (far * (far / (near + abs(wide))) + abs(wide))
+        room = blur + self._missed((i, a), (i, a), near, abs(wide), fast, instant.time)
         nx, ny = dx / distance, dy / distance
         opening = -(nx * a.vx + ny * a.vy)
         room += self.underflown(a.speed, abs(float(opening.mid()) * wide))
@@ -442,6 +447,29 @@ class Laws:
         opening, bounced = (opening, None) if self.fall is None else self._bounced(opening, nx, ny, self.fall)
         curve = _curve(self, a.speed, near, nx, ny, True)
         return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced, curve)
+
+    def _missed(
+        self, one: tuple[int, ReportedFlight], other: tuple[int, ReportedFlight], near: float, wide: float, fast: float,
+        time: float,
+    ) -> float:  # fmt: skip
+        """What rounding of the discriminant makes of a gap, over the flights before: 16 u (D^2 / R + R).
+
+        Where these begin so shortly before that such rounding covers it, the two contacts are of one instant, and the
+        second may have been found before the first: then over the flights before that.
+        """
+        rooms, begun = list[float](), max(one[1].time, other[1].time)
+        before = [self._came[k].get(flight.time, (flight.time, 0.0)) for k, flight in (one, other)]
+        for since, speed in ((begun, fast), (max(t for t, _ in before), max(fast, *(2 * v for _, v in before)))):
+            far = near + speed * max(0.0, time - since)
+            rooms.append(ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide))
+        return rooms[1] if fast * (time - begun) <= rooms[1] else rooms[0]
+
+    def _begin(self, k: int, flight: ReportedFlight, time: float) -> None:
+        """Notes from when on, and how fast, a circle flew that begins another flight; at one instant the first."""
+        known = self._came[k]
+        short = abs(time - flight.time) <= CLOSE * abs(time)
+        since = known.get(flight.time, (flight.time, flight.speed)) if short else (flight.time, flight.speed)
+        self._came[k] = {**({flight.time: known[flight.time]} if flight.time in known else {}), time: since}
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -482,7 +510,7 @@ class Laws:
             units = IMPULSE_UNITS * self.unit
             granted = units * (before.speed + left.speed + 2 * share * (met.speed if wall else before.speed + other))
             granted += units * (before.fallen + (0.0 if wall else instant.before[j if k == i else i].fallen))
-            granted += 2 * share * met.bent + LEAST
+            granted += 2 * share * met.bent + self.least
             found, grazed = length_of(dvx, dvy), granted + 2 * share * met.grazed
             if found - grazed >= size - room:
                 size, room = found, grazed
@@ -498,7 +526,7 @@ class Laws:
         lead to the velocities that it reports.
         """
         moving: dict[int, tuple[arb, arb]] = {k: (f.vx, f.vy) for k, f in instant.before.items()}
-        granted: dict[int, float] = dict.fromkeys(moving, LEAST)
+        granted: dict[int, float] = dict.fromkeys(moving, self.least)
         found: list[tuple[int, float, float]] = []
         worn = 0.0  # by what speeds may be off, as impulses before are
         for place, (i, j) in enumerate(instant.impulses):
@@ -511,7 +539,7 @@ class Laws:
             speed = sum(flight.speed + flight.fallen + left for flight, left in begun)
             total = sum((self.things[k].weight for k in ends), arb(0))
             bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
-            room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + LEAST
+            room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + self.least
             if ball.sign_of(opening) == 1 or 2 * abs(float(opening.mid())) <= room:
                 found.append((place, max(0.0, -float(opening.mid())), speed))
             for k, sign in ((i, 1), (j, -1)):
@@ -558,7 +586,10 @@ class Laws:
         for k, (x, y) in change.items():
             root = math.sqrt(self.things[k].share)
             wanted[k] = float(x.mid()) / root, float(y.mid()) / root
-        strengths = _sharpened(self, strengths_of(columns, wanted), columns, links, met, change)
+        normals = {link: (met[link].nx, met[link].ny) for link in links}
+        weights = {k: self.things[k].weight for k in change}
+        rough = strengths_of(columns, wanted)
+        strengths = sharpened(rough, columns, links, normals, change, weights, -math.log2(self.unit))
         bent = max(met[link].bend(2 * fastest, 2 * fastest) for link in links)  # two at rest may be fast a round later
         grazed = max(met[link].grazed for link in links)
         rounds = max(len(pairs), len(links))
@@ -567,8 +598,8 @@ class Laws:
         frames = {self.drift(j) for _, j in links if j >= self.count or not self.moving[j]}
         ux, uy = map(ball.constant, next(iter(frames), (NONE, NONE)))
         for k in circles:
-            x, y = _unexplained(k, self.things[k].weight, change[k], links, strengths, met)
-            granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * (bent + grazed) + LEAST
+            x, y = left_of(k, weights[k], change[k], links, strengths, normals)
+            granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * (bent + grazed) + self.least
             found = Residual("impulse", (k,), length_of(x, y), granted)
             if found.size - found.room > worst.size - worst.room:
                 worst = found
@@ -655,41 +686,3 @@ def _bent_at_end(laws: Laws, wall: int, line: WallInBalls, x: arb, y: arb, blur:
     beside = min(abs(foot), abs(line.length - foot))
     blur += ROOT_UNITS * laws.unit * (line.size + radius)
     return min(1.0, blur / ((radius + line.thick) or blur)) if beside <= blur else 0.0
-
-
-def _unexplained(
-    k: int, weight: arb, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
-    met: Mapping[tuple[int, int], ImpactLaws],
-) -> tuple[arb, arb]:  # fmt: skip
-    """What pushes of these strengths leave of a circle's change of velocity."""
-    x, y = change
-    for link, strength in zip(links, strengths, strict=True):
-        if k in link:
-            push = strength * weight * (1 if k == link[1] else -1)
-            x, y = x - push * met[link].nx, y - push * met[link].ny
-    return x, y
-
-
-def _sharpened(
-    laws: Laws, rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]],
-    links: Sequence[tuple[int, int]], met: Mapping[tuple[int, int], ImpactLaws],
-    change: Mapping[int, tuple[arb, arb]],
-) -> list[arb]:  # fmt: skip
-    """Strengths to an engine's bits: what those in doubles leave is explained by the same contacts again."""
-    strengths = [arb(strength) for strength in rough]
-    pushing = [c for c, strength in enumerate(rough) if strength > 0.0]
-    for _ in range(math.ceil(max(0.0, -math.log2(laws.unit) - DOUBLE_BITS) / BITS_GAINED) if pushing else 0):
-        left: dict[int, tuple[float, float]] = {}
-        for k in change:
-            root = math.sqrt(laws.things[k].share)
-            x, y = _unexplained(k, laws.things[k].weight, change[k], links, strengths, met)
-            left[k] = float(x.mid()) / root, float(y.mid()) / root
-        for c, more in zip(pushing, solved([columns[c] for c in pushing], left), strict=True):
-            strengths[c] += arb(more)
-    return strengths
-
-
-BITS_GAINED = 40
-"""Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
-
-DOUBLE_BITS = 53

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb, arb_mat
@@ -521,3 +521,46 @@ def solved(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, 
     except ZeroDivisionError:
         return [0.0] * count
     return [float(told[c, 0].mid()) for c in range(count)]
+
+
+def left_of(
+    k: int, weight: arb, change: tuple[arb, arb], links: Sequence[tuple[int, int]], strengths: Sequence[arb],
+    normals: Mapping[tuple[int, int], tuple[arb, arb]],
+) -> tuple[arb, arb]:  # fmt: skip
+    """What pushes of these strengths leave of a circle's change of velocity.
+
+    Args:
+        weight: its inverse mass.
+        normals: of each pair, from the first to the second.
+    """
+    x, y = change
+    for link, strength in zip(links, strengths, strict=True):
+        if k in link:
+            push = strength * weight * (1 if k == link[1] else -1)
+            x, y = x - push * normals[link][0], y - push * normals[link][1]
+    return x, y
+
+
+def sharpened(
+    rough: Sequence[float], columns: Sequence[dict[int, tuple[float, float]]], links: Sequence[tuple[int, int]],
+    normals: Mapping[tuple[int, int], tuple[arb, arb]], change: Mapping[int, tuple[arb, arb]],
+    weights: Mapping[int, arb], bits: float,
+) -> list[arb]:  # fmt: skip
+    """Strengths to so many bits: what those in doubles leave is explained by the same contacts again."""
+    strengths = [arb(strength) for strength in rough]
+    pushing = [c for c, strength in enumerate(rough) if strength > 0.0]
+    for _ in range(math.ceil(max(0.0, bits - DOUBLE_BITS) / BITS_GAINED) if pushing else 0):
+        left: dict[int, tuple[float, float]] = {}
+        for k in change:
+            root = math.sqrt(float(weights[k]))
+            x, y = left_of(k, weights[k], change[k], links, strengths, normals)
+            left[k] = float(x.mid()) / root, float(y.mid()) / root
+        for c, more in zip(pushing, solved([columns[c] for c in pushing], left), strict=True):
+            strengths[c] += arb(more)
+    return strengths
+
+
+BITS_GAINED = 40
+"""Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
+
+DOUBLE_BITS = 53
