@@ -19,7 +19,7 @@ from truebreak.compare.tolerances.reach import reach_of
 from truebreak.exact import ExactEngine
 from truebreak.exact.laws import formulas
 from truebreak.floating import DoubleEngine, PymunkEngine
-from truebreak.scenarios import Circle, Declared, Scene, SceneError, catalogue
+from truebreak.scenarios import Circle, Declared, Scene, SceneError, Wall, catalogue
 
 SCENES = (
     "article", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin", "lee", "near-tie:k=40", "near-tie:k=2",
@@ -362,3 +362,32 @@ def test_a_horizon_of_fewer_bits_asks_for_less() -> None:
     assert many is not None
     assert few.events < many.events
     assert check("double", scene, horizon=24).reach is not None
+
+
+@pytest.mark.parametrize("name", ["double", "single"])
+@pytest.mark.parametrize(("y", "vx", "x", "span"), [(1, "1", "1/3", 1), (2, "2", "1/7", 1), (1, "1", "1/3", 2)])
+def test_a_tie_that_an_engine_takes_one_by_one_may_end_after_it(y: int, vx: str, x: str, span: int, name: str) -> None:
+    """Two walls met at one instant: the order of `slope`, then `floor`, has its second contact some ulps later."""
+    time = f"{span}*7/3"
+    ball = Circle(f"{x} - ({vx})*{time}", f"2/7 + {y}*{time}", 1, vx, -y, id="ball")
+    slope = Wall(f"{x}-3/5", "2/7-4/5", f"{x}-3/5+4", "2/7-4/5-3", id="slope")
+    floor, top = Wall(0, "2/7-1", 1, "2/7-1", id="floor"), Wall(0, 300, 1, 300, id="top")
+    assert "its tie: " in str(check(name, Scene([ball], [floor, slope, top], events=5)))
+
+
+def test_a_contact_of_a_tie_that_is_left_out_is_still_found() -> None:
+    """It comes neither at the tie nor after it."""
+    ball = Circle("1/3 - 7/3", "2/7 + 7/3", 1, 1, -1, id="ball")
+    slope = Wall("1/3-3/5", "2/7-4/5", "1/3-3/5+4", "2/7-4/5-3", id="slope")
+    scene = Scene([ball], [slope, Wall(0, "2/7-1", 1, "2/7-1", id="floor"), Wall(0, 300, 1, 300, id="top")], events=5)
+
+    @dataclass(frozen=True)
+    class WithoutFloor(Declared):
+        name: str = "without"
+
+        def run(self, scene: Scene, **limits: Any) -> Any:
+            left = scene.with_changes(walls=[w for w in scene.walls if w.id != "floor"])
+            return replace(engine("double").run(left, **limits), scene=scene)
+
+    with pytest.raises(CheckFailed):
+        check(WithoutFloor(), scene)
