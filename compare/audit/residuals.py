@@ -198,7 +198,7 @@ class Laws:
         scene = scene.surfaces
         self.scene, self.unit, self.start, self.step = scene, unit, start, step
         self.least = max(LEAST, 16 * UNDERFLOW.get(unit, 0.0))
-        self._came: list[dict[float, tuple[float, float]]] = [{} for _ in scene.circles]
+        self.came: list[dict[float, tuple[float, float]]] = [{} for _ in scene.circles]
         self.change = 1 + ball.constant(scene.restitution)
         self.restitution = float(scene.restitution)
         self.fall = fall
@@ -300,7 +300,7 @@ class Laws:
             return
         groups, hit = groups_of(instant.impulses, self.moving, self.count), instant.circles(self.count)
         for k in hit:
-            self._begin(k, instant.before[k], instant.time)
+            _begin(self, k, instant.before[k], instant.time)
         for pairs in groups:
             if len(pairs) == 1:
                 yield from self._impact(pairs[0], instant, left, events)
@@ -408,7 +408,7 @@ class Laws:
             return ImpactLaws(dx, dy, -reach, arb(0), speed, blur, 1.0)
         one_falls = self.fall is not None and _falls(self, i, a) != _falls(self, j, b)
         fast = 2 * max(speed, a.speed, b.speed) if one_falls else speed  # g t is no more than both its speeds
-        room = blur + self._missed((i, a), (j, b), near, wide, fast, time)
+        room = blur + _missed(self, (i, a), (j, b), near, wide, fast, time)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
@@ -438,7 +438,7 @@ class Laws:
         if not near:  # in the very middle: no line leads to the arc
             return ImpactLaws(dx, dy, gap, arb(0), a.speed, blur, 1.0)
         fast = a.speed if self.fall is None else 2 * a.speed  # as of two circles
-        room = blur + self._missed((i, a), (i, a), near, abs(wide), fast, instant.time)
+        room = blur + _missed(self, (i, a), (i, a), near, abs(wide), fast, instant.time)
         nx, ny = dx / distance, dy / distance
         opening = -(nx * a.vx + ny * a.vy)
         room += self.underflown(a.speed, abs(float(opening.mid()) * wide))
@@ -447,29 +447,6 @@ class Laws:
         opening, bounced = (opening, None) if self.fall is None else self._bounced(opening, nx, ny, self.fall)
         curve = _curve(self, a.speed, near, nx, ny, True)
         return ImpactLaws(nx, ny, gap, opening, a.speed, room, min(1.0, turned), stretched, bounced, curve)
-
-    def _missed(
-        self, one: tuple[int, ReportedFlight], other: tuple[int, ReportedFlight], near: float, wide: float, fast: float,
-        time: float,
-    ) -> float:  # fmt: skip
-        """What rounding of the discriminant makes of a gap, over the flights before: 16 u (D^2 / R + R).
-
-        Where these begin so shortly before that such rounding covers it, the two contacts are of one instant, and the
-        second may have been found before the first: then over the flights before that.
-        """
-        rooms, begun = list[float](), max(one[1].time, other[1].time)
-        before = [self._came[k].get(flight.time, (flight.time, 0.0)) for k, flight in (one, other)]
-        for since, speed in ((begun, fast), (max(t for t, _ in before), max(fast, *(2 * v for _, v in before)))):
-            far = near + speed * max(0.0, time - since)
-            rooms.append(ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide))
-        return rooms[1] if fast * (time - begun) <= rooms[1] else rooms[0]
-
-    def _begin(self, k: int, flight: ReportedFlight, time: float) -> None:
-        """Notes from when on, and how fast, a circle flew that begins another flight; at one instant the first."""
-        known = self._came[k]
-        short = abs(time - flight.time) <= CLOSE * abs(time)
-        since = known.get(flight.time, (flight.time, flight.speed)) if short else (flight.time, flight.speed)
-        self._came[k] = {**({flight.time: known[flight.time]} if flight.time in known else {}), time: since}
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -628,6 +605,31 @@ def _curve(laws: Laws, speed: float, near: float, nx: arb, ny: arb, falls: bool)
         return 0.0
     pull = 0.0 if laws.fall is None or not falls else abs(float((nx * laws.fall.gx + ny * laws.fall.gy).mid()))
     return speed**2 / near + pull
+
+
+def _missed(
+    laws: Laws, one: tuple[int, ReportedFlight], other: tuple[int, ReportedFlight],
+    near: float, wide: float, fast: float, time: float,
+) -> float:  # fmt: skip
+    """What rounding of the discriminant makes of a gap, over the flights before: 16 u (D^2 / R + R).
+
+    Where these begin so shortly before that such rounding covers it, the two contacts are of one instant, and the
+    second may have been found before the first: then over the flights before that.
+    """
+    rooms, begun = list[float](), max(one[1].time, other[1].time)
+    before = [laws.came[k].get(flight.time, (flight.time, 0.0)) for k, flight in (one, other)]
+    for since, speed in ((begun, fast), (max(t for t, _ in before), max(fast, *(2 * v for _, v in before)))):
+        far = near + speed * max(0.0, time - since)
+        rooms.append(ROOT_UNITS * laws.unit * (far * (far / (near + wide)) + wide))
+    return rooms[1] if fast * (time - begun) <= rooms[1] else rooms[0]
+
+
+def _begin(laws: Laws, k: int, flight: ReportedFlight, time: float) -> None:
+    """Notes from when on, and how fast, a circle flew that begins another flight; at one instant the first."""
+    known = laws.came[k]
+    short = abs(time - flight.time) <= CLOSE * abs(time)
+    since = known.get(flight.time, (flight.time, flight.speed)) if short else (flight.time, flight.speed)
+    laws.came[k] = {**({flight.time: known[flight.time]} if flight.time in known else {}), time: since}
 
 
 def along(laws: Laws, k: int, flight: ReportedFlight) -> ReportedFlight:
