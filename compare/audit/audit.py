@@ -64,7 +64,7 @@ class Violation:
             "flight": f"{who} is {size} from where it flew to",
             "gap": f"{who} are {size} from touching as they collide",
             "impulse": f"the impulse of {who} leaves a velocity {size} off the law's",
-            "energy": f"the energy of those that {who} collide with changes by {size}",
+            "energy": f"the energy of those that {who} collide with is {size} off what restitution leaves",
             "bystander": f"the velocity of {who} changes by {size} without a contact",
             "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
             "depth": f"{who} fly {size} into each other, and do not collide",

@@ -17,7 +17,7 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import Sides
 from ...scenarios.numbers.quantity import ZERO as NONE
 from ...scenarios.surfaces import parts_of
-from ..foreign.impulses import left_of, sharpened, strengths_of
+from ..foreign.impulses import left_of, limits_of_pushes, sharpened, strengths_of
 from .transcript import WallInBalls, groups_of
 
 if TYPE_CHECKING:
@@ -536,10 +536,10 @@ class Laws:
     def _several(
         self, pairs: Sequence[tuple[int, int]], instant: ReportedInstant, after: dict[int, ReportedFlight], events: int
     ) -> Iterator[Residual]:
-        """Several contacts of one instant: whatever the order, pushes along the lines of centres that keep the energy.
+        """Several contacts of one instant: pushes along the lines of centres, as strong as some order makes them.
 
         The strengths s >= 0 that come nearest to the change are found in doubles, and sharpened to the engine's bits;
-        what they leave is enclosed.
+        what they leave is enclosed, and what they are beyond `limits_of_pushes`.
         """
         links = [*dict.fromkeys(pairs)]
         met = {link: self.meeting(link, instant, events) for link in links}
@@ -573,7 +573,7 @@ class Laws:
         energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
         # a wall that moves does work, and none as seen from itself; of two that move apart nothing is known
         frames = {self.drift(j) for _, j in links if j >= self.count or not self.moving[j]}
-        ux, uy = map(ball.constant, next(iter(frames), (NONE, NONE)))
+        (ux, uy), off, most = map(ball.constant, next(iter(frames), (NONE, NONE))), 0.0, 0.0
         for k in circles:
             x, y = left_of(k, weights[k], change[k], links, strengths, normals)
             granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * (bent + grazed) + self.least
@@ -585,8 +585,20 @@ class Laws:
             gained = (left.vx - ux) ** 2 + (left.vy - uy) ** 2 - (before.vx - ux) ** 2 - (before.vy - uy) ** 2
             energy += mass * gained / 2
             room += float(mass) * max(before.speed, left.speed) * granted
+            off, most = math.hypot(off, math.sqrt(float(mass)) * granted), max(most, granted)
+        times, approaches = [pairs.count(link) for link in links], [-met[link].opening for link in links]
+        known = links, times, approaches, strengths, normals, weights, self.change - 1, off
+        limits = limits_of_pushes(*known) if self.step is None else None
+        if limits is not None:
+            for link, beyond, loose in zip(links, limits.beyond, limits.rooms, strict=True):
+                told = Residual("impulse", link, size_of(beyond), loose + 2 * most)
+                if told.size - told.room > worst.size - worst.room:
+                    worst = told
+            energy, room = (-energy - limits.most).max(limits.least + energy).max(arb(0)), room + limits.room
         yield worst
-        lost = not self.scene.elastic and not energy > 0  # how much it loses depends on the order; it gains nothing
+        lost = (
+            limits is None and not self.scene.elastic and not energy > 0
+        )  # of these, only a gain is known to be wrong
         if len(frames) < 2:
             yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
 

@@ -564,3 +564,102 @@ BITS_GAINED = 40
 """Bits that one more round in doubles gains of strengths, at least, where contacts can be told apart."""
 
 DOUBLE_BITS = 53
+
+
+class PushLimits(NamedTuple):
+    """What restitution asks of the pushes of one instant, whatever their order: see `limits_of_pushes`.
+
+    Attributes:
+        beyond: by what speed each contact's push is beyond its limits; of one within them 0.
+        rooms: what of that may come of changes of velocity that are off.
+        least, most: the energy that is lost.
+        room: what of these may come of changes of velocity that are off.
+    """
+
+    beyond: list[arb]
+    rooms: list[float]
+    least: arb
+    most: arb
+    room: float
+
+
+def limits_of_pushes(
+    links: Sequence[tuple[int, int]], times: Sequence[int], approaches: Sequence[arb], strengths: Sequence[arb],
+    normals: Mapping[tuple[int, int], tuple[arb, arb]], weights: Mapping[int, arb], restitution: arb, off: float,
+) -> PushLimits | None:  # fmt: skip
+    """Between what the pushes of one instant are, of contacts that collide one after the other, or several together.
+
+    With A_lm for what a unit of push at m opens l by: as l collides it pushes by (1 + e) times the speed of approach
+    that it has by then, less what those that collide together with it open it by. Of these, and of those before,
+    only such as A_lm > 0 can take from its approach g_l, and only such as A_lm < 0 add to it. So over all rounds
+
+        g_l - sum max(0, A_lm) S_m  <=  A_ll S_l / (1 + e)  <=  g_l + sum max(0, -A_lm) S_m,
+
+    which is an equality where all are at right angles. Pushes s that are made together lose (1 - e) / (2 (1 + e)) times
+    s.A.s; of a contact that collides n times the squares sum up to S^2 / n at least, and to S^2 at most.
+
+    Args:
+        links: the contacts.
+        times: how often each collides.
+        approaches: of each, before the instant.
+        strengths: S, of each in all.
+        normals: of each pair, from the first to the second.
+        weights: the inverse mass of each circle that moves.
+        restitution: e.
+        off: by what the changes of velocity may be off, times the root of the mass.
+
+    Returns:
+        None where the strengths cannot be told from the changes of velocity: more contacts than these have directions.
+
+    >>> links, walls = [(0, 1), (0, 2)], {(0, 1): (arb(1), arb(0)), (0, 2): (arb(0), arb(1))}
+    >>> pushes = [arb(3), arb("1.5")], walls, {0: arb(1)}, arb("0.5"), 0.0
+    >>> found = limits_of_pushes(links, [1, 1], [arb(2), arb(2)], *pushes)
+    >>> [float(speed) for speed in found.beyond], float(found.least), float(found.most)
+    ([0.0, 1.0], 1.875, 1.875)
+    """
+    count = len(links)
+    square = [[_opened(one, other, normals, weights) for other in links] for one in links]
+    sizes = [math.sqrt(float(square[c][c].mid())) for c in range(count)]
+    if not all(sizes):
+        return None
+    try:
+        inverse = arb_mat(square).inv()
+    except ZeroDivisionError:
+        return None
+    moved = [off * sum(abs(float(inverse[c, d].mid())) * sizes[d] for d in range(count)) for c in range(count)]
+    if any(moved[c] * sizes[c] > 1e6 * off for c in range(count)):
+        return None
+    beyond, rooms = list[arb](), list[float]()
+    least, most, room = arb(0), arb(0), 0.0
+    lost = (1 - restitution) / (1 + restitution) / 2
+    for c in range(count):
+        low = high = approaches[c]
+        loose = sizes[c] ** 2 * moved[c]
+        for d in range(count):
+            if d != c:
+                pushed = square[c][d] * strengths[d]
+                loose += abs(float(square[c][d].mid())) * moved[d]
+                low, high = low - pushed.max(arb(0)), high - pushed.min(arb(0))
+                least, most = (
+                    least + lost * pushed.min(arb(0)) * strengths[c],
+                    most + lost * pushed.max(arb(0)) * strengths[c],
+                )
+            room += 2 * float((lost * abs(square[c][d]) * strengths[d]).mid()) * moved[c]
+        has = square[c][c] * strengths[c] / (1 + restitution)
+        beyond.append((has - high).max(low - has).max(arb(0)))
+        rooms.append(loose)
+        own = lost * square[c][c] * strengths[c] ** 2
+        least, most = least + own / times[c], most + own
+    return PushLimits(beyond, rooms, least, most, room)
+
+
+def _opened(
+    one: tuple[int, int], other: tuple[int, int],
+    normals: Mapping[tuple[int, int], tuple[arb, arb]], weights: Mapping[int, arb],
+) -> arb:  # fmt: skip
+    """By what speed a unit of push at one contact opens another."""
+    total = arb(0)
+    for k in {*one} & {*other} & weights.keys():
+        same = 1 if (k == one[1]) == (k == other[1]) else -1
+        total += same * weights[k] * (normals[one][0] * normals[other][0] + normals[one][1] * normals[other][1])
+    return total

@@ -69,3 +69,58 @@ def test_speeds_whose_squares_are_below_all_numbers_are_audited_as_others(e: str
     run = DoubleEngine().run(scene, events=1500)
     audit = audit_run(run, DoubleEngine())
     assert audit.kept, audit.sentence
+
+
+RIGHT, OBTUSE = ("1", "0"), ("4/5", "3/5")
+"""From the striker's centre to the disc that it meets at t = 3, as it meets the peg below it."""
+
+
+def told_together(e: str, line: tuple[str, str], first: int, wrong: int | None = None, by: float = 1.0) -> bool | None:
+    """What the audit says of an engine that takes two contacts of one instant in an order, and tells them together.
+
+    Args:
+        line: to the disc.
+        first: 1 where it begins with the peg, 2 with the disc.
+        wrong: the contact whose pushes are `by` times what they should be.
+    """
+    striker = Circle("-6", "3", vx=2, vy=-1, m=2, id="striker")
+    peg = Circle(0, -2, m="oo", id="peg")
+    disc = Circle(f"2*{line[0]}-3/2", f"2*{line[1]}+1/2", vx="1/2", vy="-1/6", m=3, id="disc")
+    scene = Scene([striker, peg, disc], restitution=e)
+    speeds, weights = np.array([[2.0, -1.0], [0.0, 0.0], [0.5, -1 / 6]]), (1 / 2, 0.0, 1 / 3)
+    towards = np.array([float(scene.circles[2].x) + 1.5, float(scene.circles[2].y) - 0.5])
+    normals = {1: np.array([0.0, -1.0]), 2: towards / 2}
+    told: list[tuple[str, str]] = []
+    other = first
+    while (opening := float((speeds[other] - speeds[0]) @ normals[other])) < -1e-12 or len(told) < 2:
+        if opening < -1e-12:
+            push = -(1 + float(scene.restitution)) * opening / (weights[0] + weights[other])
+            push *= by if other == wrong else 1.0
+            speeds[0] -= weights[0] * push * normals[other]
+            speeds[other] += weights[other] * push * normals[other]
+            told.append(("striker", str(scene.ids[other])))
+        other = 3 - other
+    recording = Recording(scene, "log")
+    rows = {"striker": (0.0, 0.0, *map(float, speeds[0])), "disc": (*map(float, towards), *map(float, speeds[2]))}
+    recording.hits(3.0, told, rows)
+    recording.end(3.0)
+    engine = LogEngine(recording)
+    return audit_run(engine.run(scene), engine).kept
+
+
+@pytest.mark.parametrize("first", [1, 2])
+@pytest.mark.parametrize("e", ["1", "9/10", "1/2", "1/50", "0"])
+def test_pushes_at_right_angles_are_each_that_of_a_contact_alone(e: str, first: int) -> None:
+    """Told together, they may not take more of the energy than restitution does, nor less, nor one for the other."""
+    assert told_together(e, RIGHT, first) is True
+    for contact in (1, 2):
+        for by in (0.99, 1.01):
+            assert told_together(e, RIGHT, first, contact, by) is False, (contact, by)
+
+
+@pytest.mark.parametrize(("e", "first", "off"), [("1", 1, 0.1), ("1", 2, 0.1), ("9/10", 2, 0.2), ("1/2", 1, 0.5)])
+def test_at_other_angles_pushes_and_energy_are_within_what_orders_make_of_them(e: str, first: int, off: float) -> None:
+    assert told_together(e, OBTUSE, first) is True
+    for contact in (1, 2):
+        for by in (1 - off, 1 + off):
+            assert told_together(e, OBTUSE, first, contact, by) is False, (contact, by)
