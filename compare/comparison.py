@@ -15,6 +15,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS, not_measured, return_miss, separation
 from .alignment.instants import follows_the_law
+from .alignment.walk import REPEATED
 from .alternatives import Alternative, alternatives_of
 from .audit.audit import audit_run
 from .audit.transcript import Transcript
@@ -26,7 +27,7 @@ from .foreign.guard import run_guarded
 from .outcomes.matched import held
 from .outcomes.outcome import outcomes_of
 from .outcomes.outcome import pattern as pattern_of
-from .outcomes.permitted import PermittedPatterns, permitted_patterns
+from .outcomes.permitted import PermittedPatterns, pattern_at_the_end, permitted_patterns
 from .side_by_side import SideBySide
 from .study import Study, run_or_unable
 from .tangent.hazard import model_of
@@ -217,6 +218,10 @@ def compare(
                 _noted(progress, "orders"),
                 wanted=[c.pattern for c, _ in others if c.pattern is not None],
             )
+            for k, (c, (_, e)) in enumerate(zip(results, chosen, strict=True)):
+                if permitted is not None and c.verdict == "diverged" and c.pattern is not None:
+                    late = REPEATED * (e.step or 0.0)
+                    results[k] = replace(c, pattern=pattern_at_the_end(permitted, c.pattern, c.trajectory, told, late))
         elif others:
             cut.append("which patterns are permitted")
     miss = return_miss(told, told)

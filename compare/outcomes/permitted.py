@@ -177,6 +177,36 @@ def permitted_patterns(
     return PermittedPatterns(exact, by_policy, tuple(patterns), complete, followed, tuple(witnesses), tried)
 
 
+TIE_ENDS = 2.0**-10
+"""By what share of its time an engine may take the rest of a tie later."""
+
+
+def pattern_at_the_end(
+    found: PermittedPatterns, pattern: Pattern, history: Trajectory, reference: Trajectory, late: float
+) -> Pattern:
+    """A pattern that no order leads to as orders are cut: at the end of the span, whatever comes late for it.
+
+    If the span ends at a tie, an engine may take that one by one, some ulps or steps later: then of the history a
+    little farther on. The pattern itself, if no order leads to those either.
+
+    Args:
+        late: how much later an engine of steps may be.
+    """
+    events, end = reference.events, float(reference.final_time)
+    if found.relation(pattern) is not PatternRelation.NO_ORDER:
+        return pattern
+    tie = bool(events) and events[-1].coupled and float(events[-1].time) == end
+    last = end + TIE_ENDS * end + late if tie else end
+    for count, event in enumerate(history.events, 1):
+        following = history.events[count] if count < len(history.events) else None
+        whole = following is None or float(following.time) > end
+        if float(event.time) <= last and (whole or (tie and float(event.time) == end)):
+            heard = replace(history, events=history.events[:count], final_time=max(end, float(event.time)))
+            if found.relation(other := pattern_of(heard)) is not PatternRelation.NO_ORDER:
+                return other
+    return pattern
+
+
 def _thrifty(truth: Engine) -> Engine:
     """The reference engine with less work for each question, if it counts any."""
     work = getattr(truth, "work", None)

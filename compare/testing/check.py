@@ -28,7 +28,7 @@ from ..engines import engine as engine_named
 from ..files.cache import CachedEngine, cached, kept_value
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
-from ..outcomes.permitted import PatternRelation, permitted_patterns
+from ..outcomes.permitted import TIE_ENDS, PatternRelation, permitted_patterns
 from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short, until_phrase, verdict_sentence
 from ..report.sentences import off as off_by
 from ..scene_argument import scene_from
@@ -271,9 +271,6 @@ def _settings(engine: Engine) -> str:
 
 FIRST, THEN = 64, 256
 """Events of the true run that are looked at first: most engines come no farther."""
-
-TIE_ENDS = 2.0**-10
-"""By what share of its time an engine may take the rest of a tie later."""
 
 PAST = 9 / 8
 """Steps are audited up to this many times the true run's end: what is missing at the end shows after it."""

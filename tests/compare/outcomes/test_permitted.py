@@ -343,3 +343,33 @@ def test_orders_whose_proofs_are_dear_are_followed_as_far_as_counted_signs_allow
     found = permitted_patterns(study)
     assert found is not None and not found.complete and found.followed
     assert 0 < sum(signs) <= ORDER_SIGNS + max(signs)
+
+
+AT_A_TIE = Scene(
+    [Circle("-68/3", "-85/3", "1/2", 4, 5, m=10, id="c")],
+    [Wall("12/25", "7/50", "1/5", "11/10", id="a"), Wall("1/2", 0, "1/2", 1, id="b"),
+     Wall("7/50", "12/25", "-41/50", "19/25", id="d")],
+    restitution="9/10",
+)  # fmt: skip
+"""One disc meets three walls at t = 17/3; `single` meets the second of them an ulp later, past the end of one event."""
+
+LATE_FOR_ONE = Scene(
+    [
+        Circle("70/3", "-70/3", "1/2", -2, 2, id="c"),
+        Circle("-4/5", "7/30", "1/3", m="oo", id="peg"),
+        Circle("-127/3", -9, 2, "7/2", "3/5", m=7, id="d"),
+    ],
+    [Wall(60, -60, 60, 60, id="east"), Wall(60, 60, -60, 60, id="north")],
+    restitution="1/50",
+)
+"""After a tie one order comes to the north wall first, and to the east wall past the end of three events."""
+
+
+@pytest.mark.parametrize(("scene", "events"), [(AT_A_TIE, 1), (LATE_FOR_ONE, 3)])
+def test_an_order_is_found_though_its_last_meetings_fall_beside_the_end(scene: Scene, events: int) -> None:
+    """It was said of both that no order of the impulses leads to them."""
+    comparison = compare(scene, ["single"], events=events, sampled=False, audited=False)
+    (candidate,) = comparison.candidates
+    assert comparison.permitted is not None and candidate.pattern is not None
+    assert comparison.permitted.complete
+    assert comparison.permitted.relation(candidate.pattern) is PatternRelation.REALISABLE
