@@ -79,7 +79,7 @@ class Audit:
 
     Attributes:
         kept: whether the engine keeps the laws; None where that cannot be told.
-        reason: why it cannot be told; "" where it can.
+        reason: why it cannot be told, or that a finer step shows it; "" elsewhere.
         impacts, flights: how many steps were audited: contacts, and straight flights.
         violations: the first step of each kind that misses a law, in order of time.
         counts: how many steps of each kind do.
@@ -335,10 +335,10 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]
     kept: bool | None = False if law or broken else None if open_ones else True
-    reason = ""
-    if kept is None:
-        sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
-        reason = f"no finer step was run to show what is of the step ({sizes})"
+    sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
+    reason = f"no finer step was run to show what is of the step ({sizes})" if kept is None else ""
+    if broken and broken[0].step < step:
+        reason = f"at step {broken[0].step:.3g} it flies {broken[0].size:.3g} into what it does not collide with"
     kinds = {"impulse"} if law else {d.kind for d in broken}
     violations = _step_violations(measures, laws.scene.ids, kinds, step) if kept is False else []
     counts = Counter(violation.kind for violation in violations)
@@ -472,8 +472,7 @@ class Measures:
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
         tunnels: those of overlaps that begin and end between two ends of steps.
-        impacts: how many contacts there were.
-        flights: how many flights.
+        impacts, flights: how many contacts and flights there were.
         back: how long before the end of a step impulses are applied.
         end: up to when its flights are known.
         met: when each pair meets.
@@ -565,7 +564,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
         turn = math.inf if run.reversal is None else float(run.reversal.time)
         for passage in passages(laws, transcript.flights(), transcript.end, gone, transcript.carried):
             base = turn if passage.time > turn else 0.0
-            through = step > 0.0 and passes_between(passage.enter, passage.leave, step, base)
+            through = step > 0.0 and passes_between(passage.enter, passage.deepest, step, base)
             (found.tunnels if through else found.passages).append(passage)
     found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
@@ -586,6 +585,7 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
         "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
         "bystander": float(sum(r.kind == "bystander" for r in several)),
         "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
+        "through": max((p.residual.size for p in lasting(measures, measures.passages, step, True)), default=0.0),
         "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
@@ -597,19 +597,20 @@ def _corrected(measures: Measures) -> float:
     return max(moved, default=0.0) if measures.behind else _middle_of(moved)
 
 
-def lasting(measures: Measures, found: Sequence[Passage], step: float) -> list[Passage]:
-    """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that."""
+def lasting(measures: Measures, found: Sequence[Passage], step: float, through: bool = False) -> list[Passage]:
+    """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that.
+
+    `through`: those alone that are over without a meeting, and in which more steps end than it takes to see them.
+    """
     late = LATE * step
-    return [
-        passage
-        for passage in found
-        if not measures.end - late < passage.enter
-        and not any(
-            abs(time - passage.time) <= late
-            for whole in measures.wholes(passage.residual.bodies)
-            for time in measures.met.get(whole, ())
-        )
-    ]
+
+    def meets(p: Passage) -> bool:
+        begin, end = (p.enter, p.over) if through else (p.time, p.time)
+        times = (time for whole in measures.wholes(p.residual.bodies) for time in measures.met.get(whole, ()))
+        return any(begin - late <= time <= end + late for time in times)
+
+    left = [p for p in found if p.enter <= measures.end - late and not meets(p)]
+    return [p for p in left if late < p.over - p.enter < measures.end - p.enter] if through else left
 
 
 def _middle_of(values: Sequence[float]) -> float:
@@ -623,13 +624,14 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
 
     step = engine.step or 0.0
     found = defects(engine, measures)
-    known = {kind for kind, size in found.items() if kind == "lateness" and size <= LATE * step}
-    known |= {"integrator"} & found.keys()
+    through = found.pop("through", 0.0)
+    known = {k for k, size in found.items() if k == "integrator" or (k == "lateness" and size <= LATE * step)}
     seen: list[Defect] = []
     if not found.keys() - known:
         return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
-    behind = found.pop("integrator", 0.0)
-    integrator = [Defect("integrator", behind, 1.0, behind, step, True)] if behind else []
+    if through and not run.scene.gravity:  # it has not seen what its own steps end in
+        seen.append(Defect("missed", found.pop("missed"), None, through, step, False))
+    integrator = [Defect("integrator", b, 1.0, b, step, True) for b in [found.pop("integrator", 0.0)] if b]
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
     if until * (2 ** (HALVINGS + 1) - 2) > most * step:
         until = _until(run, measures, FEW_IMPACTS)
@@ -640,12 +642,12 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
         if chosen is None or chosen.step is None or until > most * chosen.step:
             break
         most -= until / chosen.step
-        sizes = _defects_of(chosen, run, unit, until)
-        if sizes is None:
+        if (sizes := _defects_of(chosen, run, unit, until)) is None:
             break
         at.append((chosen.step, sizes))
     if "tunnelling" in found and "missed" not in found and (unseen := at[-1][1].get("missed")):
-        seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False))  # a finer step ends in an overlap
+        through = None if run.scene.gravity else at[-1][1].get("through")
+        seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False if through else None))
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         if defect.kind in ("several", "impulse") and defect.of_step is not True:
@@ -686,11 +688,9 @@ def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[
     last, finest = at[-1][0], at[-1][1].get(kind, 0.0)
     if kind == "tunnelling":
         return Defect(kind, size, None, finest, last, True)
-    if kind not in at[0][1] and not known:  # the series is too short to have any
+    if not known and (kind not in at[0][1] or len(at) <= 2):  # the series is too short to have any, or to show more
         return Defect(kind, size, None, finest, last, None)
     first = at[0][1].get(kind, 0.0) or size
-    if len(at) <= 2 and not known:
-        return Defect(kind, size, None, finest, last, None)
     if len(at) == 1:
         return Defect(kind, size, None, size, step, True)
     if not finest:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
-from ...exact.replay.landings import told_falling_zero
+from ...exact.replay.landings import first_zero_after, told_falling_zero
 from ...exact.replay.round_falls import RoundFall
 from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, SideInBalls, WallInBalls, size_of
 from .transcript import Leg, legs_of
@@ -48,19 +48,34 @@ class Passage(NamedTuple):
     enter: float = -math.inf
     leave: float = math.inf
 
+    @property
+    def over(self) -> float:
+        """When the overlap is over, as far as is known."""
+        return self.leave if math.isfinite(self.leave) else self.time
 
-def passes_between(enter: float, leave: float, step: float, base: float) -> bool:
-    """Whether an overlap begins and ends between two ends of steps, of which none can see it, or lasts no time.
+    @property
+    def deepest(self) -> float:
+        """Up to when they come nearer: from then on there is nothing to push at."""
+        return self.time if self.enter < self.time <= self.over else (self.enter + self.over) / 2
+
+
+SAME_END = 2.0**-20  # of a step: what is no farther before an end of one is at it
+
+
+def passes_between(enter: float, deepest: float, step: float, base: float) -> bool:
+    """Whether two come nearer between two ends of steps, of which none can see it, or for no time.
+
+    One that ends as a flight does is seen with what ends that, which may take all of the approach.
 
     Args:
         base: from when steps are counted: the start, or the reversal.
 
-    >>> passes_between(0.3, 0.6, 1.0, 0.0), passes_between(0.3, 1.6, 1.0, 0.0), passes_between(2.0, 2.0, 1.0, 0.0)
+    >>> passes_between(0.3, 0.6, 1.0, 0.0), passes_between(0.3, 1.6, 1.0, 0.0), passes_between(0.3, 1.0, 1.0, 0.0)
     (True, False, True)
     """
-    if not math.isfinite(leave):
+    if not math.isfinite(deepest):
         return False
-    return leave <= enter or math.floor((leave - base) / step) * step + base < enter
+    return deepest <= enter or (math.ceil((deepest - base) / step - SAME_END) - 1) * step + base < enter
 
 
 def passages(
@@ -283,21 +298,6 @@ def _fallen_deep(laws: Laws, leg: Leg, stands: Leg, fall: Fall, start: float, ti
     return Residual("depth", pair, size, room) if size > room else None
 
 
-def _first_after(since: float, constant: float, slope: float, half: float) -> float:
-    """The first zero of constant + slope t + half t^2 after a time; infinite where there is none.
-
-    >>> _first_after(0.0, 4.0, 0.0, -1.0), _first_after(2.0, 4.0, 0.0, -1.0), _first_after(0.0, 3.0, -1.0, 0.0)
-    (2.0, inf, 3.0)
-    """
-    within = slope * slope - 4 * half * constant
-    if within < 0.0:
-        return math.inf
-    sum_of = -slope - math.copysign(math.sqrt(within), slope)
-    zeros = [sum_of / (2 * half)] if half else []
-    zeros += [2 * constant / sum_of] if sum_of else []
-    return min((zero for zero in zeros if zero > since), default=math.inf)
-
-
 def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     """How far into a face a circle falls that comes to it from before, between its ends by more than rounding.
 
@@ -333,8 +333,8 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     if not blur < along < line.length - blur:
         return None
     thick = 2 * (radius + line.thick)
-    through = _first_after(wait, gap + thick, -closing, -pull / 2) if thick else math.inf
-    beside = min(_first_after(wait, foot, slide, bend), _first_after(wait, foot - line.length, slide, bend))
+    through = first_zero_after(wait, gap + thick, -closing, -pull / 2) if thick else math.inf
+    beside = min(first_zero_after(wait, foot, slide, bend), first_zero_after(wait, foot - line.length, slide, bend))
     turn = -closing / pull if pull < 0.0 < closing else math.inf
     time = min(end, start + min(through, beside, turn))
     if fall.step and (whole := fall.step * math.floor((time - leg.t) / fall.step) + leg.t) > start + wait:

@@ -590,15 +590,12 @@ class Laws:
         known = links, times, approaches, strengths, normals, weights, self.change - 1, off
         limits = limits_of_pushes(*known) if self.step is None else None
         if limits is not None:
-            for link, beyond, loose in zip(links, limits.beyond, limits.rooms, strict=True):
-                told = Residual("impulse", link, size_of(beyond), loose + 2 * most)
-                if told.size - told.room > worst.size - worst.room:
-                    worst = told
+            over = zip(links, map(size_of, limits.beyond), limits.rooms, strict=True)
+            told = [worst, *(Residual("impulse", link, size, loose + 2 * most) for link, size, loose in over)]
+            worst = max(told, key=lambda residual: residual.size - residual.room)
             energy, room = (-energy - limits.most).max(limits.least + energy).max(arb(0)), room + limits.room
         yield worst
-        lost = (
-            limits is None and not self.scene.elastic and not energy > 0
-        )  # of these, only a gain is known to be wrong
+        lost = limits is None and not self.scene.elastic and not energy > 0  # only a gain is known to be wrong there
         if len(frames) < 2:
             yield Residual("energy", links[0], 0.0 if lost else size_of(energy), room)
 

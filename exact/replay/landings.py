@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from math import frexp, inf, isfinite, ldexp
+from math import copysign, frexp, inf, isfinite, ldexp, sqrt
 from typing import NamedTuple, TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
@@ -524,6 +524,21 @@ NEARER = 16.0
 
 NARROW, CLOSE = 2**24, 2**60
 """To what share of itself a zero is told of ends in doubles, where these part it from another so well, and exactly."""
+
+
+def first_zero_after(since: float, constant: float, slope: float, half: float) -> float:
+    """The first zero of constant + slope t + half t^2 after a time; infinite where there is none.
+
+    >>> first_zero_after(0.0, 4.0, 0.0, -1.0), first_zero_after(2.0, 4.0, 0.0, -1.0)
+    (2.0, inf)
+    """
+    within = slope * slope - 4 * half * constant
+    if within < 0.0:
+        return inf
+    sum_of = -slope - copysign(sqrt(within), slope)
+    zeros = [sum_of / (2 * half)] if half else []
+    zeros += [2 * constant / sum_of] if sum_of else []
+    return min((zero for zero in zeros if zero > since), default=inf)
 
 
 def told_falling_zero(c: Sequence[float]) -> float | None:

@@ -105,6 +105,31 @@ def test_a_missed_contact_is_a_depth_in_the_engines_own_flights() -> None:
     assert found.violations[0].bodies == ("c5", "c10")
 
 
+@pytest.mark.parametrize(("dt", "kept"), [(1 / 60, False), (2.0, None)])
+def test_a_log_of_steps_that_flies_through_a_disc_for_many_steps_breaks_the_law(dt: float, kept: bool | None) -> None:
+    """Of a log no finer step can be run: where fewer steps end in the overlap than it takes to see it, all is open."""
+    peg = Circle(0, "1/3", m="oo", id="peg")
+    scene = Scene([Circle(-3, 0, vx=1, id="ball"), peg, Circle(0, 9, vx=1, id="other")])
+    recording = Recording(scene, "log", step=dt)
+    for n in range(1, int(9 / dt)):
+        recording.state(n * dt, {"ball": (-3 + n * dt, 0.0, 1.0, 0.0), "other": (n * dt, 9.0, 1.0, 0.0)})
+    recording.end(int(9 / dt) * dt)
+    log = LogEngine(recording, step=dt)
+    found = audit_run(log.run(scene), log)
+    assert found.kept is kept, found.sentence
+    assert ("ball and peg fly 1.67 into each other" if kept is False else "missed 1.67") in found.sentence
+
+
+@pytest.mark.parametrize("name", ["hexagon", "breakout", "galton", "peg-mirror", "ski-jump"])
+def test_steps_however_long_see_no_overlap_that_they_cannot_push_at(name: str) -> None:
+    """The two part at the first end of a step in it, or another contact turns one of them at that end."""
+    scene = catalogue.build(name)
+    for dt in (1 / 2, 1 / 10):
+        steps = engine(f"pymunk:dt={dt}")
+        found = audit_run(steps.run(scene, until=min(20.0, float(scene.until or 20)), events=200), steps)
+        assert found.kept is True, (dt, found.sentence)
+
+
 @pytest.mark.parametrize("far", [10**6, 10**9])
 @pytest.mark.parametrize("scale", [1, 2**200, -(2**200)])
 def test_far_origins_and_other_units_break_no_law(far: int, scale: int) -> None:
