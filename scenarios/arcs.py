@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .errors import SceneError
 from .neighbours import shown_amount
@@ -47,6 +48,47 @@ class ArcSide:
     h: Quantity
     id: str | None
     full: bool
+
+
+@dataclass(frozen=True)
+class NearSide:
+    """A side of an arc in doubles.
+
+    Attributes:
+        x, y: the middle of its circle.
+        r: its radius, negative for the hollow side.
+        ends: the directions from the middle in which it begins and ends, counter-clockwise; none of a full circle.
+        normal, edge: see `Arc.chord`.
+    """
+
+    x: float
+    y: float
+    r: float
+    ends: tuple[tuple[float, float], ...]
+    normal: tuple[float, float]
+    edge: float
+
+    @staticmethod
+    def both(arc: Arc) -> tuple[NearSide, NearSide]:
+        """The outside and the hollow one.
+
+        >>> from truebreak.scenarios import Arc
+        >>> outside, hollow = NearSide.both(Arc(1, 2, 5, 6, 2, 1, 7))
+        >>> hollow.r, hollow.ends, hollow.within(3.0, 4.0, 5.0) > 3.1, hollow.within(-4.0, 0.0, 4.0) < 0
+        (-5.0, ((1.0, 0.0), (0.0, 1.0)), True, True)
+        """
+        x, y, r = float(arc.x), float(arc.y), float(arc.r)
+        ends = () if arc.full else tuple((float(ex), float(ey)) for ex, ey in arc.directions)
+        nx, ny, edge = map(float, arc.chord)
+        outside = NearSide(x, y, r, ends, (nx, ny), edge)
+        return outside, replace(outside, r=-r)
+
+    def within(self, dx: float, dy: float, reach: float) -> float:
+        """How far a place, d from the middle and as far as `reach`, is from where the side ends; below 0 beyond it."""
+        if not self.ends:
+            return math.inf
+        least = min(math.hypot(dx - reach * ex, dy - reach * ey) for ex, ey in self.ends)
+        return least if self.normal[0] * dx + self.normal[1] * dy > self.edge * math.hypot(dx, dy) else -least
 
 
 def arc_sides(arcs: Iterable[Arc]) -> Iterator[ArcSide]:

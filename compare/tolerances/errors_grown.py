@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scenarios.arcs import NearSide
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.surfaces import parts_of
@@ -20,7 +21,8 @@ from ..tangent.impacts import NoTangentMap, moving, rounds
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
-    from ...scenarios.things import Arc, Wall
+    from ...scenarios.numbers.quantity import Quantity
+    from ...scenarios.things import Wall
     from ...scenarios.trajectory import Contact, Trajectory
     from ..tangent.impacts import Impact
 
@@ -181,6 +183,8 @@ class GrownErrors:
         pull: gravity; `falls`, shape (circles, 2), of each circle.
         walls: (x0, y0, x1, y1) of each, where positions are; `paces` are their velocities.
         level: of each wall, whether gravity pulls along it.
+        loose: by how much the first point of each wall is rounded, and by what angle rounding turns it; `own_column` is
+            the first wall's own error.
     """
 
     def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
@@ -207,8 +211,18 @@ class GrownErrors:
         sizes = local.input_unit * np.abs(start)
         self._row = {k: row for row, k in enumerate(moving(scene))}
         movable = sizes[list(self._row)].reshape(-1)
-        self._carried = Displacements(scene, np.diag(movable).reshape(len(self._row), 4, -1))
+        self.loose = [_loose(wall, local.input_unit) for wall in scene.walls[:walls]]
+        self.own_column = len(movable)
+        begun = np.hstack([np.diag(movable), np.zeros((len(movable), walls))])
+        self._carried = Displacements(scene, begun.reshape(len(self._row), 4, -1))
         self._rounds = _rounds(run)
+
+    def line_off(self, i: int, j: int) -> float:
+        """By how much rounding the points of a wall moves it, where a circle is; of a face the contact has as much."""
+        if not 0 <= j - self.count < len(self.loose):
+            return 0.0
+        off, turned = self.loose[j - self.count]
+        return off + turned * math.dist(self.position[i], self.walls[j - self.count][:2])
 
     def _is_level(self, wall: Wall) -> bool:
         """Whether gravity pulls along a wall, exactly."""
@@ -240,7 +254,7 @@ class GrownErrors:
         state, time = self._read_off(index), float(event.time)
         self.stand_at(time, state[:, :2].copy())
         for contact, pair in zip(event.contacts, self.met(index), strict=True):
-            size = self.local.unit * self._size(pair, time)
+            size = self.local.unit * self._size(pair, time) + self.line_off(*pair)
             for k in self.movers(contact):
                 self._add(k, np.array([[size, 0.0, 0.0, 0.0], [0.0, size, 0.0, 0.0]]))
 
@@ -271,8 +285,9 @@ class GrownErrors:
         for together in struck:
             self._through(together, index)
             self._add_late(together, self.local.lateness)
-            for k in [k for hit in together for k in (hit.a, hit.b) if k in self._row]:
-                rounding = self.local.unit * float(speeds[k])
+            for k, wall in [(k, hit.wall) for hit in together for k in (hit.a, hit.b) if k in self._row]:
+                turned = 0.0 if wall is None or wall >= len(self.loose) else self.loose[wall][1]
+                rounding = (self.local.unit + 2 * turned) * float(speeds[k])
                 self._add(k, np.array([[0.0, 0.0, rounding, 0.0], [0.0, 0.0, 0.0, rounding]]))
         for k in [k for contact in event.contacts for k in self.movers(contact)]:
             self.velocity[k], self.since[k], self._left[k] = after[k], float(event.time), state[k, :2]
@@ -388,6 +403,23 @@ class GrownErrors:
         return float(np.hypot(*columns[:2]).sum()), float(np.hypot(*columns[2:]).sum())
 
 
+def _loose(wall: Wall, unit: float) -> tuple[float, float]:
+    """By how much rounding the scene's numbers moves a wall's first point, and by what angle it turns the wall.
+
+    Numbers that the engine has stay as they are, and two that are the same stay the same.
+    """
+
+    def off(value: Quantity) -> float:
+        near = float(value)
+        return (
+            0.0 if not unit or (value == near and (math.frexp(near)[0] / unit).is_integer()) else 2 * unit * abs(near)
+        )
+
+    turned = [0.0 if one == other else off(one) + off(other) for one, other in ((wall.x0, wall.x1), (wall.y0, wall.y1))]
+    length = math.hypot(float(wall.x1 - wall.x0), float(wall.y1 - wall.y0))
+    return math.hypot(off(wall.x0), off(wall.y0)), math.hypot(*turned) / length
+
+
 def _rounds(run: Trajectory) -> Sequence[Sequence[Sequence[Impact]]]:
     """The impacts of all events at the start that have a map to the next, by round."""
     try:
@@ -418,47 +450,6 @@ class Apex(NamedTuple):
     gap: float
     room: float
     sooner: float
-
-
-@dataclass(frozen=True)
-class NearSide:
-    """A side of an arc in doubles.
-
-    Attributes:
-        x, y: the middle of its circle.
-        r: its radius, negative for the hollow side.
-        ends: the directions from the middle in which it begins and ends, counter-clockwise; none of a full circle.
-        normal, edge: see `Arc.chord`.
-    """
-
-    x: float
-    y: float
-    r: float
-    ends: tuple[tuple[float, float], ...]
-    normal: tuple[float, float]
-    edge: float
-
-    @staticmethod
-    def both(arc: Arc) -> tuple[NearSide, NearSide]:
-        """The outside and the hollow one.
-
-        >>> from truebreak.scenarios import Arc
-        >>> outside, hollow = NearSide.both(Arc(1, 2, 5, 6, 2, 1, 7))
-        >>> hollow.r, hollow.ends, hollow.within(3.0, 4.0, 5.0) > 3.1, hollow.within(-4.0, 0.0, 4.0) < 0
-        (-5.0, ((1.0, 0.0), (0.0, 1.0)), True, True)
-        """
-        x, y, r = float(arc.x), float(arc.y), float(arc.r)
-        ends = () if arc.full else tuple((float(ex), float(ey)) for ex, ey in arc.directions)
-        nx, ny, edge = map(float, arc.chord)
-        outside = NearSide(x, y, r, ends, (nx, ny), edge)
-        return outside, replace(outside, r=-r)
-
-    def within(self, dx: float, dy: float, reach: float) -> float:
-        """How far a place, d from the middle and as far as `reach`, is from where the side ends; below 0 beyond it."""
-        if not self.ends:
-            return math.inf
-        least = min(math.hypot(dx - reach * ex, dy - reach * ey) for ex, ey in self.ends)
-        return least if self.normal[0] * dx + self.normal[1] * dy > self.edge * math.hypot(dx, dy) else -least
 
 
 class Nearby:
@@ -525,6 +516,8 @@ class Nearby:
     def between(self, columns: NDArray[np.float64], i: int, j: int, lag: float) -> NDArray[np.float64]:
         """Shape (2, errors): the displacement of j against i, so much later than the columns."""
         other = columns[j] if j < self.grown.count else np.zeros_like(columns[i])
+        if off := self.grown.line_off(i, j):
+            other[:2, self.grown.own_column + j - self.grown.count] = np.array(self.side(i, j)[:2]) * off
         between = other - columns[i]
         return between[:2] + lag * between[2:]
 
