@@ -201,7 +201,8 @@ def pattern_at_the_end(
         following = history.events[count] if count < len(history.events) else None
         whole = following is None or float(following.time) > end
         if float(event.time) <= last and (whole or (tie and float(event.time) == end)):
-            heard = replace(history, events=history.events[:count], final_time=max(end, float(event.time)))
+            known = min(max(end, float(event.time)), float(history.final_time))
+            heard = replace(history, events=history.events[:count], final_time=known)
             if found.relation(other := pattern_of(heard)) is not PatternRelation.NO_ORDER:
                 return other
     return pattern
