@@ -64,7 +64,7 @@ class Violation:
             "flight": f"{who} is {size} from where it flew to",
             "gap": f"{who} are {size} from touching as they collide",
             "impulse": f"the impulse of {who} leaves a velocity {size} off the law's",
-            "energy": f"the energy of those that {who} collide with is {size} off what restitution leaves",
+            "energy": f"the energy of those that {who} collide with is {size} off the law's",
             "bystander": f"the velocity of {who} changes by {size} without a contact",
             "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
             "depth": f"{who} fly {size} into each other, and do not collide",
@@ -471,7 +471,7 @@ class Measures:
         drifts: flights whose end is beyond rounding.
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
-        tunnels: those of overlaps that begin and end between two ends of steps.
+        tunnels: those of overlaps in which two come nearer between two ends of steps only.
         impacts, flights: how many contacts and flights there were.
         back: how long before the end of a step impulses are applied.
         end: up to when its flights are known.
@@ -600,7 +600,7 @@ def _corrected(measures: Measures) -> float:
 def lasting(measures: Measures, found: Sequence[Passage], step: float, through: bool = False) -> list[Passage]:
     """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that.
 
-    `through`: those alone that are over without a meeting, and in which more steps end than it takes to see them.
+    `through`: only such as are over without a meeting, and in which more steps end than it takes to see one.
     """
     late = LATE * step
 

@@ -75,7 +75,7 @@ def passes_between(enter: float, deepest: float, step: float, base: float) -> bo
     """
     if not math.isfinite(deepest):
         return False
-    return deepest <= enter or (math.ceil((deepest - base) / step - SAME_END) - 1) * step + base < enter
+    return deepest <= enter or (math.ceil((deepest - base) / step - SAME_END) - 1 + SAME_END) * step + base < enter
 
 
 def passages(

@@ -527,7 +527,7 @@ NARROW, CLOSE = 2**24, 2**60
 
 
 def first_zero_after(since: float, constant: float, slope: float, half: float) -> float:
-    """The first zero of constant + slope t + half t^2 after a time; infinite where there is none.
+    """The first zero of constant + slope t + half t^2 after a time, in doubles; infinite where there is none.
 
     >>> first_zero_after(0.0, 4.0, 0.0, -1.0), first_zero_after(2.0, 4.0, 0.0, -1.0)
     (2.0, inf)
