@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..floating.knots import SteppedEvents
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
@@ -442,9 +441,6 @@ def explained(
     new = ""
     if engine.step is not None and scene.gravity is not None and not scene.restitution.sign():
         new = "with gravity whose restitution is 0, of engines of steps"
-    motion = candidate.trajectory.motion
-    if isinstance(motion, SteppedEvents) and motion.ahead:  # where it pushes before it moves is no correction of places
-        new = "with gravity, for engines that add g dt before they move a circle"
     if scene.moving_solid is not None and engine.step is not None:
         new = f"in which {scene.moving_solid} moves, of engines of steps"
     if scene.other_walls:

@@ -319,15 +319,18 @@ FALLS_FEWEST = 3
 
 
 def step_fall(
-    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int], room: float
-) -> StepFall | None:
+    knots: Sequence[Sequence[DoubleKnot]], gravity: tuple[float, float], step: float, pegs: Collection[int],
+    room: float, restitution: float = 1.0,
+) -> StepFall | None:  # fmt: skip
     """How an engine of steps falls, by the states that it reports; None where they do not agree.
 
     Where a velocity has changed by gravity alone, the place tells by how much of g dt each step has moved the circle.
-    One that moves first is taken for pymunk's like.
+    A bounce on what stands tells whether the restitution is of the speed before the last g dt, or after it; where none
+    does, an engine that moves first is taken for pymunk's like.
 
     Args:
         room: by how much a place may be off.
+        restitution: of the scene.
 
     >>> fall = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5, ahead=1.0)
     >>> told = [(t, *fall.state(t)[0]) for t in (0.0, 0.5, 1.0, 1.5)]
@@ -335,12 +338,19 @@ def step_fall(
     StepFall(ahead=1.0, early=0.0)
     """
     (gx, gy), found = gravity, list[tuple[float, float]]()
+    bounces = [0, 0]
     square = gx * gx + gy * gy
     for k, row in enumerate(knots):
         for (t, x, y, vx, vy), (after, x1, y1, ux, uy) in pairwise(row if k not in pegs else ()):
             span = after - t
             size = max(1.0, math.hypot(vx, vy), math.hypot(ux, uy))
-            if span <= 0.0 or math.hypot(ux - vx - gx * span, uy - vy - gy * span) > room * size:
+            jump = math.hypot(jx := ux - vx - gx * span, jy := uy - vy - gy * span)
+            if span > 0.0 and jump > 2**10 * room * size:  # along the line of centres
+                left, came = (ux * jx + uy * jy) / jump, ((ux - jx) * jx + (uy - jy) * jy) / jump
+                for early in (0, 1):
+                    off = left + restitution * (came - early * (gx * jx + gy * jy) / jump * step)
+                    bounces[early] += abs(off) <= 2**5 * room * size
+            if span <= 0.0 or jump > room * size:
                 continue
             dx, dy = x1 - x - (vx + ux) * span / 2, y1 - y - (vy + uy) * span / 2
             unit = square * step * span
@@ -353,7 +363,8 @@ def step_fall(
     if sum(abs(value - ahead) <= NEAR_AHEAD + loose for value, loose in found) < len(found) * 0.9:
         return None
     ahead = round(2 * ahead) / 2 if abs(2 * ahead - round(2 * ahead)) <= 2 * NEAR_AHEAD else ahead
-    return StepFall(ahead, 1.0 if ahead == 0.0 else 0.0)
+    early = ahead == 0.0 if bounces[0] == bounces[1] else bounces[1] > bounces[0]
+    return StepFall(ahead, float(early))
 
 
 NEAR_AHEAD = 2.0**-12

@@ -10,7 +10,7 @@ the contacts, it is what these alone come to.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
@@ -22,14 +22,12 @@ from ...exact.laws.formulas import wall_approach
 from ...exact.numbers import ball
 from ...exact.replay.contact import Flight, Round, Touch, can_push, is_flat
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, Step, step_units
-from ...floating.knots import SteppedFall
+from ...floating.knots import NEXT_TO, SteppedFall
 from ...scenarios.lazy import kept
-from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Fall, ReportedInstant, Transcript
 from ..audit.transcript import ReportedFlight as OwnRow
-from .decision import DecidingNumber, Pairing, RunReader
+from .decision import CarriedReader, DecidingNumber, Pairing, RunReader
 from .free_flights import (
-    FlightBalls,
     Row,
     Rows,
     added,
@@ -154,6 +152,7 @@ class Continuation:
         unit: of its numbers, where it takes steps, so that its impulses may be off by more than rounding.
         until: when the decision comes; what the engine changes in flight up to then leads to it.
         threshold: the normal speed below which the engine says that nothing bounces.
+        step: that it takes, if it takes any.
 
     Attributes:
         stretches: what leads to the decision, in order.
@@ -176,6 +175,7 @@ class Continuation:
         unit: float | None = None,
         until: float = 0.0,
         threshold: float = 0.0,
+        step: float = 0.0,
     ) -> None:
         motion = motion_of(reference)
         if motion is None:
@@ -183,6 +183,7 @@ class Continuation:
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene.surfaces  # whose places the log has
         self._turned, self._unit, self._until, self._threshold = turned, unit, until, threshold
+        self._step, self._back = step, 0.0
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -211,10 +212,32 @@ class Continuation:
             transcript = Transcript(self.own, encloses=True)
             self._fall = transcript.fall if transcript.fall is not None and transcript.fall.step else None
             self.first = {k: self._told(row) for k, row in enumerate(transcript.first())}
-            moving = tuple(k for k, moves in enumerate(self._moving) if moves)
+            self._find_stretches(links)
+
+    def _find_stretches(self, links: Sequence[Link]) -> None:
+        """What leads to the decision, with defects, at the places where an engine of steps applies its impulses.
+
+        One that pushes before it moves is told a step later; one that stops circles, moves them, and then lets them
+        bounce flies as if pushed in between. So it is taken to do where that fits its places better than a late push.
+        """
+        moving = tuple(k for k, moves in enumerate(self._moving) if moves)
+        share = self._exact.share  # (1 + e) / 2
+        held = self._step / (2.0 if share is None else 2.0 * float(share.mid()))
+        tries: list[tuple[int, float, float, list[Stretch]]] = []
+        for back in (0.0, self._step, held):
+            self._back = back
             self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
             for stretch in self.stretches:
                 self._find_defects(stretch)
+            alone = [stretch.defects for stretch in self.stretches if LATENESS in stretch.defects]
+            if not tries and not (self._step and any(CORRECTION in kinds for kinds in alone)):
+                return
+            rows = [[*kinds.get(CORRECTION, {}).values()] for kinds in alone]
+            moved = sorted(math.hypot(*(float(n.mid()) for row in mine for n in row[1:3])) for mine in rows)
+            tries.append((moved.count(0.0), moved[len(moved) // 2], back, self.stretches))
+        exact, off, *_ = tries[0]
+        better = [found for found in tries if 2 * found[0] > exact + len(alone) or found[1] < off / 64]
+        *_, self._back, self.stretches = min(better or tries[:1], key=lambda found: (-found[0], found[1]))
 
     @cached_property
     def _known_to_be_first(self) -> bool:
@@ -230,9 +253,17 @@ class Continuation:
 
     # -- states
 
-    def _told(self, flight: OwnRow) -> Row:
-        """A flight of the engine's own, in the frame that falls as the scene does that it is given."""
-        return fallen(self._given.falling, flight[:5])
+    def _told(self, flight: OwnRow, pushed: bool = False) -> Row:
+        """A flight of the engine's own, in the frame that falls as the scene does; `pushed` before it was told."""
+        t, x, y, vx, vy = flight[:5]
+        if pushed:
+            back, fall = arb(self._back), self._fall
+            if fall is not None:
+                step = arb(self._step)
+                vx, vy, way = vx - fall.gx * step, vy - fall.gy * step, fall.ahead * step * back
+                x, y = x - fall.gx * way, y - fall.gy * way
+            t, x, y = t - back, x - vx * back, y - vy * back
+        return fallen(self._given.falling, (t, x, y, vx, vy))
 
     # -- what leads to the decision
 
@@ -345,7 +376,8 @@ class Continuation:
         for n, instant in enumerate(told):
             for k, after in instant.after.items():
                 mine = changes.setdefault(k, [])
-                mine.append((n, mine[-1][2] if mine else self.first[k], self._told(after)))
+                pushed = self._back and any(k in pair for pair in instant.impulses)
+                mine.append((n, mine[-1][2] if mine else self.first[k], self._told(after, bool(pushed))))
         done: dict[int, int] = {}
         left: dict[int, int] = {}
         found: list[Stretch] = []
@@ -389,7 +421,8 @@ class Continuation:
         motion = self.own.motion
         if not isinstance(motion, SteppedFall) or not self._moving[k]:
             return []
-        at = last_step(motion, float(row[0].mid()), self._until)
+        begin = float(row[0].mid())
+        at = last_step(motion, _end_of_step(begin, motion.dt) if self._back else begin, self._until)
         if at is None:
             return []
         x, y, vx, vy = map(arb, motion.state(at)[k])
@@ -429,7 +462,9 @@ class Continuation:
         if not stretch.links:
             moved: Rows = {k: flown(before[k], after[k][0]) for k in stretch.bodies}
             if self._fall is not None:
-                meant: Rows = {k: _fallen_by_steps(before[k], after[k][0], self._fall) for k in stretch.bodies}
+                meant: Rows = {
+                    k: _fallen_by_steps(before[k], after[k][0], self._fall, self._back) for k in stretch.bodies
+                }
                 stretch.defects[INTEGRATOR] = less(meant, moved)
                 moved = meant
             left = less({k: after[k] for k in stretch.bodies}, moved)
@@ -441,7 +476,7 @@ class Continuation:
         by_steps = exact
         if self._fall is not None and stretch.at_once:
             now = after[stretch.bodies[0]][0]
-            before = {k: _fallen_by_steps(row, now, self._fall) for k, row in before.items()}
+            before = {k: _fallen_by_steps(row, now, self._fall, self._back) for k, row in before.items()}
             by_steps = self._law(state, stretch, before)
             stretch.defects[INTEGRATOR] = less(by_steps, exact)
         if others or link.turns or not stretch.at_once:
@@ -451,7 +486,12 @@ class Continuation:
         there.update({k: before[k] for k in stretch.beside})
         met = self._law(state, stretch, there)
         late: Rows = {k: (*after[k][:3], *met[k][3:]) for k in stretch.bodies}
-        at_once = self._law(state, stretch, there, here=True)
+        ago = arb(self._step - self._back if self._back else 0)  # since it took the line of centres
+        paces = {k: self._risen(row)[3:] for k, row in there.items()}
+        lined: Rows = {
+            k: (t, x - paces[k][0] * ago, y - paces[k][1] * ago, vx, vy) for k, (t, x, y, vx, vy) in there.items()
+        }
+        at_once = self._law(state, stretch, lined, here=True)
         pushed: Rows = {k: (*after[k][:3], *at_once[k][3:]) for k in stretch.bodies}
         stretch.defects[CORRECTION if self._is_displaced(there, before) else FLIGHTS] = less(met, by_steps)
         if link.single is not None and is_flat(link.single):  # whose normal nothing turns: it falls for longer
@@ -459,7 +499,7 @@ class Continuation:
         stretch.defects[LATENESS] = less(late, met)
         stretch.defects[OVERLAP] = less(pushed, late)
         if self._fall is not None and link.single is not None and _is_fixed(state, link.single):
-            gained = _bounced_before_gain(state, link.single, pushed, self._fall)
+            gained = _bounced_before_gain(state, link.single, pushed, self._fall, self._back > 0.0)
             stretch.defects[INTEGRATOR] = added(stretch.defects[INTEGRATOR], less(gained, pushed))
             pushed = gained
         left = less({k: after[k] for k in stretch.bodies}, pushed)
@@ -589,7 +629,7 @@ class Continuation:
                     seen[k, link.event] = flying[k]
                 if link.turns:
                     turned.update({k: flying[k] for k in link.pushed})
-        reader = _Carried(self.reference, state, first, seen, turned, self._turned)
+        reader = CarriedReader(self.reference, state, first, seen, turned, self._turned)
         found = reader.value_once(self.decision, self.bits)
         hits = self.decision.rival is not None and found is not None and ball.sign_of(found) == -1
         self.forestalled = hits and (None if self._known_to_be_first else reader.comes_late(self.decision))
@@ -617,12 +657,23 @@ def _own_events(run: Continuation, link: Link) -> set[int]:
     return found
 
 
-def _fallen_by_steps(row: Row, time: arb, fall: Fall) -> Row:
-    """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall."""
-    (t, x, y, vx, vy), span = flown(row, time), time - row[0]
-    way, gain = fall.fallen(span)
-    way, gain = way - span * span / 2, gain - span
+def _fallen_by_steps(row: Row, time: arb, fall: Fall, back: float) -> Row:
+    """Where an engine of steps has a circle at a time: `Fall.fallen` against t**2/2 and t of the exact fall.
+
+    A flight may begin `back` before the end of a step, at which a circle gains g dt.
+    """
+    (t, x, y, vx, vy), span, way, gain = flown(row, time), time - row[0], arb(0), arb(0)
+    wait = _end_of_step(float(row[0].mid()), fall.step) - row[0]
+    if 0.0 < back < fall.step and NEXT_TO * fall.step < float(wait) <= float(span) + NEXT_TO * fall.step:
+        way, gain, span = fall.step * (fall.ahead * wait + span - wait), arb(fall.step), span - wait
+    (more, gained), span = fall.fallen(span), time - row[0]
+    way, gain = way + more - span * span / 2, gain + gained - span
     return t, x + fall.gx * way, y + fall.gy * way, vx + fall.gx * gain, vy + fall.gy * gain
+
+
+def _end_of_step(time: float, step: float) -> float:
+    """The end of the step in which a time is."""
+    return math.ceil(time / step - NEXT_TO) * step
 
 
 def _is_fixed(state: ReplayState[arb], link: Touch) -> bool:
@@ -630,8 +681,11 @@ def _is_fixed(state: ReplayState[arb], link: Touch) -> bool:
     return is_flat(link) or falls_on(state, link)
 
 
-def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fall: Fall) -> Rows:
-    """After a bounce whose restitution has multiplied the speed that was there before the last g dt."""
+def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fall: Fall, first: bool) -> Rows:
+    """After a bounce whose restitution has multiplied the speed that was there before the last g dt.
+
+    An engine that pushes `first` does so at speeds that have the next g dt.
+    """
     [(k, row)] = pushed.items()
     t, x, y, vx, vy = row
     if is_flat(link):
@@ -641,57 +695,6 @@ def _bounced_before_gain(state: ReplayState[arb], link: Touch, pushed: Rows, fal
         nx, ny, *_ = fall_of_contact(state, cast("Round", link), row)
         nn = nx * nx + ny * ny
     restitution = arb(1) if state.share is None else 2 * state.share - 1
-    more = restitution * fall.early * fall.step * wall_approach(fall.gx, fall.gy, nx, ny) / nn
+    share = restitution * fall.early - (1 + restitution if first else 0)
+    more = share * fall.step * wall_approach(fall.gx, fall.gy, nx, ny) / nn
     return {k: (t, x, y, vx + more * nx, vy + more * ny)}
-
-
-class _Carried(RunReader):
-    """Reads a decision off carried flights."""
-
-    def __init__(
-        self,
-        run: Trajectory,
-        state: RoundedState,
-        first: Mapping[int, Row],
-        seen: Mapping[tuple[int, int], Row],
-        turned: Mapping[int, Row],
-        turned_after: int | None,
-    ) -> None:
-        super().__init__(run, turned_after=turned_after)
-        self._state, self._first, self._seen, self._turned_rows = state, first, seen, turned
-
-    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
-        """As `RunReader.numbers`."""
-        k, anchor = self.places[name], pairing.anchors.get(name)
-        if self._turned(pairing) and k in self._turned_rows:
-            return self._turned_rows[k]
-        return self._first[k] if anchor is None else self._seen.get((k, anchor), self._first[k])
-
-    def things(self, bits: int) -> RoundedState:
-        """As they are carried."""
-        return self._state
-
-    def value_once(self, decision: DecidingNumber, bits: int) -> arb | None:
-        """The number that decides, at so many bits and no more."""
-        found = self._value(decision, bits)
-        return found if found is not None and found.is_finite() else None
-
-    def comes_late(self, decision: DecidingNumber) -> bool | None:
-        """Whether a hit comes after the meeting that the other run has instead; None where that is not known.
-
-        Where that meeting's flights are not carried too, a hit is not late that comes before its time in that run.
-        """
-        rival, mine = decision.rival, self.hit_time(decision.first)
-        assert rival is not None
-        if not all(
-            anchor is None or self._turned(rival) or (self.places[name], anchor) in self._seen
-            for name, anchor in rival.anchors.items()
-        ):
-            return False if mine is not None and float(mine.mid()) < decision.rival_time else None
-        theirs = self.hit_time(rival)
-        sign = None if mine is None or theirs is None else ball.sign_of(theirs - mine)
-        return False if theirs is None else None if sign is None else sign == -1
-
-    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
-        """No zero is proved of carried flights."""
-        return False

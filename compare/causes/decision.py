@@ -26,6 +26,7 @@ from .free_flights import (
     FlightBalls,
     OwnFlight,
     Relative,
+    Row,
     ThingFall,
     apart_at,
     exact_flight,
@@ -585,3 +586,55 @@ def _thing_fall(reader: RunReader, pairing: Pairing, bits: int) -> ThingFall | N
 def _pace_of(things: RoundedState, parts: ThingParts) -> tuple[arb, arb] | None:
     """The velocity of a thing that moves."""
     return things.drifts.get(parts.faces[0]) if parts.faces else None
+
+
+class CarriedReader(RunReader):
+    """Reads a decision off carried flights."""
+
+    def __init__(
+        self,
+        run: Trajectory,
+        state: RoundedState,
+        first: Mapping[int, Row],
+        seen: Mapping[tuple[int, int], Row],
+        turned: Mapping[int, Row],
+        turned_after: int | None,
+    ) -> None:
+        super().__init__(run, turned_after=turned_after)
+        self._state, self._first, self._seen, self._turned_rows = state, first, seen, turned
+
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
+        """As `RunReader.numbers`."""
+        k, anchor = self.places[name], pairing.anchors.get(name)
+        if self._turned(pairing) and k in self._turned_rows:
+            return self._turned_rows[k]
+        return self._first[k] if anchor is None else self._seen.get((k, anchor), self._first[k])
+
+    def things(self, bits: int) -> RoundedState:
+        """As they are carried."""
+        return self._state
+
+    def value_once(self, decision: DecidingNumber, bits: int) -> arb | None:
+        """The number that decides, at so many bits and no more."""
+        found = self._value(decision, bits)
+        return found if found is not None and found.is_finite() else None
+
+    def comes_late(self, decision: DecidingNumber) -> bool | None:
+        """Whether a hit comes after the meeting that the other run has instead; None where that is not known.
+
+        Where that meeting's flights are not carried too, a hit is not late that comes before its time in that run.
+        """
+        rival, mine = decision.rival, self.hit_time(decision.first)
+        assert rival is not None
+        if not all(
+            anchor is None or self._turned(rival) or (self.places[name], anchor) in self._seen
+            for name, anchor in rival.anchors.items()
+        ):
+            return False if mine is not None and float(mine.mid()) < decision.rival_time else None
+        theirs = self.hit_time(rival)
+        sign = None if mine is None or theirs is None else ball.sign_of(theirs - mine)
+        return False if theirs is None else None if sign is None else sign == -1
+
+    def _proves(self, formula: Callable[..., Quantity], pairing: Pairing, end: int | None = None) -> bool:
+        """No zero is proved of carried flights."""
+        return False

@@ -330,7 +330,7 @@ class Laboratory:
             run = Continuation(
                 self.reference, self.candidate.trajectory, self.candidate.alignment.walks, self.decision, self.turned,
                 self._rounds_to, 2.0**-self.bits if stepped else None, self.first_time,
-                allowances(self.engine, self.study.scene).get("threshold", 0.0),
+                allowances(self.engine, self.study.scene).get("threshold", 0.0), self.engine.step or 0.0,
             )  # fmt: skip
             return account_of(run, self.margin, self.got, stepped, self.input_rounded)
         except NoContinuation as why:

@@ -195,7 +195,7 @@ class RunSoFar:
         (gx, gy), pegs, (bits, step, fall) = self._gravity, self.scene.pegs, self._steps
         if fall is None and step is not None and not reckoned:
             share = FLIGHT if bits is None else max(FLIGHT, 4.0 * 2.0**-bits)
-            fall = step_fall(knots, self._gravity, step, pegs, share * scale)
+            fall = step_fall(knots, self._gravity, step, pegs, share * scale, float(self.scene.restitution))
         if fall is None or step is None:
             carried = {k: frozenset(n for n in row if n < len(knots[k])) for k, row in enumerate(self.carried) if row}
             slides, bounced = dict(enumerate(self.slides)), dict(enumerate(self.bounced))

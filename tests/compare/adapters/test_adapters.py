@@ -10,6 +10,7 @@ import pytest
 from truebreak.compare.adapters.__main__ import SCENES as COSTED
 from truebreak.compare.adapters.__main__ import main as costs_command
 from truebreak.compare.adapters.adapter import NotInstalled, package
+from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
 from truebreak.compare.grids.bounce_survey import BOUNCES, bounces_of
@@ -384,5 +385,5 @@ def test_where_an_engine_pushes_before_it_moves_is_taken_for_no_correction() -> 
     room = Scene([Circle(0, 2)], [FLOOR, top], gravity=(0, -1))
     (found,) = compare(room, [installed("box2d") + ":dt=1/64"], events=4).candidates
     assert found.verdict == "diverged" and found.diagnosis is not None
-    assert "causes are not looked for yet" in str(found.diagnosis.experiments[0])
-    assert not found.diagnosis.shares
+    assert found.diagnosis.shares[0].cause is CauseName["INTEGRATOR"]
+    assert all(abs(row.share or 0.0) < 1e-6 for row in found.diagnosis.shares if row.cause is CauseName["CORRECTION"])
