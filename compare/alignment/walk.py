@@ -278,6 +278,10 @@ class _Side:
         self.open = [(name, meeting.event) for name in names]
         self.coming = Counter(meeting.partners) - Counter([*names]) if self.stepped else Counter()
 
+    def has_next(self, name: str) -> bool:
+        """Whether a partner is met in the instant after that which was taken up."""
+        return self.place < len(self.meetings) and name in self.meetings[self.place].partners
+
     def begin(self) -> None:
         """A new instant: what is past of the last one is no longer repeated."""
         self.past, self.spare = {}, Counter()
@@ -357,7 +361,8 @@ def _repeats(side: _Side, other: _Side, step: float) -> bool:
     """Whether a side's next partner is part of the instant that the other has just taken up.
 
     Where the other's next instant has that partner too, it belongs to the one that is nearer in time, if the side is as
-    late as it was at the last.
+    late as it was at the last. But where the side then has another partner, and the other's two are near each other,
+    they are the same two: places may be off by many steps, and who comes between the two is told by the partner's walk.
     """
     if not side.open or not side.past or not other.past:
         return False
@@ -370,6 +375,9 @@ def _repeats(side: _Side, other: _Side, step: float) -> bool:
     rival = next((e for n, e in other.open if n == name), None)
     if rival is None:
         return True
+    apart = other.times[rival] - other.times[other.past[name]]
+    if len(side.open) == 1 and apart <= REPEATED * step and not side.has_next(name):
+        return False
     return abs(lag) < abs(other.times[other.past[name]] + lag - other.times[rival])
 
 

@@ -458,7 +458,7 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
         if lab.decision.kind == "hit" and decides_by_speed(lab.truth, lab.decision.first):
             speed = ball.double_bounds(lab.margin)
         elif lab.decision.kind == "hit":
-            distance = ball.double_bounds(lab.margin)
+            distance = None if _part_for_good(lab, lab.decision.first) else ball.double_bounds(lab.margin)
         else:
             gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
             ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
@@ -470,6 +470,18 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
     entry = next((p for p in lab.pairings if any(p == one.entry for one in lab.taken)), None)
     named = None if entry is None else (entry.body, entry.partner)
     return Margin(gap, distance, speed, ulps, error, growth, lab.study.watch.over, named)
+
+
+def _part_for_good(lab: Laboratory, pairing: Pairing) -> bool:
+    """Whether two circles of which none stands under gravity part in the exact motion, from the touch of that moment.
+
+    So nothing near tells how far they are from another: they fly apart, or fall together as they do.
+    """
+    met, pegs = {*pairing.anchors.values()}, lab.study.scene.surfaces.pegs
+    names = pairing.body, pairing.partner
+    if len(met) != 1 or None in met or len(pairing.anchors) < 2 or any(lab.truth.places[n] in pegs for n in names):
+        return False
+    return any({*contact} == {*names} for event in met for contact in lab.reference.events[event or 0].contacts)
 
 
 def _second_gap(lab: Laboratory) -> Bounds | None:

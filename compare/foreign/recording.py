@@ -654,16 +654,15 @@ class Recording:
 
     def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Indices]:
         """The contacts of the last `way` of time."""
-        fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
-        room = 2 * fastest * way + FLIGHT * self._scale
-        links, left = self._impacts.inferred(rows, before, room, now, None if self.step else way)
-        if not links or left > UNEXPLAINED:
-            changed = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
-            raise EngineError(
-                f"{self.where}: at time {now!r} the velocity of {self.scene.ids[changed]!r} has changed, and no "
-                "contact near it explains how; report the contacts by hit(time, a, b)"
-            )
-        return self._impacts.named(links, before)
+        room = 2 * way * max(math.hypot(*row[2:]) for row in [*rows, *before]) + FLIGHT * self._scale
+        ago = [(x - vx * way, y - vy * way, vx, vy) for x, y, vx, vy in rows]  # of one that pushes before it moves
+        for places in (rows, ago) if self.step else (rows,):
+            links, left = self._impacts.inferred(places, before, room, now, None if self.step else way)
+            if links and left <= UNEXPLAINED:
+                return self._impacts.named(links, before)
+        changed = self.scene.ids[max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))]
+        told = "has changed, and no contact near it explains how; report the contacts by hit(time, a, b)"
+        raise EngineError(f"{self.where}: at time {now!r} the velocity of {changed!r} {told}")
 
     def _turn_before(self, now: float) -> None:
         """The scene's reversal at a set time, if it is due before a report; and the clock goes on."""

@@ -515,7 +515,7 @@ def substitutes(comparison: Comparison, candidate: Candidate) -> tuple[Substitut
 def right_to(comparison: Comparison, alternative: Alternative) -> str:
     """To which event what was run is right."""
     if alternative.right:
-        return f"right in {all_of(len(comparison.reference.events))}"
+        return f"right{all_of(len(comparison.reference.events))}"
     last = f"right to event {alternative.agreed - 1:,}" if alternative.agreed else "right in no event"
     return f"{last} (run no further)" if alternative.ended else last
 

@@ -68,7 +68,7 @@ def verdict_sentence(comparison: Comparison) -> str:
         return broken + f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
     verb = "agrees" if len(agreeing) == 1 else "agree"
     rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
-    same = f"{listed(agreeing)} {verb} with the {reference.engine} run in {all_of(len(reference.events))}{rest}."
+    same = f"{listed(agreeing)} {verb} with the {reference.engine} run{all_of(len(reference.events))}{rest}."
     changed = sorted({name.replace("_", " ") for c in by_verdict["agree"] for name in c.changed})
     if changed:
         return f"No collision changed, but an outcome did ({', '.join(changed)}): {same}"
@@ -193,13 +193,13 @@ def tied(partners: str | None) -> str:
 
 
 def all_of(number: int) -> str:
-    """All events in words.
+    """In all events, in words, after a run.
 
     >>> all_of(0), all_of(1), all_of(60)
-    ('it, which has no event', 'its one event', 'all 60 events')
+    (', in which nothing happens', ' in its one event', ' in all 60 events')
     """
-    few = {0: "it, which has no event", 1: "its one event"}
-    return few.get(number, f"all {counted(number, 'event')}")
+    few = {0: ", in which nothing happens", 1: " in its one event"}
+    return few.get(number, f" in all {counted(number, 'event')}")
 
 
 def listed(words: list[str]) -> str:

@@ -212,6 +212,21 @@ def test_an_engine_with_a_step_may_report_a_contact_twice_within_it() -> None:
     assert align(reference, told((1.01, "ab bc"), (5.0, "bd")), step=0.01).verdict == "diverged"
 
 
+def test_two_meetings_near_each_other_are_not_one_where_the_candidate_has_two_as_well() -> None:
+    """It may be several steps off by then: what comes next tells which of them belong together."""
+    reference = told((5.617, "ab"), (5.645, "bc"), (5.665, "ab"), (9.011, "ad"))
+    late = told((5.5, "ab"), (5.633, "bc"), (5.767, "ab"), (9.033, "ad"))
+    assert align(reference, late, step=1 / 30).verdict == "agree"
+    other = align(reference, told((5.5, "ab"), (5.633, "bc"), (5.767, "ab"), (9.033, "ac")), step=1 / 30)
+    assert other.divergence is not None and other.divergence.expected == "d"
+    twice = told((1.0, "ab"), (1.01, "ab"), (5.0, "ab"), (9.0, "ad"))
+    assert align(twice, told((1.02, "ab"), (5.02, "ab"), (9.02, "ad")), step=1 / 30).verdict == "agree"
+    much_later = align(
+        told((1.0, "ab"), (1.01, "ab"), (9.0, "ad")), told((1.0, "ab"), (6.0, "ab"), (9.0, "ad")), step=1 / 30
+    )
+    assert much_later.verdict == "diverged"
+
+
 def test_the_first_of_several_divergences_is_reported() -> None:
     reference = told((1.0, "ab"), (2.0, "cd"), (3.0, "bc"), (4.0, "aw"))
     candidate = told((1.0, "ab"), (2.5, "cw"), (2.6, "dw"), (3.0, "bd"), (4.0, "ac"))
