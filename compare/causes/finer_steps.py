@@ -85,7 +85,7 @@ def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 
 def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """Whether two that should meet overlap for less than a step, and between two of its instants."""
+    """Whether two that should meet overlap between two ends of steps, or come nearer there, and part by the later one."""
     cause, step = CauseName["TUNNELLING"], lab.engine.step
     if step is None:
         return []
@@ -107,6 +107,11 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
             told, through = f"{body} and {partner} have no thickness: they overlap at no step's end", True
         elif passes_between(enter, leave, step, base):
             told, through = f"{told}, and none ends in between: one passes through the other", True
+        elif passes_between(enter, (enter + leave) / 2, step, base):
+            told, through = (
+                f"{told}, and by the end of a step in between they part again: one passes through the other",
+                True,
+            )
         return [Experiment(cause, told, None, through)]
     return [Experiment(cause, "no circle that it should meet is passed through", None, False)]
 

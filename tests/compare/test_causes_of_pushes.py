@@ -11,6 +11,7 @@ import pytest
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import compare
 from truebreak.compare.foreign import RecordedEngine
+from truebreak.scenarios import catalogue
 from truebreak.scenarios.scene import Scene
 from truebreak.scenarios.things import Circle, Wall
 
@@ -135,3 +136,10 @@ def test_nothing_is_named_that_the_engine_does_not_do(order: str, gravity: Any, 
 @pytest.mark.parametrize("order", ORDERS[:3])
 def test_a_correction_of_places_is_named_as_ever(order: str, gravity: Any) -> None:
     assert not faint(account(order, gravity, pushes_out=True), "CORRECTION")
+
+
+def test_what_parts_again_by_the_end_of_a_step_passes_through() -> None:
+    """The ball is in the paddle at the end of a step, but beyond its middle, where nothing pushes it back."""
+    (found,) = compare(catalogue.build("breakout"), ["pymunk:dt=1/8"], events=5).candidates
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["TUNNELLING"]
+    assert "they part again: one passes through the other" in str(found.diagnosis.experiments)
