@@ -85,7 +85,7 @@ def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 
 def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """Whether two that should meet overlap between two ends of steps, or come nearer there, and part by the later one."""
+    """Whether two that should meet overlap between two ends of steps, or have come as near as they do by the later."""
     cause, step = CauseName["TUNNELLING"], lab.engine.step
     if step is None:
         return []
