@@ -108,10 +108,8 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         elif passes_between(enter, leave, step, base):
             told, through = f"{told}, and none ends in between: one passes through the other", True
         elif passes_between(enter, (enter + leave) / 2, step, base):
-            told, through = (
-                f"{told}, and by the end of a step in between they part again: one passes through the other",
-                True,
-            )
+            told = f"{told}, and by the end of a step in between they part again: one passes through the other"
+            through = True
         return [Experiment(cause, told, None, through)]
     return [Experiment(cause, "no circle that it should meet is passed through", None, False)]
 
