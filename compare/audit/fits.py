@@ -29,7 +29,6 @@ NEAR = 16.0
 FEWEST = 3
 """Impacts from which on one value for all of them is a description, and not a coincidence."""
 
-
 MOST_BOUNCES = 2_000
 """Bounces that are followed of those that nothing reports."""
 
@@ -154,7 +153,7 @@ class Fit:
         return f"{self.what} fits {self.explained} of {self.of} {'flights' if self.kind in FLIGHTS else 'impacts'}"
 
 
-FLIGHTS = ("damping", "acceleration", "correction")
+FLIGHTS = ("damping", "acceleration", "lag", "correction")
 """Kinds of description that are of flights."""
 
 
@@ -492,12 +491,13 @@ def _sorts(laws: Laws, missed: _Missed, bad: Sequence[Sample]) -> Iterable[tuple
     """Sorts of contacts that have all of the bad ones, the widest first, in words."""
     wall = lambda s: s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends  # noqa: E731
     pairs = dict.fromkeys(map(missed.names, bad))
-    slow, fast = min(s.speed for s in bad), max(s.speed for s in bad)
+    slow, fast, sides = min(s.speed for s in bad), max(s.speed for s in bad), sorted({name for _, name in pairs})
     sorts: list[tuple[str, Callable[[Sample], bool]]] = [
         ("", lambda s: True),
         (" at walls", wall),
         (" between circles", lambda s: not wall(s)),
         *((f" of {name}", lambda s, name=name: name in missed.names(s)) for name in dict.fromkeys(missed.ids)),
+        (f" at {' and '.join(sides)}", lambda s: wall(s) and missed.names(s)[1] in sides),
         *((f" between {one} and {two}", lambda s, pair=(one, two): missed.names(s) == pair) for one, two in pairs),
         (f" above a normal speed of {slow:.3g}", lambda s: s.speed >= slow),
         (f" below a normal speed of {fast:.3g}", lambda s: s.speed <= fast),
@@ -553,7 +553,24 @@ def _masses(laws: Laws, missed: _Missed) -> list[Fit]:
         if found is not None and found[0] > 0:
             what = f"the mass of {name} taken for {_told(found[0] / share[k], 1 / share[k])}"
             fits.append(Fit(what, len(mine), len(mine), *found, "mass"))
-    return fits
+    return fits or _ratios(share, missed, pairs)
+
+
+def _ratios(share: Sequence[float], missed: _Missed, pairs: Sequence[Sample]) -> list[Fit]:
+    """Several masses taken for others, in one ratio to each other; there must be more impacts than masses."""
+    times = {missed.momentum[0].pair[0]: 1.0}  # what each is taken for, as a share of what it is
+    if not all(0.0 < s.masses < math.inf for s in pairs):
+        return []
+    for i, j, ratio in [(*s.pair, s.masses) for s in pairs] * len(pairs):
+        if (i in times) is not (j in times):
+            times.update({j: times[i] / ratio} if i in times else {i: times[j] * ratio})
+    mine = [s for s in pairs if s.pair[0] in times]
+    off = [abs(times[s.pair[0]] / times[s.pair[1]] / s.masses - 1) - NEAR * s.room - SPREAD * 1e-6 for s in mine]
+    if len(mine) < max(FEWEST, len(times)) or max(off) > 0 or any(s.pair[0] not in times for s in missed.momentum):
+        return []
+    taken = {missed.ids[k]: times[k] / share[k] for k in sorted(times)}
+    told = " to ".join(f"{mass / min(taken.values()):.4g}" for mass in taken.values())
+    return [Fit(f"the masses of {', '.join(taken)} taken to be as {told}", len(mine), len(mine), kind="mass")]
 
 
 def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
@@ -613,6 +630,12 @@ def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
         ):  # fmt: skip
             if all(abs((d.y, d.x)[axis]) <= d.room for d in flown):
                 yield fit, abs(fit.value) * longest**2, abs(fit.value) * longest
+    starts = [d for d in moving if d.span > d.time * (1 - 2.0**-40)]
+    for fit in tried(
+        [-d.along / d.speed for d in starts], [d.room / d.speed for d in starts],
+        lambda value: f"times told {abs(value):.3g} too {'late' if value > 0 else 'early'}", "lag",
+    ):  # fmt: skip
+        yield fit, abs(fit.value) * fast, 0.0
     for fit in tried(
         [d.size for d in bad], [d.room for d in bad],
         lambda value: f"places moved by {value:.3g}, without a flight", "correction",

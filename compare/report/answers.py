@@ -558,7 +558,7 @@ def predicted(comparison: Comparison, candidate: Candidate, foreseen: Foreseen |
     """Until which event the exact run alone predicts the engine to be right; empty where nothing is predicted."""
     place = next(k for k, each in enumerate(comparison.candidates) if each is candidate)
     horizon: Horizon | None = None if foreseen is None or not foreseen.horizons else foreseen.horizons[place]
-    if foreseen is None or horizon is None:
+    if foreseen is None or horizon is None or candidate.lawless:
         return ""
     name = candidate.engine
     right, ends = ("able to decide", "stop") if encloses(candidate) else ("right", "diverge")

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+from math import sqrt
 
 import pytest
 
 from audit.faulty import Faulty
 from truebreak.compare.audit.audit import Audit, audit_run
+from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.scenarios import Circle, Scene, Wall
 
 A = Circle(-3, "1/7", 1, "13/11", "1/5", 1, id="a")
@@ -132,3 +137,67 @@ def test_it_is_in_an_engine_of_steps(fault: str, size: float, many: str, one: st
     for name in ("two", "a wall", "a box"):
         found = audited(fault, size, ONE[name], 1, 1 / 64)
         assert right(found, one, kinds), (name, found.sentence)
+
+
+@dataclass(frozen=True)
+class Own(RecordedEngine):
+    """Three in a box, from event to event, in doubles, with masses of its own; told too late; with sides that lose."""
+
+    masses: tuple[float, ...] = (1.0, 3.0, 0.5)
+    late: float = 0.0
+    sides: tuple[str, ...] = ()
+    name = "own"
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        of_three(recording, self.masses, self.late, self.sides)
+
+
+def of_three(recording: Recording, masses: Sequence[float], late: float, sides: Collection[str]) -> None:
+    """What `Own` does."""
+    now = 0.0
+    x = [complex(float(c.x), float(c.y)) for c in (A, B, C)]
+    v = [complex(float(c.vx), float(c.vy)) for c in (A, B, C)]
+    r = [float(c.r) for c in (A, B, C)]
+    lines = {"floor": (1j, -6.0), "left": (1 + 0j, -7.0), "right": (-1 + 0j, -7.0), "top": (-1j, -6.0)}
+    while recording.open:
+        waits: list[tuple[float, int, int | str]] = []
+        for i, j in combinations(range(3), 2):
+            d, u = x[j] - x[i], v[j] - v[i]
+            near, speed = (d * u.conjugate()).real, abs(u) ** 2
+            root = near * near - speed * (abs(d) ** 2 - (r[i] + r[j]) ** 2)
+            if near < 0 <= root:
+                waits.append((max(0.0, (-near - sqrt(root)) / speed), i, j))
+        for i, (name, (n, at)) in product(range(3), lines.items()):
+            closing = (v[i] * n.conjugate()).real
+            if closing < 0:
+                waits.append((max(0.0, ((x[i] * n.conjugate()).real - at - r[i]) / -closing), i, name))
+        wait, i, what = min(waits, key=lambda row: row[0])
+        now, x = now + wait, [a + b * wait for a, b in zip(x, v, strict=True)]
+        bodies = [i] if isinstance(what, str) else [i, what]
+        if isinstance(what, str):
+            n = lines[what][0]
+            v[i] -= (1.9 if what in sides else 2.0) * (v[i] * n.conjugate()).real * n
+        else:
+            n = (x[what] - x[i]) / abs(x[what] - x[i])
+            push = 2 * ((v[what] - v[i]) * n.conjugate()).real / (1 / masses[i] + 1 / masses[what]) * n
+            v[i], v[what] = v[i] + push / masses[i], v[what] - push / masses[what]
+        states = {"abc"[k]: (x[k].real, x[k].imag, v[k].real, v[k].imag) for k in bodies}
+        recording.hit(now + late, "abc"[i], what if isinstance(what, str) else "abc"[what], states)
+
+
+@pytest.mark.parametrize(
+    ("own", "told"),
+    [
+        (Own(late=1 / 60), "times told 0.0167 too late fits 3 of 3 flights"),
+        (Own(late=-1 / 256), "times told 0.00391 too early fits 3 of 3 flights"),
+        (Own((2, 3, 1.25)), "the masses of a, b, c taken to be as 1.6 to 2.4 to 1 fits"),
+        (Own(sides=("left", "top")), "restitution 0.9 at left and top fits"),
+    ],
+)
+def test_what_is_late_and_several_masses_and_sides_are_described(own: Own, told: str) -> None:
+    found = audit_run(own.run(Scene([A, B, C], BOX), events=60), own)
+    assert found.kept is False and told in str(found.fit), found
+
+
+def test_the_same_engine_without_a_fault_keeps_every_law() -> None:
+    assert audit_run(Own().run(Scene([A, B, C], BOX), events=60), Own()).kept
