@@ -361,8 +361,8 @@ def _repeats(side: _Side, other: _Side, step: float) -> bool:
     """Whether a side's next partner is part of the instant that the other has just taken up.
 
     Where the other's next instant has that partner too, it belongs to the one that is nearer in time, if the side is as
-    late as it was at the last. But where more than a step lies between the side's two, which then has another partner, and
-    the other's two are near each other too, they are the same two: places may be off by many steps.
+    late as it was at the last. But where the side's two are more than a step apart, it then has another partner, and
+    the other's two are near each other, they are the same two: places may be off by many steps.
     """
     if not side.open or not side.past or not other.past:
         return False
