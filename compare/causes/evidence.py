@@ -537,7 +537,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
             return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}")]
         total += itself
-    elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0:
+    elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0 and not lab.comes_late:
         itself = -float(lab.got.mid())
         total += itself
     if itself is not None and total == 0.0:
@@ -609,12 +609,12 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
 def _alone(lab: Laboratory, part: Contribution, grown: bool) -> bool | None:
     """Whether a kind alone changes the decision as the engine has it; None where no run says so.
 
-    A hit that comes after what the other run has instead is as good as a miss.
-
-    Args:
-        grown: whether contributions are integrals along the way, and no differences of runs.
+    A hit that comes after what the other run has instead is as good as a miss. With `grown`, contributions are
+    integrals along the way, and no differences of runs.
     """
     assert lab.decision is not None and lab.margin is not None
+    if lab.comes_late and lab.engine.step is not None:  # it is sooner by all of them together, as its run shows
+        return True if part.cause is CauseName["STEPS"] else None
     rival, hit = lab.decision.rival is not None, answer(lab.decision, lab.margin) == -1
     if part.alone is None:
         small = abs(part.size) <= ALONE * abs(float(lab.margin.mid())) and not (rival and hit and part.size > 0)

@@ -337,6 +337,13 @@ class Laboratory:
             return str(why)
 
     @cached_property
+    def comes_late(self) -> bool:
+        """Whether the exact flights lead to what the engine has hit, too, but later than a meeting is waited for."""
+        if self.divergence.kind is not Kind.EXTRA or self.decision is None or self.decision.kind != "hit":
+            return False
+        return answer(self.decision, self.margin) == -1 == answer(self.decision, self.got)
+
+    @cached_property
     def given_run(self) -> Trajectory:
         """The reference's engine on the scene as the candidate is given it."""
         assert self.given is not None

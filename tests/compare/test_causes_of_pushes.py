@@ -138,6 +138,21 @@ def test_a_correction_of_places_is_named_as_ever(order: str, gravity: Any) -> No
     assert not faint(account(order, gravity, pushes_out=True), "CORRECTION")
 
 
+def test_what_the_exact_motion_comes_to_later_is_sooner_by_all_that_adds_up() -> None:
+    """It flies to that wall too, a tenth as fast: no answer differs from what its flights lead to."""
+    four = [
+        Circle("343/64", "433/64", "19/32", vx="3/8", vy="-31/16", m="31/32", id="a"),
+        Circle("131/64", "155/32", "21/32", vx="119/64", vy="-3/64", m="51/32", id="b"),
+        Circle("181/32", "35/8", "1/2", vx="-91/64", vy="103/64", m="3/4", id="c"),
+        Circle("329/64", "117/64", "11/16", vx="39/32", vy="3/2", m="75/64", id="d"),
+    ]
+    (found,) = compare(Scene(four, BOX, restitution="9/10"), [Engine(1 / 64)], until=10).candidates
+    assert found.diagnosis is not None and found.margin is not None and found.margin.speed is not None
+    assert found.diagnosis.causes == (CauseName["STEPS"],)
+    assert "decide as the exact ones do" not in str(found.diagnosis.experiments)
+    assert math.isclose(math.fsum(row.share or 0.0 for row in found.diagnosis.shares), 1.0, abs_tol=1e-9)
+
+
 def test_what_parts_again_by_the_end_of_a_step_passes_through() -> None:
     """The ball is in the paddle at the end of a step, but beyond its middle, where nothing pushes it back."""
     (found,) = compare(catalogue.build("breakout"), ["pymunk:dt=1/8"], events=5).candidates
