@@ -217,14 +217,14 @@ class Continuation:
     def _find_stretches(self, links: Sequence[Link]) -> None:
         """What leads to the decision, with defects, at the places where an engine of steps applies its impulses.
 
-        One that pushes before it moves is told a step later; one that stops circles, moves them, and then lets them
-        bounce flies as if pushed in between. So it is taken to do where that fits its places better than a late push.
+        An engine may push before it moves, and tell it a step later. It may stop circles, move them, and then let them
+        bounce, which is as if pushed in between. Of the three times the one is kept that fits the engine's places.
         """
         moving = tuple(k for k, moves in enumerate(self._moving) if moves)
         share = self._exact.share  # (1 + e) / 2
-        held = self._step / (2.0 if share is None else 2.0 * float(share.mid()))
+        between = self._step / (2.0 if share is None else 2.0 * float(share.mid()))
         tries: list[tuple[int, float, float, list[Stretch]]] = []
-        for back in (0.0, self._step, held):
+        for back in (0.0, self._step, between):
             self._back = back
             self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
             for stretch in self.stretches:

@@ -480,9 +480,9 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
 
 
 def _part_for_good(lab: Laboratory, pairing: Pairing) -> bool:
-    """Whether two circles of which none stands under gravity part in the exact motion, from the touch of that moment.
+    """Whether two circles part, in the exact motion, from a touch of theirs, and neither stands under gravity.
 
-    So nothing near tells how far they are from another: they fly apart, or fall together as they do.
+    They never come near each other again, so that no distance is a margin.
     """
     met, pegs = {*pairing.anchors.values()}, lab.study.scene.surfaces.pegs
     names = pairing.body, pairing.partner
