@@ -433,7 +433,7 @@ def explained(
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.laboratory import Laboratory, diagnosis_of, margin_of
+    from .causes.laboratory import Laboratory, by_finer_steps, diagnosis_of, margin_of
     from .causes.stops import Stopped, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
@@ -447,10 +447,12 @@ def explained(
         new = f"with a wall of kind {scene.other_walls[0].kind!r}"
     if scene.settle and engine.step is not None:
         new = "in which walls carry what settles, of engines of steps"
-    told = f"causes are not looked for yet in scenes {new}"
+    told = f"causes other than the step are not looked for yet in scenes {new}"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 
+        if engine.step is not None and candidate.alignment.divergence is not None and not scene.other_walls:
+            return replace(candidate, diagnosis=by_finer_steps(Laboratory(study, candidate, engine, progress), told))
         unknown = CauseName["UNKNOWN"]
         return replace(candidate, diagnosis=Diagnosis((unknown,), (Experiment(unknown, told, None, True),), told))
     if candidate.alignment.divergence is not None:

@@ -228,6 +228,7 @@ class SteppedFall(DoubleMotion):
         ahead: how much of its g dt a step moves a circle by: 0 of an engine that moves first, as pymunk, 1 of one that
             adds g dt first, 1/2 of one that falls as the law has it.
         early: how many g dt come between the velocity with which a circle bounces and the impulse: 1 in pymunk.
+        rests: by circle, from when to when it lies on something, and goes straight on.
 
     >>> motion = SteppedFall([[(0.0, 0.0, 8.0, 1.0, 0.0)]], gravity=(0.0, -4.0), dt=0.5)
     >>> motion.state(0.5), motion.state(1.0), motion.state(1.25)
@@ -239,6 +240,11 @@ class SteppedFall(DoubleMotion):
     pegs: Collection[int] = ()
     ahead: float = 0.0
     early: float = 1.0
+    rests: Mapping[int, Sequence[tuple[float, float]]] = field(default_factory=dict[int, Sequence[tuple[float, float]]])
+
+    def carries(self, place: int, time: SupportsFloat) -> bool:
+        """Whether a circle, by its place in the scene, lies on something at a time."""
+        return any(start <= float(time) < end for start, end in self.rests.get(place, ()))
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """See `DoubleMotion.state`."""
@@ -248,6 +254,23 @@ class SteppedFall(DoubleMotion):
 
     def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
         """See `DoubleMotion.flown`."""
+        if place in self.rests:
+            return self.let_go(place, knot, next((e for s, e in self.rests[place] if s <= knot[0] < e), knot[0]), time)
+        return self._fallen(place, knot, time)
+
+    def let_go(self, place: int, knot: DoubleKnot, until: float, time: float) -> DoubleRow:
+        """A circle that goes straight on up to a time, and falls from then on.
+
+        >>> motion = SteppedFall((), 9.0, gravity=(0.0, -4.0), dt=0.5)
+        >>> motion.let_go(0, (0.0, 0.0, 8.0, 1.0, 0.0), 2.0, 3.0)
+        (3.0, 7.0, 1.0, -4.0)
+        """
+        if until <= knot[0]:
+            return self._fallen(place, knot, time)
+        straight = DoubleMotion.flown(self, place, knot, min(time, until))
+        return straight if time <= until else self._fallen(place, (until, *straight), time)
+
+    def _fallen(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
         (t0, x, y, vx, vy), (gx, gy), dt = knot, self.gravity, self.dt
         lag = 0.0 if place in self.pegs else time - t0
         steps = round(lag / dt)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pymunk
 
-from ..scenarios.engine import ALL_KEYS, Declared, refuse_settled
+from ..scenarios.engine import ALL_KEYS, Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -111,7 +111,7 @@ class PymunkEngine(Declared):
     @property
     def scene_keys(self) -> frozenset[str]:
         """All but `capture`, which pymunk has no notion of, and `tie_policy`: it solves all contacts of a step."""
-        return ALL_KEYS - {"capture", "tie_policy", "arc", "settle", "wall kinds"}
+        return ALL_KEYS - {"capture", "tie_policy", "arc", "wall kinds"}
 
     def finer(self) -> PymunkEngine:
         """Half the time step, and room for twice the steps."""
@@ -184,5 +184,4 @@ class PymunkEngine(Declared):
                 f"{scene.name!r}: capture = true: engine 'pymunk' cannot take circles out of play; "
                 "set capture = false, or use another engine"
             )
-        refuse_settled(scene, "engine 'pymunk'")
         return Run(self, scene, until, events, progress).trajectory()

@@ -33,6 +33,7 @@ from ..scenarios.trajectory import (
 from .knots import DoubleKnot, DoubleMotion, SteppedFall
 from .pocket_entries import entries, last_entry
 from .pymunk_space import PymunkSpace, elasticity_of
+from .resting import Resting
 
 # -- What is kept of a run in pymunk: an event a step with impulses, a knot for each body that it touched.
 
@@ -49,9 +50,10 @@ class Recorder:
         events, knots: as in the trajectory.
         contact_steps: number of steps in which something touched.
         resting_contacts: number of times that a pair overlapped without an impulse.
+        resting: what lies on walls, where the scene has that go on.
     """
 
-    def __init__(self, scene: Scene, world: PymunkSpace) -> None:
+    def __init__(self, scene: Scene, world: PymunkSpace, dt: float) -> None:
         self.touched: list[tuple[int, int]] = []
         self.settling: set[int] = set()
         self.failures: list[BaseException] = []
@@ -60,8 +62,11 @@ class Recorder:
             [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)] for body in world.bodies
         ]
         self.contact_steps = self.resting_contacts = 0
+        self.resting = Resting(scene, dt) if scene.settle else None
         self._pushed: list[tuple[int, int]] = []
-        self._world = world
+        self._impulses: dict[tuple[int, int], float] = {}
+        self._world, self._dt = world, dt
+        self._gravity = (0.0, 0.0) if scene.gravity is None else tuple(world.space.gravity)
         self._corrects = world.space.collision_bias < 1
         self._falls = scene.gravity is not None
         self._ids = scene.ids
@@ -76,6 +81,7 @@ class Recorder:
     def _listen(self) -> None:
         """Has pymunk report every pair that overlaps in a step, once its impulse is known."""
         places, touched, pushed, failures = self._world.places, self.touched, self._pushed, self.failures
+        impulses = self._impulses if self.resting is not None else None
 
         def after_contact(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
             try:
@@ -84,6 +90,8 @@ class Recorder:
                 pair = (i, j) if i < j else (j, i)
                 if arbiter.total_impulse != (0.0, 0.0) and pair not in pushed:  # a polygon may be of several shapes
                     pushed.append(pair)
+                if impulses is not None:
+                    impulses[pair] = impulses.get(pair, 0.0) + arbiter.total_impulse.length
                 if pair not in touched:
                     touched.append(pair)
             except BaseException as error:
@@ -112,6 +120,13 @@ class Recorder:
         if self._world.joints:
             for pairs in (touched, pushed):
                 pairs[:] = dict.fromkeys(map(self._world.named, pairs))
+        if self.resting is not None:
+            if not self._corrects and touched == pushed and self.resting.holds(time, pushed, self._velocity):
+                self.contact_steps += 1
+                for told in (touched, pushed, self._impulses):
+                    told.clear()
+                return False
+            pushed[:] = self._collisions(self.resting, time)
         collided = bool(pushed)
         if len(touched) == 1 and not self._corrects:
             self._tie(time, touched[0], all_of_them=False)
@@ -131,6 +146,35 @@ class Recorder:
         touched.clear()
         pushed.clear()
         return collided
+
+    def _velocity(self, k: int) -> tuple[float, float]:
+        return self._world.bodies[k].velocity
+
+    def _collisions(self, resting: Resting, time: float) -> list[tuple[int, int]]:
+        """Those that were pushed in a step, but for what lies on a wall."""
+        bodies, (gx, gy) = self._world.bodies, self._gravity
+        impulses = dict[tuple[int, int], float]()
+        for pair, impulse in self._impulses.items():
+            named = self._world.named(pair)
+            impulses[named] = impulses.get(named, 0.0) + impulse
+        self._impulses.clear()
+
+        def before(k: int) -> tuple[float, float]:
+            if k not in self._moving:
+                return 0.0, 0.0
+            t, _, _, vx, vy = self.knots[k][-1]
+            lag = time - resting.pushed(k, t)
+            return vx + gx * lag, vy + gy * lag
+
+        def normal(pair: tuple[int, int]) -> tuple[float, float]:
+            (nx, ny), wall = self._normal(pair), pair[1] - len(bodies)
+            side = -1 if wall < 0 else self._world.sides[pair[0]][wall] if wall < len(self._world.walls) else 1
+            length = side * math.hypot(nx, ny) or 1.0
+            return nx / length, ny / length
+
+        return resting.collisions(
+            time, self._pushed, before, self._velocity, normal, lambda pair: impulses.get(pair, 0.0)
+        )
 
     def raise_failure(self) -> None:
         """Raises what a report of a contact raised, if one did."""
@@ -271,7 +315,7 @@ class Run:
         if self.returns:
             self.end, self.event_limit = 2 * self.turn_at, None
         self.world = engine.space(scene)
-        self.record = Recorder(scene, self.world)
+        self.record = Recorder(scene, self.world, engine.dt)
         self.laying = self.reach = engine.steps_for(scene)
         self.reversal: Reversal | None = None
         self.steps = self.last_event_step = 0
@@ -315,6 +359,7 @@ class Run:
                 "contacts without impulse": self.record.resting_contacts,
             },
             notes=tuple(self.notes()),
+            settlings=tuple(self.record.resting.settlings) if self.record.resting is not None else (),
         )
 
     def parameters(self) -> dict[str, Any]:
@@ -329,7 +374,8 @@ class Run:
         if self.scene.gravity is None:
             return DoubleMotion(self.record.knots, final)
         gx, gy = self.world.space.gravity
-        return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt, self.scene.pegs)
+        rests = {} if self.record.resting is None else self.record.resting.spans(final)
+        return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt, self.scene.pegs, rests=rests)
 
     def play(self) -> tuple[Stop, float]:
         """Runs to the end; why it ended, and when."""
@@ -385,6 +431,8 @@ class Run:
             if ended is not None:
                 return ended
             if self.may_be_quiet() and self.quiet():
+                if record.resting is not None:
+                    record.resting.stays()
                 return StopReason.QUIET
         return StopReason.HORIZON if self.steps == wanted else StopReason.BUDGET
 
@@ -444,20 +492,29 @@ class Run:
         idle = (self.steps - self.last_event_step) // STRETCH
         due = self.reversal is None and self.turn_at <= self.end and self.turn_at < math.inf
         stands = self.scene.gravity is None and not self.scene.moving_walls
-        return stands and not due and idle > 0 and idle & (idle - 1) == 0
+        resting = self.record.resting
+        still = stands or (resting is not None and resting.all_lie(self.now))
+        return still and not due and idle > 0 and idle & (idle - 1) == 0
 
     def quiet(self) -> bool:
-        """Whether no two circles and no circle and wall come nearer to each other: then none ever will."""
+        """Whether no two circles and no circle and wall come nearer to each other: then none ever will.
+
+        Of what lies on walls, where all do, by more than rounding, which pushes it on for ever.
+        """
         flights = [(*body.position, *body.velocity) for body in self.world.bodies]
+        resting, speeds = self.record.resting, [body.velocity.length for body in self.world.moving]
+        room = 0.0 if resting is None else -resting.room(speeds)
         for sides, (_, _, vx, vy) in zip(self.world.sides, flights, strict=True):
-            if any(side * (vx * nx + vy * ny) < 0 for side, (nx, ny, _) in zip(sides, self.world.walls, strict=True)):
+            if any(
+                side * (vx * nx + vy * ny) < room for side, (nx, ny, _) in zip(sides, self.world.walls, strict=True)
+            ):
                 return False
         for body in self.world.moving:  # a distance from a segment is convex along a flight
             for away in self.world.ways_from(*body.position):
-                if away[0] * body.velocity[0] + away[1] * body.velocity[1] < 0:
+                if away[0] * body.velocity[0] + away[1] * body.velocity[1] < room * math.hypot(*away):
                     return False
         return not any(
-            (x2 - x1) * (vx2 - vx1) + (y2 - y1) * (vy2 - vy1) < 0
+            (x2 - x1) * (vx2 - vx1) + (y2 - y1) * (vy2 - vy1) < room * math.hypot(x2 - x1, y2 - y1)
             for (x1, y1, vx1, vy1), (x2, y2, vx2, vy2) in combinations(flights, 2)
         )
 

@@ -68,8 +68,8 @@ class Box2DEngine(SteppedAdapter):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """As of other steppers, `restitution`, and walls that move."""
-        return super().scene_keys | {"restitution", "moving walls"}
+        """As of other steppers, `restitution`, walls that move, and what lies on walls."""
+        return super().scene_keys | {"restitution", "moving walls", "settle"}
 
     def allows(self, scene: Scene) -> dict[str, float]:
         """The speed below which nothing bounces, 1 m/s of its own (b2_velocityThreshold), in the scene's units.

@@ -51,8 +51,8 @@ class RapierEngine(SteppedAdapter):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """As of other steppers, `restitution`, and walls that move."""
-        return super().scene_keys | {"restitution", "moving walls"}
+        """As of other steppers, `restitution`, walls that move, and what lies on walls."""
+        return super().scene_keys | {"restitution", "moving walls", "settle"}
 
     @property
     def falls(self) -> StepFall:

@@ -212,16 +212,37 @@ class Impacts:
         self, near: Sequence[tuple[Indices, Normal]], change: NDArray[np.float64]
     ) -> tuple[list[Indices], float]:
         """Those contacts of some whose impulses come nearest to a change, and the part of it that they leave."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            wanted = np.where(self.weights[:, None] > 0, change / np.sqrt(self.weights)[:, None], 0.0).reshape(-1)
-        size = float(np.linalg.norm(wanted))
         if not near:
             return [], 1.0
-        matrix = self.matrix(near)
-        strengths = least(matrix @ matrix.T, matrix @ wanted)
+        matrix, wanted, strengths = self._nearest_to(near, change)
+        size = float(np.linalg.norm(wanted))
         left = float(np.linalg.norm(wanted - matrix.T @ strengths)) / size
         reach = np.linalg.norm(matrix, axis=1) * strengths
         return [link for (link, _), part in zip(near, reach, strict=True) if part > SOLVED * size], left
+
+    def strengths(
+        self, links: Sequence[Indices], rows: Sequence[Row], after: Sequence[Row], time: float
+    ) -> dict[Indices, float]:
+        """How strong the impulses of contacts are, none of them pulling, that come nearest to a change.
+
+        >>> from truebreak.scenarios import Circle, Scene, Wall
+        >>> impacts = Impacts(Scene([Circle(0, 1, m=3)], [Wall(0, 0, 1, 0)]))
+        >>> impacts.strengths([(0, 1)], [(0.0, 1.0, 0.0, -2.0)], [(0.0, 1.0, 0.0, 2.0)], 0.0)
+        {(0, 1): 12.0}
+        """
+        contacts = [(link, self.normal(link, rows, time)) for link in dict.fromkeys(links)]
+        change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(after, rows, strict=True)])
+        _, _, found = self._nearest_to(contacts, change)
+        return {link: float(strength) for (link, _), strength in zip(contacts, found, strict=True)}
+
+    def _nearest_to(
+        self, near: Sequence[tuple[Indices, Normal]], change: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """What unit impulses do, the change of velocities in the same units, and how strong they come nearest to it."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = np.where(self.weights[:, None] > 0, change / np.sqrt(self.weights)[:, None], 0.0).reshape(-1)
+        matrix = self.matrix(near)
+        return matrix, wanted, least(matrix @ matrix.T, matrix @ wanted)
 
     def _pairs(self, moved: Sequence[int]) -> list[Indices]:
         """Every pair of which one is among the circles given."""
@@ -275,17 +296,22 @@ class Impacts:
                 others.append(normal)
         return False
 
-    def quiet(self, rows: Sequence[Row], time: float) -> bool:
+    def quiet(self, rows: Sequence[Row], time: float, room: float | None = None) -> bool:
         """Whether no two circles, and no circle and wall or thing, come nearer to each other: then none ever will.
 
         Under gravity only where it pulls no circle to a wall, and nothing round stands.
+
+        Args:
+            room: of circles that all lie on walls, how fast they may come nearer by rounding.
         """
         walls = range(self.count, self.count + len(self._walls))
         links = [(i, j) for i in range(self.count) for j in (*range(i + 1, self.count), *walls)]
         normals = {link: self.normal(link, rows, time) for link in links}
-        if not all(self.opening(link, rows, normal) >= 0.0 for link, normal in normals.items()):
+        if not all(self.opening(link, rows, normal) >= -(room or 0.0) for link, normal in normals.items()):
             return False
         gx, gy = self._gravity
+        if room is not None:
+            return not self.things
         if gx or gy:
             if self.things or not all(map(self.moves, range(self.count))):
                 return False

@@ -322,8 +322,8 @@ class LogEngine(Unchangeable):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but those that it lacks; of one that goes by steps it is not known what walls carry."""
-        return ALL_KEYS - ({"wall kinds"} if self.step is None else {"settle", "wall kinds"}) - self.lacks
+        """All but those that it lacks."""
+        return ALL_KEYS - {"wall kinds"} - self.lacks
 
     @property
     def last(self) -> Trajectory:

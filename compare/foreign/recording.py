@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...floating.knots import (
     DoubleKnot,
@@ -21,6 +21,7 @@ from ...floating.knots import (
     step_fall,
 )
 from ...floating.pocket_entries import entries, last_entry
+from ...floating.resting import Resting
 from ...scenarios.numbers.precision import Double
 from ...scenarios.settings import positive_count, positive_time
 from ...scenarios.trajectory import (
@@ -35,7 +36,7 @@ from ...scenarios.trajectory import (
     TieProof,
     Trajectory,
 )
-from ..validation import EngineError, checked_event, checked_number, falls
+from ..validation import EngineError, Reports, States, checked_event
 from .impulses import Impacts, Indices, Row, Supports
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class RunSoFar:
         self.bounced: list[dict[int, EndlessBounces]] = [{} for _ in rows]
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
+        self._resting = Resting(scene, steps.step) if scene.settle and steps.step is not None else None
 
     def __len__(self) -> int:
         return len(self.times)
@@ -121,6 +123,40 @@ class RunSoFar:
         self._links.append(list(links))
         self._coupled.append(len(links) > 1 and self._impacts.coupled(sorted(links), rows, now))
 
+    def collisions(
+        self, now: float, links: list[Indices], rows: Sequence[Row], left: Mapping[int, Row]
+    ) -> list[Indices]:
+        """Those contacts that are collisions: what lies on a wall in an engine of steps is pushed in each.
+
+        Args:
+            rows: the circles as they come to them, with the gravity of the step.
+            left: how they leave those that take part.
+        """
+        if self._resting is None:
+            return links
+        after = [left.get(k, row) for k, row in enumerate(rows)]
+        normals = {link: self._impacts.normal(link, rows, now) for link in links}
+        return self._resting.collisions(
+            now, links, lambda k: rows[k][2:], lambda k: after[k][2:], lambda link: normals[link][:2],
+            lambda link: self._impacts.strengths(links, rows, after, now)[link],
+        )  # fmt: skip
+
+    def holds(self, now: float, states: Mapping[str, Sequence[float]]) -> bool:
+        """Whether a step leaves what lies on walls as the one before, in which nothing else was pushed."""
+        if self._resting is None:
+            return False
+        ids = self.scene.ids
+        return self._resting.holds(now, None, lambda k: (states[ids[k]][2], states[ids[k]][3]))
+
+    def rests(self, now: float, rows: Sequence[Row]) -> bool:
+        """Whether all circles lie on walls, in an engine of steps, and none comes nearer to another or to a wall."""
+        if self._resting is None or not self._resting.all_lie(now):
+            return False
+        quiet = self._impacts.quiet(rows, now, self._resting.room(math.hypot(*row[2:]) for row in rows))
+        if quiet:
+            self._resting.stays()
+        return quiet
+
     def fly(self, now: float, rows: Mapping[int, Row], carried: Mapping[int, int] | None = None) -> None:
         """Circles fly on from a time as told; `carried` by which walls, by their places in `scene.ids`."""
         for k, row in rows.items():
@@ -146,6 +182,8 @@ class RunSoFar:
 
     def settlings(self, knots: Sequence[Sequence[DoubleKnot]]) -> tuple[Settling, ...]:
         """Where walls begin to carry circles, as far as these knots go; not at an instant at which they let go."""
+        if self._resting is not None:
+            return tuple(self._resting.settlings)
         found: list[tuple[float, int, int]] = []
         for k, (row, carried) in enumerate(zip(knots, self.carried, strict=True)):
             last = {knot[0]: carried.get(place) for place, knot in enumerate(row)} if carried else {}
@@ -167,6 +205,10 @@ class RunSoFar:
         for k, row in enumerate(self.knots):
             slope = self.slides[k].get(len(row) - 1)
             way = self._way if self.support(k) is None else straight
+            if self._resting is not None and (until := self._resting.pushed(k, row[-1][0])) > row[-1][0]:
+                x, y, vx, vy = straight.flown(k, row[-1], min(now, until))
+                found.append(way.flown(k, (until, x, y, vx, vy), now) if now > until else (x, y, vx, vy))
+                continue
             found.append(way.flown(k, row[-1], now) if slope is None else bent(row[-1], now, slope))
         return found
 
@@ -201,120 +243,8 @@ class RunSoFar:
             slides, bounced = dict(enumerate(self.slides)), dict(enumerate(self.bounced))
             halves = gx / 2, gy / 2
             return FallingEvents(knots, end, halves, pegs, carried, slides, bounced, left=left, reckoned=reckoned)
-        return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, left, reckoned)
-
-
-# ----------------------------------------
-# What an engine reports, checked: times, contacts, states.
-
-States: TypeAlias = "Mapping[str, Sequence[float]] | Sequence[Sequence[float]]"
-"""x, y, vx, vy by the ids of circles; or of all circles, in scene order."""
-
-
-class Reports:
-    """Checks what is reported of a scene.
-
-    Attributes:
-        where: what an error begins with: the engine, or the line of a log.
-    """
-
-    def __init__(self, scene: Scene, where: str) -> None:
-        self.where = where
-        self._ids, self._settle = scene.ids, scene.settle
-        self._places = {name: place for place, name in enumerate(scene.ids)}
-        self._circles = [str(circle.id) for circle in scene.circles]
-
-    def time(self, time: Any, last: float, bits: int | None) -> float:
-        """A time that may follow the last one, of an engine of so many bits.
-
-        Raises:
-            EngineError: for one that is no finite number, or goes back by more than rounding.
-        """
-        now = self._number("time", time)
-        if now < 0:
-            raise EngineError(f"{self.where}: time = {now!r} is before the start; times are from 0")
-        if falls(last, now, bits):
-            raise EngineError(f"{self.where}: time = {now!r} comes before {last!r}, the one before it; sort them")
-        return now
-
-    def contact(self, pair: Any) -> Contact:
-        """A pair in scene order; unknown names are left for the check of the event.
-
-        Raises:
-            EngineError: if it is no pair of texts.
-        """
-        if not isinstance(pair, Sequence) or [type(name) for name in pair] != [str, str]:
-            raise EngineError(f"{self.where}: contact = {str(pair)[:60]}; must be two ids, as text")
-        first, second = pair
-        swap = self._places.get(first, -1) > self._places.get(second, len(self._places))
-        return Contact(second, first) if swap else Contact(first, second)
-
-    def states(self, states: Any) -> dict[int, Row]:
-        """States by the places of their circles.
-
-        Raises:
-            EngineError: for an unknown circle, and for a number that is none, or not finite.
-        """
-        if not isinstance(states, Mapping):
-            try:
-                states = dict(zip(self._circles, states, strict=True))
-            except (TypeError, ValueError):
-                raise EngineError(
-                    f"{self.where}: states = {str(states)[:60]}; must be x, y, vx, vy by id, or of all "
-                    f"{len(self._circles)} circles in scene order"
-                ) from None
-        found: dict[int, Row] = {}
-        for name, row in states.items():
-            place = self._places.get(name, len(self._circles))
-            if place >= len(self._circles):
-                raise EngineError(f"{self.where}: states has {name!r}, which is no circle of the scene; use its ids")
-            try:
-                x, y, vx, vy = row
-            except (TypeError, ValueError):
-                raise EngineError(f"{self.where}: states: {name!r} = {str(row)[:60]}; must be x, y, vx, vy") from None
-            label = f"states: {name!r}: "
-            found[place] = (
-                self._number(f"{label}x", x),
-                self._number(f"{label}y", y),
-                self._number(f"{label}vx", vx),
-                self._number(f"{label}vy", vy),
-            )
-        return found
-
-    def carried(self, told: Any) -> dict[int, int]:
-        """Who is carried by what, by places.
-
-        Raises:
-            EngineError: for what names no circle, or no wall, segment or polygon, and in scenes without `settle`.
-        """
-        if not self._settle:
-            raise EngineError(f"{self.where}: carried: the scene has no settle = true; leave it out, or add that")
-        if not isinstance(told, Mapping):
-            raise EngineError(f"{self.where}: carried = {str(told)[:60]}; must be walls by the ids of circles")
-        found: dict[int, int] = {}
-        for name, wall in told.items():
-            place, under = self._places.get(name, len(self._circles)), self._places.get(wall, -1)
-            if place >= len(self._circles):
-                raise EngineError(f"{self.where}: carried has {name!r}, which is no circle of the scene; use its ids")
-            if under < len(self._circles):
-                told = f"{name!r} = {str(wall)[:60]!r}; must be the id of a wall, segment or polygon"
-                raise EngineError(f"{self.where}: carried: {told}")
-            found[place] = under
-        return found
-
-    def check_all(self, wanted: set[int], given: Mapping[int, Row]) -> None:
-        """Refuses states that leave out a circle which collides."""
-        missing = wanted - given.keys()
-        if missing:
-            raise EngineError(
-                f"{self.where}: states lacks {self._ids[min(missing)]!r}, which collides; "
-                "give every circle that takes part, or no states at all"
-            )
-
-    def _number(self, label: str, value: Any) -> float:
-        if isinstance(value, bool | str):
-            raise EngineError(f"{self.where}: {label} = {value!r}; must be a number")
-        return checked_number(f"{self.where}: {label}", value)
+        rests = {} if self._resting is None else self._resting.spans(end)
+        return SteppedEvents(knots, end, (gx, gy), step, pegs, *fall, rests, left, reckoned)
 
 
 def rounded_to(value: float, bits: int | None) -> float:
@@ -337,6 +267,9 @@ RECORD_ENDS = "the record ends at time"
 
 MOST_STEPS = 10_000_000
 """States of one recording, as many as pymunk's default budget of steps."""
+
+LOOK = 64
+"""Steps in a row in which nothing but what lies on walls is pushed, after which it is seen whether all lie so."""
 
 FLIGHT = 2.0**-40
 """A state that is off the flight from the last one by no more than this share of the scene's measures says nothing
@@ -413,6 +346,8 @@ class Recording:
         if carried := self._carried_by(0.0, dict(enumerate(rows)), rows):
             self._course.fly(0.0, {k: rows[k] for k in carried}, carried)
         self._budget: str | None = None
+        self._held = 0
+        self._lasting: Sequence[tuple[str, str]] | None = None
         self._quiet = self._reported = self._closed = False
 
     # -- what an engine reports
@@ -457,6 +392,9 @@ class Recording:
     ) -> None:  # fmt: skip
         """Several contacts collide at one instant, together; otherwise as `hit`."""
         now = self._reports.time(time, self._now, self.bits)
+        if pairs == self._lasting and isinstance(states, Mapping) and self._course.holds(now, states):
+            self._rest(now)
+            return
         contacts = [self._reports.contact(pair) for pair in pairs]
         index = len(self._course)
         event = Event(index, Double(now), tuple(dict.fromkeys(contacts)), tuple(contacts))
@@ -473,7 +411,9 @@ class Recording:
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
-        self._course.add(self.where, now, links, rows, self.step is not None)
+            links = self._course.collisions(now, links, rows, given)
+        if links:
+            self._course.add(self.where, now, links, rows, self.step is not None)
         supports = None if carried is None else self._reports.carried(carried)
         if given is None:
             self._bounce(now, links, rows, supports)
@@ -482,7 +422,18 @@ class Recording:
             self._course.fly(now, given, self._carried_by(now, given, rows, supports))
         self._leave(now)
         self._reported = True
+        self._lasting, self._held = (None if links else list(pairs)), 0
         self._turn_after()
+        self._tell()
+
+    def _rest(self, now: float) -> None:
+        """A step in which what lies on walls alone is pushed; from time to time, whether all lie so for ever."""
+        self._now = self._end = max(self._now, now)
+        self._held += 1
+        self._reported = True
+        if self._held % LOOK == 0:
+            self._quiet = self._course.rests(now, self._course.rows(now))
+            self._closed = self._closed or (self._quiet and self.until is None)
         self._tell()
 
     def state(self, time: float, states: States, carried: Mapping[str, str] | None = None) -> None:
@@ -511,8 +462,11 @@ class Recording:
         small = share * fastest
         turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
         changed = [k for k, by in enumerate(turned) if by > small]
+        links: list[Indices] = []
         if changed and not self._reported:
             links = self._inferred(now, way, rows, before)
+            links = self._course.collisions(now, links, before, dict(enumerate(rows)))
+        if links:
             self._course.add(self.where, now, links, rows, self.step is not None)
         under = self._carried_by(now, given, before, supports)
         off = [
@@ -625,6 +579,8 @@ class Recording:
             left: how the report leaves circles.
             rows: all of them, as they come to it.
         """
+        if self.step is not None:  # by steps nothing flies on along a wall: it is pushed in each
+            return {}
         if told is not None or not self.scene.settle:
             return told or {}
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *left.values()])
