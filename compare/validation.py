@@ -350,7 +350,7 @@ class Reports:
         self._circles = [str(circle.id) for circle in scene.circles]
 
     def time(self, time: Any, last: float, bits: int | None) -> float:
-        """A time that may follow the last one, of an engine of so many bits.
+        """A time that may follow the last one, of an engine of so many bits; the last one where it is less by rounding.
 
         Raises:
             EngineError: for one that is no finite number, or goes back by more than rounding.
@@ -360,7 +360,7 @@ class Reports:
             raise EngineError(f"{self.where}: time = {now!r} is before the start; times are from 0")
         if falls(last, now, bits):
             raise EngineError(f"{self.where}: time = {now!r} comes before {last!r}, the one before it; sort them")
-        return now
+        return max(now, last)
 
     def contact(self, pair: Any) -> Contact:
         """A pair in scene order; unknown names are left for the check of the event.

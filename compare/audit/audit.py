@@ -39,7 +39,7 @@ class Violation:
 
     Attributes:
         kind: one of `residuals.KINDS`.
-        event: the event, by the engine's own count; of what happens between two events, the next.
+        event: the event, by the engine's own count; of two that fly into each other, how many events came before.
         time: when.
         bodies: who takes part, by id.
         size, room: what is missed, and what rounding may make of it: a length, or a speed.
@@ -70,7 +70,8 @@ class Violation:
             "depth": f"{who} fly {size} into each other, and do not collide",
             "support": f"{who} are {size} from touching as the one is carried by the other",
         }[self.kind]
-        return f"event {self.event} (t = {self.time:.9g}): {what}; rounding may make it {self.room:.3g}"
+        when = f"event {self.event} (t = {self.time:.9g})" if self.kind != "depth" else f"at t = {self.time:.9g}"
+        return f"{when}: {what}; rounding may make it {self.room:.3g}"
 
 
 @dataclass(frozen=True)
@@ -221,8 +222,7 @@ class _Notes:
         if size > room:
             self.counts[kind] += 1
             if kind not in self.first or (time, event) < (self.first[kind].time, self.first[kind].event):
-                names = tuple(self.ids[k] for k in bodies)
-                self.first[kind] = Violation(kind, event, time, names, size, room)
+                self.first[kind] = Violation(kind, event, time, tuple(self.ids[k] for k in bodies), size, room)
 
     def _allowed(self, kind: str, over: float, speed: float, flown: float) -> str | None:
         """Which declaration of the engine's grants a residual, if one does."""
@@ -275,8 +275,8 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
     for passage in passages(laws, rows, transcript.end, gone, transcript.carried):
         if not laws.restitution and math.isinf(passage.time):
             continue  # what slides along is carried into it by the rounding of no speed at all, in endless time
-        flown = passage.time - passage.began
-        notes.take(passage.residual, bisect_right(times, passage.began), passage.time, flown=flown)
+        event, at = bisect_right(times, passage.time), passage.time
+        notes.take(passage.residual, event, at, flown=at - passage.began)
     fit = None
     if notes.first:
         samples, ways = _described(transcript, laws)

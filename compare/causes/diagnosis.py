@@ -24,7 +24,7 @@ class Cause:
         experiment: where two histories part, the function that tries it, `module:function` of this folder: it takes the
             `Laboratory` and the rows so far, and gives rows. None: another one's function has it.
         rank: of causes that suffice, one of a lower rank comes first.
-        rounding: whether it is floating-point error; None: where the engine takes no time steps.
+        rounding: whether it is floating-point error; None: where the engine takes no time steps and keeps the law.
         head: the sentence of a report for a history that it changed, where it is not.
         settings: whether it tries a series of settings, and says which of them was enough.
         family: the cause that stands for it and others, where none of them has nearly all of their share.
@@ -49,7 +49,7 @@ CAUSES: dict[str, Cause] = {
     "TUNNELLING": Cause("tunnelling", "finer_steps:tunnelling", FACT_RANK, head=TUNNELS),
     "ITERATIONS": Cause("solver iterations", "finer_steps:iterations", head=SOLVER_HEAD, settings=True),
     "PHANTOM": Cause("phantom contact", "evidence:phantom", FACT_RANK, rounding=True),
-    "TIE": Cause("tie", "evidence:tie", FACT_RANK, rounding=None, head="A tie was resolved differently"),
+    "TIE": Cause("tie", "evidence:tie", FACT_RANK, head="A tie was resolved differently"),
     "INPUT": Cause("input rounding", "evidence:shares", SHARE_RANK, rounding=True),
     "FLIGHTS": Cause("arithmetic in flights", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
     "IMPACTS": Cause("arithmetic in impacts", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
@@ -246,6 +246,7 @@ def diagnosed(
         for name in pushing
         if CauseName[name] in enough
         or (any(row.suffices for row in families[name][:1]) and not _not_alone(made, name, families[name]))
+        or any(row.suffices and (row.share or 0.0) >= NEARLY_ALL for row in families[name])
     ]
     if alone:
         return _named(made, (_chief(alone[0], families[alone[0]]),))

@@ -20,8 +20,7 @@ from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.surfaces import parts_of
 from ...scenarios.things import Circle, Polygon, Segment, Wall
 from ...scenarios.trajectory import Event
-from ..alignment.align import Span, align
-from ..alignment.instants import Kind
+from ..alignment.align import align
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
@@ -30,6 +29,7 @@ from .budget import ALONE
 from .decision import RunReader, answer
 from .diagnosis import CauseName, Experiment
 from .free_flights import short_quantity
+from .laboratory import given_does, given_keeps
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -60,9 +60,6 @@ DIGITS = 80
 ORDERS = 6
 """Orders drawn from seeds that are tried beside the named policies."""
 
-FARTHER = 8
-"""Times the decision's own time up to which a run is carried on to see whether two histories agree up to there."""
-
 MOST_INSTANTS = 64
 """Events for which the exact law is run from an engine's own state before a tie."""
 
@@ -75,13 +72,17 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     laws, parted = lab.candidate.laws, lab.divergence
     if laws is None or laws.kept is not False:
         return []
-    latest, got, expected = lab.last_time, parted.got_time, parted.expected_time
-    if got is not None and (expected is None or got < expected):
+    latest, got = lab.last_time, parted.got_time
+    if got is not None and got < (math.inf if parted.expected_time is None else parted.expected_time):
         latest = max(got, parted.time)  # what it has too much is there by then
     missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
-    if any(found.kind == "depth" and {*found.bodies} == missed for found in laws.violations):
-        return [Experiment(CauseName["LAW"], laws.finding, None, True)]
-    if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
+    times = [float(e.time) for e in lab.candidate.trajectory.events if any(missed & {*pair} for pair in e.contacts)]
+    deep = [found.time for found in laws.violations if found.kind == "depth" and {*found.bodies} == missed]
+    if (
+        all(any(latest < time < then for time in times) for then in deep)
+        and laws.first is not None
+        and falls(laws.first.time, latest, lab.engine.bits)
+    ):
         return []
     return [Experiment(CauseName["LAW"], laws.finding, None, True)]
 
@@ -236,7 +237,7 @@ def _met(lab: Laboratory, body: int, ends: Collection[int]) -> bool:
 def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     """What chose, for an engine of events."""
     name, cause = lab.name, CauseName["TIE"]
-    if _given_does(lab):
+    if given_does(lab):
         told = f"the exact law on the scene in {lab.numbers} has the contacts that {name} has; arithmetic adds nothing"
         return [Experiment(CauseName["INPUT"], told, None, True)]
     before = OwnState.of(lab)
@@ -295,31 +296,6 @@ def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
         if len(more) == len(found):
             return found
         found = more
-
-
-def _given_does(lab: Laboratory) -> bool:
-    """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence.
-
-    Or whether it has the contact itself that the engine has there and the reference lacks, whatever comes of it.
-    """
-    if lab.given is None or lab.given.digest == lab.study.scene.digest:
-        return False
-    run, parted = lab.given_run, lab.divergence
-    event = parted.candidate_event if parted.kind in (Kind.DIFFERENT, Kind.EXTRA) else None
-    while True:
-        span = Span(len(run.events), lab.last_time)
-        found = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits)
-        walked = found.walks[parted.body]
-        if event is not None and parted.got is not None and any(theirs == event for _, theirs in walked.pairs):
-            lacked = lab.candidate.alignment.walks[parted.body].left(event, parted.got)
-            if walked.left(event, parted.got) < lacked:
-                return True
-        if found.divergence is not None or not found.unsettled:
-            return found.divergence is None or found.divergence.time > lab.last_time
-        until, more = float(run.final_time), found.wanted.reference
-        if more is None or not until < more <= FARTHER * lab.last_time:
-            return False
-        run = lab.run(lab.study.truth, lab.given, 1.125 * more)
 
 
 @dataclass(frozen=True)
@@ -508,7 +484,7 @@ def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
     """
     cause, laws = CauseName["ARITHMETIC"], lab.candidate.laws
     (given,) = _input_by_run(lab)
-    if given.suffices is None and _given_keeps(lab):
+    if given.suffices is None and given_keeps(lab):
         told = f"the exact law on the scene in {lab.numbers} has the contacts of the exact run up to there"
         given = Experiment(given.cause, told, None, False)
     if given.suffices is False and laws is not None and laws.kept:
@@ -516,14 +492,6 @@ def _by_runs_alone(lab: Laboratory, why: str) -> list[Experiment]:
         told = f"{told}, so its own rounding does; no displacement is known: {why}"
         return [given, Experiment(cause, told, None, True)]
     return [given, Experiment(cause, f"its share is not determined: {why}")]
-
-
-def _given_keeps(lab: Laboratory) -> bool:
-    """Whether the exact run of the scene as the engine is given it has the reference's contacts past the decision."""
-    if lab.given is None:
-        return False
-    span = Span(len(lab.reference.events), lab.last_time * (1 + 2.0**-20))
-    return align(lab.reference, lab.given_run, span=span).verdict == "agree"
 
 
 def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
@@ -555,15 +523,19 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     for part in parts:
         flips, earlier, free, does = _alone(lab, part, account.along), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            if flips and _by_its_contacts_alone(lab):
-                if lab.given is None:
-                    flips, free = None, f"; in {lab.numbers} the circles overlap, so that no run can say so"
-                elif not _given_does(lab):
-                    flips, free = False, "; run freely, it does not"
-            elif flips is False and _by_its_contacts_alone(lab) and _given_does(lab):  # other parts of the same things
-                flips = does = True
+            tied = part.alone is not None and part.alone.contains(0)  # the two come to fall on one instant
+            if lab.given is None and (tied if flips is False else flips and _by_its_contacts_alone(lab)):
+                free = (
+                    f"it {'changes' if flips else 'does not change'} the decision alone; in {lab.numbers} the circles"
+                )
+                flips, free = None, f"{free} overlap, so that no run can say so"
+            elif flips and _by_its_contacts_alone(lab):
+                if not given_does(lab):
+                    flips, free = False, "it changes the decision alone; run freely, it does not"
+            elif flips is False and (tied or _by_its_contacts_alone(lab)) and given_does(lab):
+                flips = does = True  # by other parts of the same things, too
             if flips is None and not free:
-                flips = does = _given_does(lab) or None
+                flips = does = given_does(lab) or None
             earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         if part.late is not False and lab.decision is not None and lab.decision.rival is not None:
@@ -572,7 +544,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         if does:
             alone = f"run freely, the exact law on it decides as {lab.name} does"
         if free:
-            alone = f"by the contacts of the exact run it changes the decision alone{free}"
+            alone = f"by the contacts of the exact run {free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
             told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
@@ -602,7 +574,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             told += ", as it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
         size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
         found = [row for row in found if row.cause is not cause or row.share is None]
-        found.append(Experiment(cause, told, size, None, size / total if total else None))
+        nearly = abs(total - size) <= abs(size) / 100 or None  # it is what the others leave to zero, and they do little
+        found.append(Experiment(cause, told, size, nearly, size / total if total else None))
     return found
 
 
@@ -679,7 +652,7 @@ def _input_by_run(lab: Laboratory) -> list[Experiment]:
         return [Experiment(cause, f"not determined: in {lab.numbers} the circles overlap, so there is no exact run")]
     if lab.given.digest == lab.study.scene.digest:
         return [Experiment(cause, f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False)]
-    if lab.engine.step is None and _given_does(lab):
+    if lab.engine.step is None and given_does(lab):
         told = f"the exact law on the scene in {lab.numbers} decides as {lab.name} does"
         return [Experiment(cause, told, None, True)]
     earlier = _left_before(lab)

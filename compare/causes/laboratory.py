@@ -12,7 +12,7 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ..alignment.align import Span
+from ..alignment.align import Span, align
 from ..alignment.instants import DOUBLE_BITS, Kind, instants
 from ..deadline import NO_TIME, OutOfTime, time_to_read
 from ..foreign.guard import allowances, run_guarded
@@ -410,6 +410,46 @@ class Laboratory:
 def _all_of(decision: DecidingNumber) -> list[Pairing]:
     """The pairings of a decision, with the meeting that the other run has instead."""
     return [*decision.pairings, *([] if decision.rival is None else [decision.rival])]
+
+
+FARTHER = 8
+"""Times the decision's own time up to which a run is carried on to see whether two histories agree up to there."""
+
+
+def given_does(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence.
+
+    Or whether it has the contact itself that the engine has there and the reference lacks, whatever comes of it.
+    """
+    if lab.given is None or lab.given.digest == lab.study.scene.digest:
+        return False
+    run, parted = lab.given_run, lab.divergence
+    event = parted.candidate_event if parted.kind in (Kind.DIFFERENT, Kind.EXTRA) else None
+    while True:
+        span = Span(len(run.events), lab.last_time)
+        found = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits)
+        walked = found.walks[parted.body]
+        at_once = [mine for mine, theirs in walked.pairs if theirs == parted.candidate_event]
+        if parted.kind is Kind.TIE and parted.got != parted.expected and len(at_once) > len({*at_once}) == 1:
+            return True  # both have at once what the reference has one after the other
+        if event is not None and parted.got is not None and any(theirs == event for _, theirs in walked.pairs):
+            lacked = lab.candidate.alignment.walks[parted.body].left(event, parted.got)
+            if walked.left(event, parted.got) < lacked:
+                return True
+        if found.divergence is not None or not found.unsettled:
+            return found.divergence is None or found.divergence.time > lab.last_time
+        until, more = float(run.final_time), found.wanted.reference
+        if more is None or not until < more <= FARTHER * lab.last_time:
+            return False
+        run = lab.run(lab.study.truth, lab.given, 1.125 * more)
+
+
+def given_keeps(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it has the reference's contacts past the decision."""
+    if lab.given is None:
+        return False
+    span = Span(len(lab.reference.events), lab.last_time * (1 + 2.0**-20))
+    return align(lab.reference, lab.given_run, span=span).verdict == "agree"
 
 
 def rounded_or_none(scene: Scene, bits: int) -> Scene | None:

@@ -373,7 +373,8 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
         raise CertificateError(f"the scene's numbers: {doubt}") from None
     log, contacts, times = instants(trajectory)
     had = int(trajectory.plan["bits"])
-    bits = LEAST_BITS if had <= FIRST_BITS else had * 5 // 4
+    short = had <= FIRST_BITS or trajectory.stop.reason is StopReason.UNDECIDED  # it took more to tell what comes next
+    bits = LEAST_BITS if short else had * 5 // 4
     most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])) + EACH * len(log))
     follow = _Follow(frame, log, contacts, digits, times)
     if len(log) > LONG and follow.part(len(log) // PART):
@@ -384,7 +385,10 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
             break
         except Unsettled as doubt:
             if bits > most:
-                raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {doubt}") from None
+                told = (
+                    str(doubt) if str(doubt).startswith(("whether", "nothing")) else f"whether {doubt}, is not decided"
+                )
+                raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {told}") from None
             bits = min(2 * bits, follow.needed) if len(log) > LONG and follow.needed > bits else 2 * bits
         except Malformed as fault:  # the engine itself took more than a certificate may have
             raise CertificateError(f"no certificate within {bits} bits: {fault}") from None

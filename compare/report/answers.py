@@ -236,21 +236,21 @@ def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None 
     if candidate.unable:
         return f"{_capital(candidate.trajectory.stop.message)}."
     if candidate.lawless and candidate.laws is not None:
-        return f"{name} does not keep the law: {candidate.laws.finding}."
+        earlier = f"{_share_words(candidate)} Later " if found and found.name.name not in ("LAW", "UNKNOWN") else ""
+        return f"{earlier}{name} does not keep the law: {candidate.laws.finding}."
     if found is None:
         if stopped(comparison, candidate):
             return f"{_capital(comparison.reference.stop.message)}."
         if candidate.verdict == "agree":
             if candidate.laws is None or candidate.laws.kept is None:
-                law = "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
-                small = f"No error of {name} changes an event.{law}"
+                small = f"No error of {name} changes an event."
+                small += "" if candidate.laws is None else f" {_capital(candidate.laws.sentence)}."
             else:
                 small = f"{name} {candidate.laws.sentence}; none of its errors changes an event."
             return " ".join(filter(None, [small, growth_phrase(comparison, candidate, foreseen)]))
         if candidate.verdict == "diverged":
             return " ".join(filter(None, ["Not looked into.", growth_phrase(comparison, candidate, foreseen)]))
-        message = f"{_capital(candidate.trajectory.stop.message)}."
-        return message if _at_its_end(candidate) else f"Not looked into. {message}"
+        return f"{'' if _at_its_end(candidate) else 'Not looked into. '}{_capital(candidate.trajectory.stop.message)}."
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
     grown = _growth_words(candidate) or growth_phrase(comparison, candidate, foreseen)

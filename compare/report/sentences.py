@@ -109,7 +109,8 @@ def _is_rounding(candidate: Candidate) -> bool:
         return False
     found = candidate.diagnosis
     known = None if found is None else found.name.entry.rounding
-    return not candidate.stepped if known is None else known
+    unseen = candidate.laws is not None and candidate.laws.kept is None  # another law may have done it
+    return not (candidate.stepped or unseen) if known is None else known
 
 
 def head_phrase(candidate: Candidate) -> str:

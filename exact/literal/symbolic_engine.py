@@ -400,7 +400,7 @@ class _Run:
         """Who stands at a wall to which gravity pulls it, in words."""
         if self.scene.gravity is None:
             return ""
-        found: list[str] = []
+        found: list[tuple[str, str, bool]] = []
         for pair in touching.pairs:
             a, b = touching.things(pair)
             if isinstance(b, Line) and approach_sign(a, b) == 0:
@@ -409,8 +409,12 @@ class _Run:
                 along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
                 if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
                     slides = sign(normal(ux * self.g[0] + uy * self.g[1])) != 0
-                    found.append(" and ".join(_contact(self, pair)) + ", a slope, down which it slides" * slides)
-        return " as well as ".join(found)
+                    contact = _contact(self, pair)
+                    found.append((contact[0], " and ".join(contact), slides))
+        held = Counter(circle for circle, _, _ in found)  # by two walls or more it slides along none
+        return " as well as ".join(
+            told + ", a slope, along which it slides" * (slides and held[circle] == 1) for circle, told, slides in found
+        )
 
     def _enter(self, lasts: Any, last: bool = False) -> None:
         """Notes who enters a pocket so soon, or ever, at the end too if that is the last; under gravity nobody does."""

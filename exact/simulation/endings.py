@@ -54,7 +54,7 @@ from .policies import Collapse, LineRallies, are_square, may_collapse
 # Down a slope it slides, and that is no straight flight: there it goes on only where nothing ever meets it any more,
 # out of play (see `Incline`).
 
-SLIDES = ", a slope, down which it slides"
+SLIDES = ", a slope, along which it slides"
 """What the stop says of a circle that neither approaches a wall nor parts from it, and does not stay where it is."""
 
 UNPROVED = ": it is not proved that nothing meets it there"
@@ -306,10 +306,15 @@ class Endings:
                     "rests on the other, slides along it or flies off is not followed"
                 )
         slides = SLIDES + (UNPROVED if self.scene.settle else "")
-        names = [
-            name_of(self.scene, link) + ("" if self._sides.level(link.wall) else slides)
+        rests = [
+            link
             for link, sign in standing.items()
             if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in stands
+        ]
+        held = Counter(link.circle for link in rests)  # by two walls or more: it slides along none
+        names = [
+            name_of(self.scene, link) + ("" if self._sides.level(link.wall) or held[link.circle] > 1 else slides)
+            for link in rests
         ]
         return " as well as ".join(sorted(names)) or None
 

@@ -127,7 +127,7 @@ def judge(
                 say(out, f"{candidate.engine}: {hint}.")
             for note in candidate.trajectory.notes:
                 say(out, f"{candidate.engine}: {note}.")
-            if together := candidate.alignment.taken_together:
+            if (together := candidate.alignment.taken_together) and log.step is not None:
                 of = f"{together:,} of the exact run's {counted(len(comparison.reference.events), 'event')}"
                 say(out, f"{candidate.engine}: {of} come within two of its steps of the one before: one contact there.")
             if candidate.laws is not None and candidate.laws.bounces is not None:

@@ -231,7 +231,7 @@ def test_the_contact_itself_has_to_be_in_the_exact_run_of_the_rounded_scene(
     seen: list[bool] = []
 
     def law(lab: Any, rows: Any) -> list[Experiment]:
-        seen.append(evidence._given_does(lab))
+        seen.append(laboratory.given_does(lab))
         return []
 
     monkeypatch.setattr(evidence, "law", law)
