@@ -10,6 +10,8 @@ from fractions import Fraction
 from math import inf, isfinite, nan, nextafter, sqrt
 from typing import TYPE_CHECKING, SupportsFloat
 
+from flint import arb
+
 from ..exact.certified.filtered import BIG, TINY, DoubleFilter
 from ..exact.laws.formulas import advance
 from ..exact.numbers.double_pairs import SPLITTER, quick_two_sum, two_product
@@ -18,7 +20,7 @@ from ..exact.replay.contact import Body, Gravity, Link
 from ..exact.replay.state import ReplayState
 from ..exact.simulation.prediction import ArrivalQueue, FloatLine, Predictor
 from ..scenarios.lazy import Later
-from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.precision import Double, at_bits
 from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion
@@ -168,15 +170,40 @@ class Quads:
 QUADS = Quads()
 
 
-class QuadTime(Double):
-    """The time of something that happened in a run: as a float, the nearest double.
+class QuadNumber(Double):
+    """A number of a run: as a float, the nearest double.
 
     Attributes:
         value: all of its 106 bits.
-        instant: the number of its instant; None of the end of infinitely many bounces.
     """
 
     value: DoubleDouble
+
+    @classmethod
+    def near(cls, value: DoubleDouble) -> QuadNumber:
+        """The number.
+
+        >>> third = QuadNumber.near(QUADS.constant(Quantity.of("1/3")))
+        >>> float(third) == 1 / 3, third.digits(30), Double(1 / 3).digits(30)
+        (True, '0.333333333333333333333333333333', '0.333333333333333314829616256247')
+        """
+        number = cls(value.hi)
+        number.value = value
+        return number
+
+    def ball(self, bits: int) -> arb:
+        """All of its bits."""
+        with at_bits(max(bits, 2 * 106)):
+            return arb(self.value.hi) + arb(self.value.lo)
+
+
+class QuadTime(QuadNumber):
+    """The time of something that happened in a run.
+
+    Attributes:
+        instant: the number of its instant; None of the end of infinitely many bounces.
+    """
+
     instant: int | None
 
     @classmethod
@@ -217,7 +244,8 @@ class QuadMotion:
         self.carried, self.slides, self.bounced = carried or {}, slides or {}, bounced or {}
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
-        """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
+        """(x, y, vx, vy) of every circle, each a double that keeps its 106 bits; at a time of this run, as its event
+        leaves it.
 
         Raises:
             ValueError: for a time before 0 or after the end.
@@ -233,7 +261,7 @@ class QuadMotion:
             falls = i not in self.pegs and k not in self.carried.get(i, ())
             bend = self.falling if falls else self.slides.get(i) if k == len(knots) - 1 else None
             flown = (advance(x, vx, lag), advance(y, vy, lag), vx, vy)
-            x, y, vx, vy = map(float, flown if bend is None else bend.flown((x, y, vx, vy), lag))
+            x, y, vx, vy = map(QuadNumber.near, flown if bend is None else bend.flown((x, y, vx, vy), lag))
             bounces = self.bounced.get(i, {}).get(k)
             rows.append((x, y, vx, vy) if bounces is None else beside((x, y, vx, vy), bounces, float(at)))
         return rows

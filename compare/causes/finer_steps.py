@@ -97,6 +97,8 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         if stay is None or not math.isfinite(stay[1]):
             continue
         enter, leave = stay
+        if lab.divergence.got_time is not None and lab.divergence.got_time < enter:
+            continue  # what it has too much comes before
         base = 0.0
         reversal = lab.candidate.trajectory.reversal
         if reversal is not None and lab.study.scene.reverse_at is not None and float(reversal.time) < enter:

@@ -313,6 +313,7 @@ CLASSES = (
     "floating.knots:SteppedEvents",
     "floating.knots:SteppedFall",
     "floating.quad:QuadMotion",
+    "floating.quad:QuadNumber",
     "floating.quad:QuadTime",
     "scenarios.trajectory:Assumption",
     "scenarios.trajectory:Contact",

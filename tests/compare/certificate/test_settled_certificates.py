@@ -21,6 +21,7 @@ from truebreak.compare.certificate.certified import difference
 from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Scene, Segment, Wall
+from truebreak.scenarios.trajectory import StopReason
 
 FLOOR = Wall(0, 0, 1, 0, id="floor")
 LAW = {"gravity": (0, -10), "settle": True}
@@ -219,3 +220,14 @@ def test_a_campaign_of_settled_scenes(tmp_path: Path) -> None:
             found[str(seed)] = certificate_of(ExactEngine(work=300_000).run(scene, until=12, events=24))
     assert len(found) > 300
     both_verify(found.items(), tmp_path)
+
+
+def test_a_run_that_ends_undecided_has_a_certificate_of_few_bits(tmp_path: Path) -> None:
+    """What could not be decided took a hundred thousand bits; what came before takes a few hundred."""
+    discs = [Circle("-3/2", 1, id="d"), Circle("3/2", 1, id="h"), Circle(0, 9, id="k")]
+    scene = Scene(discs, [Wall(0, 0, 1, 0, id="w")], gravity=(0, -2), restitution="1/2", settle=True)
+    run = ExactEngine(work=200_000).run(scene, until=8)
+    assert run.stop.reason is StopReason.UNDECIDED and int(run.plan["bits"]) > 2**15
+    told = certificate_of(run)
+    assert told["bits"] < 2**12
+    both_verify([("few", told)], tmp_path)

@@ -1,0 +1,123 @@
+"""What reports say of causes, where something else was seen to be so: each of these was told wrongly once."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.comparison import Candidate
+from truebreak.compare.foreign.log_engine import LogEngine
+from truebreak.compare.foreign.recording import Recording
+from truebreak.compare.report.answers import why
+from truebreak.compare.report.sentences import head_phrase
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
+
+
+def only(scene: Scene, engine: object, **limits: object) -> Candidate:
+    """The comparison of one engine."""
+    return compare(scene, [engine], **limits).candidates[0]  # pyright: ignore
+
+
+def test_times_told_out_of_order_by_rounding_are_taken_in_the_order_told(tmp_path: Path) -> None:
+    """The impulses of one instant, the second a spacing of doubles before the first."""
+    rows = [
+        ("left", "middle", {"left": [-2, 0, 0, 0], "middle": [0, 0, 1, 0]}),
+        ("middle", "right", {"middle": [0, 0, -2.2, 0], "right": [3, 0, -0.19999999999999996, 0]}),
+        ("left", "middle", {"left": [-2, 0, -2.2, 0], "middle": [0, 0, 0, 0]}),
+        ("middle", "right", {"middle": [0, 0, -0.31999999999999995, 0], "right": [3, 0, -0.11999999999999997, 0]}),
+    ]
+    told = [
+        {"time": 1.0 if k == 1 else 1.0000000000000002, "contact": [a, b], "states": s}
+        for k, (a, b, s) in enumerate(rows)
+    ]
+    log = tmp_path / "log.jsonl"
+    log.write_text("\n".join(map(json.dumps, [*told, {"end": 5}])))
+    scene = catalogue.build("lee:tie=sequential:order=scene")
+    found = only(scene, LogEngine.of(log, scene), until=5)
+    assert found.laws is not None and found.laws.kept
+    assert found.alignment.verdict == "agree"
+
+
+LATE = Scene(
+    [
+        Circle(-3, 0, vx=1, id="left"),
+        Circle(0, 0, id="middle"),
+        Circle("4 - 1/10**20", 0, 2, vx=-1, m=4, id="right"),
+    ],
+    [Wall(-20, 0, -20, 1, id="wl"), Wall(20, 0, 20, 1, id="wr")],
+    events=14,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("lacks", [9, 11])
+def test_a_law_broken_after_the_divergence_is_not_its_cause(lacks: int) -> None:
+    """Doubles diverge at the first event; a contact that is left out later, of the same pair too, did not do that."""
+    whole = DoubleEngine().run(LATE, events=lacks + 1)
+    recording = Recording(LATE)
+    for event in whole.events[:lacks]:
+        states = {c.id: (c.x, c.y, c.vx, c.vy) for c in whole.after(event.index).circles}
+        recording.hits(float(event.time), [tuple(c) for c in event.impulses], states)  # pyright: ignore
+    recording.end(2 * float(whole.final_time))
+    comparison = compare(LATE, [LogEngine(recording)])
+    found = comparison.candidates[0]
+    assert found.lawless and found.alignment.divergence is not None and found.alignment.divergence.event == 0
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["INPUT"]
+    said = why(comparison, found)
+    assert said.startswith("Input rounding") and "Later" in said and "do not collide" in said
+    last = next(v for v in found.laws.violations if v.kind == "depth")  # pyright: ignore
+    assert f"at t = {last.time:.9g}: " in said and "event 9 (" not in said
+
+
+def test_another_policy_at_a_tie_is_no_floating_point_error() -> None:
+    scene = catalogue.build("lee")
+    run = DoubleEngine().run(catalogue.build("lee:tie=sequential"))
+    recording = Recording(scene)
+    for event in run.events:
+        for pair in event.impulses:
+            recording.hit(float(event.time), pair.first, pair.second)
+    recording.end(quiet=True)
+    found = only(scene, LogEngine(recording))
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["TIE"]
+    assert head_phrase(found) == "A tie was resolved differently"
+
+
+@pytest.mark.parametrize("rows", [2, 3])
+def test_what_makes_two_fall_on_one_instant_changes_the_decision_alone(rows: int) -> None:
+    """The rack in doubles has no jitter of 10**-20 any more: b1 meets both at once, as `double` does."""
+    found = only(catalogue.build(f"rack:rows={rows},jitter=10**-20"), "double", events=6)
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["INPUT"]
+    row = next(row for row in found.diagnosis.experiments if row.cause is CauseName["INPUT"])
+    assert row.suffices is True and "alone it does not" not in row.result
+
+
+def test_what_an_answer_is_rounded_by_is_named_without_what_hardly_adds_to_it() -> None:
+    found = only(catalogue.build("near-tie:k=5"), PymunkEngine(dt=1 / 60))
+    assert found.diagnosis is not None and found.diagnosis.causes == (CauseName["LATENESS"],)
+    found = only(catalogue.build("rack:rows=2,gap=10**-9,offset=10**-12"), "double")
+    assert found.diagnosis is not None and found.diagnosis.causes == (CauseName["DECISION"],)
+
+
+def test_a_contact_too_many_before_it_is_no_tunnelling() -> None:
+    """Two bricks in one step turn the ball; that it passes through the paddle later is not why."""
+    found = only(catalogue.build("breakout"), PymunkEngine(dt=1 / 30))
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["STEP"]
+
+
+def test_the_account_of_quad_is_of_its_106_bits() -> None:
+    """Its states were read as doubles, so that its flights and impulses had shares of 1e-15 that cancel."""
+    found = only(catalogue.build("inscribed:n=5"), "quad", events=8)
+    assert found.diagnosis is not None
+    sizes = [abs(row.displacement) for row in found.diagnosis.experiments if row.displacement]
+    assert sizes and max(sizes) < 2.0**-95
+
+
+def test_between_two_slopes_a_disc_slides_along_neither() -> None:
+    walls = [Wall(0, 0, 4, -3, id="v"), Wall(0, 0, 4, 3, id="w")]
+    stop = ExactEngine().run(Scene([Circle("5/3", 0, id="d")], walls, gravity=(-10, 0)), until=1).stop
+    assert stop.message.endswith("d and v as well as d and w")
