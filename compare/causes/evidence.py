@@ -574,7 +574,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             told += ", as it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
         size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
         found = [row for row in found if row.cause is not cause or row.share is None]
-        nearly = abs(total - size) <= abs(size) / 100 or None  # it is what the others leave to zero, and they do little
+        little = abs(total - size) <= abs(size) / 100  # it is what the others leave to zero
+        nearly = True if little and cause is not CauseName["STEPS"] else None
         found.append(Experiment(cause, told, size, nearly, size / total if total else None))
     return found
 

@@ -398,23 +398,18 @@ class _Run:
 
     def _resting(self, touching: Touching) -> str:
         """Who stands at a wall to which gravity pulls it, in words."""
-        if self.scene.gravity is None:
-            return ""
-        found: list[tuple[str, str, bool]] = []
-        for pair in touching.pairs:
+        found: list[tuple[Indices, bool]] = []
+        for pair in touching.pairs if self.scene.gravity is not None else ():
             a, b = touching.things(pair)
             if isinstance(b, Line) and approach_sign(a, b) == 0:
                 a, ux, uy = b.seen(a), b.x1 - b.x0, b.y1 - b.y0
                 side = sign(normal(ux * (a.y - b.y0) - uy * (a.x - b.x0)))
                 along, pull = ux * a.vy - uy * a.vx, ux * self.g[1] - uy * self.g[0]
                 if sign(normal(along)) == 0 and side * sign(normal(pull)) < 0:
-                    slides = sign(normal(ux * self.g[0] + uy * self.g[1])) != 0
-                    contact = _contact(self, pair)
-                    found.append((contact[0], " and ".join(contact), slides))
-        held = Counter(circle for circle, _, _ in found)  # by two walls or more it slides along none
-        return " as well as ".join(
-            told + ", a slope, along which it slides" * (slides and held[circle] == 1) for circle, told, slides in found
-        )
+                    found.append((pair, sign(normal(ux * self.g[0] + uy * self.g[1])) != 0))
+        held = Counter(pair[0] for pair, _ in found)  # by two walls or more it slides along none
+        slides = [", a slope, along which it slides" * (leans and held[pair[0]] == 1) for pair, leans in found]
+        return " as well as ".join(" and ".join(_contact(self, f[0])) + s for f, s in zip(found, slides, strict=True))
 
     def _enter(self, lasts: Any, last: bool = False) -> None:
         """Notes who enters a pocket so soon, or ever, at the end too if that is the last; under gravity nobody does."""
