@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..alignment.align import align
 from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED
 from ..audit.passages import passes_between
+from ..deadline import NO_TIME
 from ..foreign.guard import finer_of, firmer_of
 from ..study import finer_by, series_steps
-from .diagnosis import CauseName, Experiment
+from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from .laboratory import decisions
 
 if TYPE_CHECKING:
@@ -22,6 +24,23 @@ if TYPE_CHECKING:
 
 MOST_HALVINGS = 8
 """A time step is halved up to so many times, as far as `series_steps` allow."""
+
+
+def by_finer_steps(lab: Laboratory, told: str) -> Diagnosis:
+    """Why two histories part, of an engine of steps in a scene of which there is no account: what runs show alone.
+
+    Args:
+        told: why there is no account.
+    """
+    lab.accounted = told
+    rows: list[Experiment] = []
+    for name, function in (("STEP", step), ("ITERATIONS", iterations)):
+        rows += lab.tried(partial(function, lab, rows), [Experiment(CauseName[name], NO_TIME)])
+    found = diagnosed(rows, None, None, 0)
+    unknown = CauseName["UNKNOWN"]
+    if found.name is not unknown:
+        return found
+    return Diagnosis((unknown,), (*rows, Experiment(unknown, told, None, True)), told)
 
 
 def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:

@@ -479,25 +479,6 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     return diagnosed(rows, margin, lab.displacement, 0 if account is None else account.runs)
 
 
-def by_finer_steps(lab: Laboratory, told: str) -> Diagnosis:
-    """Why two histories part, of an engine of steps in a scene of which there is no account: what runs show alone.
-
-    Args:
-        told: why there is no account.
-    """
-    from .finer_steps import iterations, step
-
-    lab.accounted = told
-    rows: list[Experiment] = []
-    for name, function in (("STEP", step), ("ITERATIONS", iterations)):
-        rows += lab.tried(partial(function, lab, rows), [Experiment(CauseName[name], NO_TIME)])
-    found = diagnosed(rows, None, None, 0)
-    unknown = CauseName["UNKNOWN"]
-    if found.name is not unknown:
-        return found
-    return Diagnosis((unknown,), (*rows, Experiment(unknown, told, None, True)), told)
-
-
 def _function(path: str) -> Callable[..., list[Experiment]]:
     """The function of that name, imported now."""
     module, _, name = path.partition(":")
