@@ -20,6 +20,7 @@ from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import continuation, decision, free_flights, given_scene
+from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.engines import engine as engine_named
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, Segment, Wall, catalogue
@@ -401,13 +402,14 @@ def test_the_account_closes_where_what_has_met_stays_closed(seed: int) -> None:
     assert {row.cause.name for row in found.diagnosis.shares} <= {"INPUT", "FLIGHTS", "IMPACTS", "ARITHMETIC"}  # type: ignore[union-attr]
 
 
-def test_what_is_not_looked_for_is_refused_by_name() -> None:
-    """A disc passes between two that close: steps of 1/8 find no gap, and shut it."""
+def test_without_an_account_a_finer_step_is_tried_alone() -> None:
+    """A disc passes between two that close: steps of 1/8 find no gap, and shut it; those of 1/16 find one."""
     scene = Scene([Circle(0, 0, vx=2), Circle(4, "1/3"), Circle(8, 1)], restitution=0, gravity=(0, -1))
     found = compare(scene, [PymunkEngine(dt=1 / 8)], events=9).candidates[0]
     assert found.verdict == "diverged"
     assert found.diagnosis is not None
-    assert "restitution is 0, of engines of steps" in found.diagnosis.finding
+    assert found.diagnosis.name is CauseName["STEP"]
+    assert not found.diagnosis.shares
 
 
 class Soft(PymunkEngine):

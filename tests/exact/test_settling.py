@@ -551,8 +551,9 @@ def test_a_comparison_says_what_has_settled_and_who_has_it_otherwise(
     scene = catalogue.build("struck:n=6")
     found = compare(scene, [DoubleEngine(), SingleEngine(), IntervalEngine(), PymunkEngine()])
     four = ", ".join(f"d{k} on floor at time 0" for k in range(1, 5))
-    assert settled_phrase(found) == f"{four} and 2 more; the same in double, single and interval"
-    assert [c.alignment.verdict for c in found.candidates] == ["agree", "agree", "undecided", "undecided"]
+    others = "the same in double, single and interval; at other times in pymunk"
+    assert settled_phrase(found) == f"{four} and 2 more; {others}"
+    assert [c.alignment.verdict for c in found.candidates] == ["agree", "agree", "undecided", "diverged"]
     kept = {c.engine: c.laws.kept for c in found.candidates if c.laws is not None}
     assert kept.pop("pymunk", None) is None
     assert len(kept) == 3
