@@ -86,7 +86,7 @@ def test_a_blow_from_above_takes_the_wall_along_and_one_along_it_does_not() -> N
     assert met(PymunkEngine().run(along, until=1)) == [(("lies", "comes"),)]
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=12)
 @given(
     st.integers(2, 40), st.integers(-8, 8), st.integers(3, 30), st.sampled_from([("0", 0.0), ("1/2", 0.5)]),
     st.sampled_from([1 / 128, 1 / 500]),
