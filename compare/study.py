@@ -273,6 +273,11 @@ def finer_by(engine: Engine, halvings: int) -> Engine | None:
     return chosen
 
 
+def _without(error: BaseException) -> str:
+    """What an error says, without the reason that it may name itself."""
+    return str(error).removeprefix(f"{StopReason.BUDGET.value}: ")
+
+
 def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> tuple[Trajectory, Alignment, bool]:
     """The settled run of an engine, and whether it could not take the scene at all."""
     key = unsupported(engine, study.scene)
@@ -283,7 +288,7 @@ def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> 
         except EngineError:
             raise
         except OutOfTime as error:
-            return (*_nothing(study, engine, StopReason.BUDGET, f"{StopReason.BUDGET.value}: {error}"), False)
+            return (*_nothing(study, engine, StopReason.BUDGET, f"{StopReason.BUDGET.value}: {_without(error)}"), False)
         except SceneError as error:
             reason = str(error)
     return (*_nothing(study, engine, StopReason.UNDECIDED, f"cannot run this scene: {reason}"), True)
