@@ -503,7 +503,8 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
         pass
     elif lab.decision is not None and lab.margin is not None:
         if lab.decision.kind == "hit" and decides_by_speed(lab.truth, lab.decision.first):
-            speed = ball.double_bounds(lab.margin)
+            if found.name is not CauseName["LAW"]:  # with another law it is not the speed that decides
+                speed = ball.double_bounds(lab.margin)
         elif lab.decision.kind == "hit":
             distance = None if _part_for_good(lab, lab.decision.first) else ball.double_bounds(lab.margin)
         else:
