@@ -99,15 +99,15 @@ class Resting:
                 hops = lying is not None and lying[0] == wall and time - lying[2] <= HOPS * self._dt
                 if pull > 0.0 and approach <= (3 if hops else 2) * pull * ROUNDED:
                     still[pair] = pull, approach
-            elif self._lasts(time, pair, before, normal(pair)):
-                still[pair] = 0.0, math.inf
+            elif (room := self._lasts(time, pair, before, normal(pair))) is not None:
+                still[pair] = room, room
         self._pushed.update(dict.fromkeys(pairs, time))
         struck = {k for pair in pairs if pair not in still for k in pair}
         found = [
             pair
             for pair in pairs
             if pair not in still
-            or (pair[0] in struck and self._pressed(*still[pair], impulse(pair) * self._shares[pair[0]]))
+            or (struck & {*pair} and self._pressed(*still[pair], impulse(pair) * self._shares[pair[0]]))
         ]
         for pair in pairs:
             k, wall = pair
@@ -153,13 +153,14 @@ class Resting:
 
     def _lasts(
         self, time: float, pair: Indices, before: Callable[[int], tuple[float, float]], line: tuple[float, float]
-    ) -> bool:
-        """Whether two circles touch since a step before, rather than hit each other anew."""
+    ) -> float | None:
+        """How fast two circles that touch since a step before may come to each other; None of two that hit anew."""
         if time - self._pushed.get(pair, -math.inf) > HOPS * self._dt:
-            return False
+            return None
         (nx, ny), (gx, gy), (vx, vy), (ux, uy) = line, self._gravity, *map(before, pair)
         room = self.room((math.hypot(vx, vy), math.hypot(ux, uy)))
-        return nx * (ux - vx) + ny * (uy - vy) <= 2 * abs(nx * gx + ny * gy) * self._dt + room
+        room += 2 * abs(nx * gx + ny * gy) * self._dt
+        return room if nx * (ux - vx) + ny * (uy - vy) <= room else None
 
     def _pressed(self, pull: float, approach: float, gain: float) -> bool:
         """Whether a wall gives a circle more speed than it takes to lie or bounce there, by more than a step's."""
