@@ -47,7 +47,7 @@ class Resting:
         self._gravity = (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
         self._e = float(scene.restitution)
         self._shares = [float(circle.inverse_mass) for circle in scene.circles]
-        self._lying: dict[int, list[float]] = {}  # by circle: the wall's place, since when, when last pushed
+        self._lying: dict[int, list[float]] = {}  # by circle: the wall's place, since when, when last pushed there
         self._spans: dict[int, list[tuple[float, float]]] = {}
         self._bounced: dict[int, tuple[int, float]] = {}
         self._pushed: dict[Indices, float] = {}
@@ -119,7 +119,9 @@ class Resting:
             if pair in found:
                 self._bounced[k] = wall, time
             if pull > 0.0 and nx * ux + ny * uy <= pull * ROUNDED:
-                self._lies(k, wall, time)
+                known = self._lying.get(k)
+                if known is None or known[0] == wall or (k, known[0]) not in pairs:  # of two it keeps the first
+                    self._lies(k, wall, time)
             elif pair in found:
                 self._leaves(k)
         for k in struck - {k for k, wall in pairs if wall >= self._count}:

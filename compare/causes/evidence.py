@@ -78,11 +78,8 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
     times = [float(e.time) for e in lab.candidate.trajectory.events if any(missed & {*pair} for pair in e.contacts)]
     deep = [found.time for found in laws.violations if found.kind == "depth" and {*found.bodies} == missed]
-    if (
-        all(any(latest < time < then for time in times) for then in deep)
-        and laws.first is not None
-        and falls(laws.first.time, latest, lab.engine.bits)
-    ):
+    elsewhere = all(any(latest < time < then for time in times) for then in deep)
+    if elsewhere and laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []
     return [Experiment(CauseName["LAW"], laws.finding, None, True)]
 
@@ -523,12 +520,13 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     for part in parts:
         flips, earlier, free, does = _alone(lab, part, account.along), None, "", False
         if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
-            tied = part.alone is not None and part.alone.contains(0)  # the two come to fall on one instant
+            tied = part.alone is not None and part.alone.contains(0)  # the two contacts become simultaneous
             if lab.given is None and (tied if flips is False else flips and _by_its_contacts_alone(lab)):
+                does_it = "changes" if flips else "does not change"
                 free = (
-                    f"it {'changes' if flips else 'does not change'} the decision alone; in {lab.numbers} the circles"
+                    f"it {does_it} the decision alone; in {lab.numbers} the circles overlap, so that no run can say so"
                 )
-                flips, free = None, f"{free} overlap, so that no run can say so"
+                flips = None
             elif flips and _by_its_contacts_alone(lab):
                 if not given_does(lab):
                     flips, free = False, "it changes the decision alone; run freely, it does not"
@@ -544,7 +542,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         if does:
             alone = f"run freely, the exact law on it decides as {lab.name} does"
         if free:
-            alone = f"by the contacts of the exact run {free}"
+            alone = f"with the exact run's contacts {free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
             told = f"{told}; run freely, the exact law on it differs at event {earlier} already"

@@ -385,10 +385,9 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
             break
         except Unsettled as doubt:
             if bits > most:
-                told = (
-                    str(doubt) if str(doubt).startswith(("whether", "nothing")) else f"whether {doubt}, is not decided"
-                )
-                raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {told}") from None
+                plain = str(doubt).startswith(("whether", "nothing"))
+                why = doubt if plain else f"whether {doubt}, is not decided"
+                raise CertificateError(f"no certificate within {bits} bits: {follow.where}: {why}") from None
             bits = min(2 * bits, follow.needed) if len(log) > LONG and follow.needed > bits else 2 * bits
         except Malformed as fault:  # the engine itself took more than a certificate may have
             raise CertificateError(f"no certificate within {bits} bits: {fault}") from None

@@ -427,7 +427,7 @@ class Recording:
         self._tell()
 
     def _rest(self, now: float) -> None:
-        """A step in which what lies on walls alone is pushed; from time to time, whether all lie so for ever."""
+        """A step with no impulse but those of rest; every `LOOK` such steps, whether anything can still happen."""
         self._now = self._end = max(self._now, now)
         self._held += 1
         self._reported = True
