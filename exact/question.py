@@ -277,6 +277,27 @@ class Discriminant(OfOne[Round]):
         return state.discriminant(self.link)
 
 
+class FallsStraight(OfOne[Round]):
+    """Is the velocity of a circle, seen from what is round and stands, along gravity (zero)?"""
+
+    words = "whether {} pass along gravity"
+
+    def value(self, state: ReplayState[N]) -> N:
+        fall = state.peg_fall(self.link)
+        return fall.vx * fall.hy - fall.vy * fall.hx
+
+
+class Abreast(OfOne[Round]):
+    """Across gravity, is a circle as far from what is round and stands as they are at a contact (zero), or farther?"""
+
+    words = "whether {} touch as one passes the other along gravity"
+
+    def value(self, state: ReplayState[N]) -> N:
+        fall = state.peg_fall(self.link)
+        across = fall.dx * fall.hy - fall.dy * fall.hx
+        return across * across - fall.reach * fall.reach * (fall.hx * fall.hx + fall.hy * fall.hy)
+
+
 class Arrives(OfOne[AtWall]):
     """Does a circle that gravity pulls away from a wall hit (positive), graze (zero) or miss it (negative)?"""
 

@@ -6,18 +6,40 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from decimal import Decimal, localcontext
+from fractions import Fraction
 from functools import partial
 from itertools import chain
 from operator import add, mul, neg, sub, truediv
-from typing import Any, cast
+from typing import Any, NamedTuple, TypeVar, cast
+
+from flint import fmpq, fmpq_poly
 
 from ...exact.exact_motion import ExactValue
-from ...tools.verify import Ball, Bowing, Checker, Facing, Nearing, Refuted, Space, Unsettled, enclosed
+from ...exact.replay.landings import double_zeros_exactly
+from ...tools.verify import (
+    Arching,
+    Ball,
+    Bowing,
+    Checker,
+    Facing,
+    Nearing,
+    Refuted,
+    Space,
+    Sum,
+    Unsettled,
+    enclosed,
+    number,
+    value,
+)
 from .isometries import Contact, Isometries
-from .tower import Exact, text_of
+from .tower import ONE, Exact, text_of
+
+T = TypeVar("T")
+
+TWO = ONE + ONE
 
 DEEP_ROOTS = 7
 """Roots beyond those at hand that an exact zero may take."""
@@ -115,6 +137,14 @@ class Recorded(Remembering):
         return found
 
 
+class Unlisted(NamedTuple):
+    """When a circle that falls touches what stands without a blow, exactly and in a ball; which."""
+
+    time: Exact
+    near: Ball
+    contact: Contact
+
+
 class Prover(Checker):
     """Makes the instants of a certificate.
 
@@ -123,6 +153,10 @@ class Prover(Checker):
         contacts: for each instant from time 0 on, the contacts of its event.
         digits: decimals after the point of the times and of the final state.
         times: by the place of an instant, when it is, where that may be a zero of a quartic.
+        grazing: by the place of an instant, what grazes at it.
+
+    Attributes:
+        missed: grazes that no instant lists; if there are any, the certificate is not complete.
     """
 
     def __init__(
@@ -131,9 +165,11 @@ class Prover(Checker):
         contacts: list[frozenset[Contact]],
         digits: int,
         times: Mapping[int, ExactValue],
+        grazing: Mapping[int, Sequence[Contact]],
     ) -> None:
         super().__init__(certificate, 1)
-        self.near = times
+        self.near, self.grazing = times, grazing
+        self.missed: list[Unlisted] = []
         self.contacts, self.digits = contacts, digits
         self.known_isometries: dict[str, int] = {}
         self.history: list[dict[int, Any]] = []
@@ -216,7 +252,9 @@ class Prover(Checker):
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
         clock = entry["met"][0] if self.age >= 0 and entry.get("met") else None
-        a_witness = clock is not None and self.drops(tuple(clock))  # as it is before what falls stands, or the reverse
+        a_witness = (
+            clock is not None and "exact" not in entry and self.drops(tuple(clock))
+        )  # as it is before what falls stands, or the reverse
         super().instant(entry)
         self.history.append(self.rows)
         if not a_witness:
@@ -232,14 +270,17 @@ class Prover(Checker):
         entry["met"] = []
         if self.age == 0:
             for c in self.meets:
-                if self.ball.ask("gap", c, 0).sign() in (None, 0) and self.zero("gap", c, 0) and self._beside(c):
+                if self.ball.ask("gap", c, 0).sign() in (None, 0) and self.zero("gap", c, 0) and _beside(self, c):
                     entry["met"].append(list(c))
             self.age -= 1
             return
         if "exact" in entry:
             for w in self.worlds:
-                w.times.append(w.limits["reverse"])
-            self._try_all(entry)
+                w.times.append(w.of(number(entry["exact"])))
+            if not all(self._try(entry, c) for c in self.grazing.get(self.age, ())):
+                raise Unsettled("whether two graze")
+            if not entry["met"]:
+                self._try_all(entry)
             self.age -= 1
             for w in self.worlds:
                 del w.times[-1]
@@ -265,7 +306,7 @@ class Prover(Checker):
         bodies = {i for c in contacts for i in c if i < len(self.told["scene"]["circles"])}
         tried = {clock}
         rims = [c for c in self.meets if c[1] < 0] if min(self.things) < 0 else []
-        for c in wanted + rims:
+        for c in [*wanted, *rims, *self.grazing.get(self.age, ())]:
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
@@ -312,10 +353,6 @@ class Prover(Checker):
                 return signs == [-1, 1, 1, 1][: len(signs)]
         return False
 
-    def _beside(self, c: Contact) -> bool:
-        """Of a face or an arc: whether the centre is beside it, between its ends."""
-        return (c[1] not in self.faces and c[1] not in self.arcs) or self.within(c)
-
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))
         self.met[c] = self.sign("closing", c)
@@ -341,9 +378,9 @@ class Prover(Checker):
                 return False
             if ranged and -1 in (world.ask(x, c, self.age).sign() for x in ("foot", "far")):
                 return False  # on the line of a face beyond its ends the gap is 0 too
-        if not (self.zero("gap", c, self.age) and self._beside(c)):
+        if not (self.zero("gap", c, self.age) and _beside(self, c)):
             return False
-        if self.hollow(c) and not self.sign("closing", c):
+        if self.hollow(c) and not self.drops(c) and not self.sign("closing", c):
             return False
         self._list(entry, c)
         return True
@@ -366,6 +403,16 @@ class Prover(Checker):
         for c in found & self.meets:
             if c not in self.cleared:
                 self.clear(c, self.age)
+
+    def flies(self, c: Contact, age: int | None, ends: int = 0) -> None:
+        """As the checker's; where two graze on the way, that is noted, and the rest is left to the next try."""
+        try:
+            super().flies(c, age, ends)
+        except Unsettled:
+            missed = _grazes(self, c, age)
+            if not missed:
+                raise
+            self.missed += missed
 
     # -- witnesses
 
@@ -440,6 +487,11 @@ def _unknown() -> Exact:
     raise Unsettled("a zero of a quartic is no exact number here")
 
 
+def _beside(prover: Prover, c: Contact) -> bool:
+    """Of a face or an arc: whether the centre is beside it, between its ends."""
+    return (c[1] not in prover.faces and c[1] not in prover.arcs) or prover.within(c)
+
+
 def _as_said(time: Ball, said: ExactValue) -> bool:
     """Whether a time may be the one at which the run has an instant."""
     text = _spelt(float(said), 14)
@@ -482,25 +534,83 @@ def _text(x: Lazy) -> str:
     return text_of(cast(Exact, x.value))
 
 
+def _grazes(prover: Prover, c: Contact, age: int | None) -> list[Unlisted]:
+    """When two of which one stands graze on their flights, up to an instant, or ever: double zeros of the gap."""
+    start, order = prover.again(c) or (prover.ball.start(c), 0)
+    m, now = prover.ball.meeting(c, start), None if age is None else prover.ball.wait(start, age)
+    found: list[Unlisted] = []
+    exact: Any = prover.form.meeting(c, start)
+    for zero in _computed(exact.row[order:], _double_zeros) or ():
+        wait, time = in_ball(zero), _computed([prover.form.times[start]], lambda numbers: [numbers[0]])
+        beyond = isinstance(m, Arching) and value(m.tests(m.row)[3], wait).sign() != -1
+        if time and not beyond and (now is None or (now - wait).sign() != -1):
+            found.append(Unlisted(time[0] + zero, prover.ball.times[start].at(wait.bits) + wait, c))
+    return found
+
+
+def is_same(time: Lazy, exact: Exact) -> bool:
+    """Whether a time of a run is a number."""
+    return _exact(time - Lazy(exact))
+
+
+def in_ball(x: Exact) -> Ball:
+    """A number to the bits at hand."""
+    if not x.k:
+        return enclosed(Sum({frozenset(): x.a}))
+    return in_ball(x.a) + in_ball(x.b) * in_ball(Exact.roots[x.k - 1]).sqrt()
+
+
+def _double_zeros(row: Sequence[Exact]) -> list[Exact]:
+    """The positive double zeros of a polynomial, but no fourfold one, which no certificate lists.
+
+    Its numbers are fractions, or it is a square.
+    """
+    if not any(x.k for x in row):
+        known = [fmpq(x.a.numerator, x.a.denominator) for x in row]
+        zeros = [
+            zero for zero in double_zeros_exactly(known) if zero.q or fmpq_poly(known).derivative().derivative()(zero.p)
+        ]
+        parts = [(zero.q, [Exact(Fraction(int(x.p), int(x.q))) for x in (zero.p, zero.square)]) for zero in zeros]
+        return [p + square.sqrt() if q > 0 else p - square.sqrt() if q else p for q, (p, square) in parts]
+    if len(row) < 5 or not row[4]:
+        return []
+    c, b, a = (x / row[4] for x in row[1:4])
+    half = a / TWO  # s^2 + half s + rest
+    rest = (b - half * half) / TWO
+    square = half * half / (TWO + TWO) - rest
+    if c - (TWO * half) * rest or row[0] - rest * rest * row[4] or square.sign() < 1:
+        return []
+    root = square.sqrt()
+    return [zero for zero in (-half / TWO - root, -half / TWO + root) if zero.sign() > 0]
+
+
 def _exact(value: Lazy) -> bool:
     """Whether a number is zero exactly, within the roots and the work that it may take."""
+    if _computed([value], lambda numbers: not numbers[0]):
+        value.tell()
+        return True
+    return False
+
+
+def _computed(values: Sequence[Lazy], use: Callable[[Sequence[Exact]], T]) -> T | None:
+    """What is made of numbers, within roots and work that they may take; the roots are kept where it is something."""
     before, spent = len(Exact.roots), Exact.work
     Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
     done: list[Lazy] = []
-    zero = False
+    found = None
     try:
-        _compute(value, done)
-        zero = not value.value
+        for value in values:
+            _compute(value, done)
+        found = use([cast(Exact, value.value) for value in values])
     except Unsettled:
         Exact.work = spent
-    if zero:
-        value.tell()
-        return True
+    if found:
+        return found
     for now in done:
         if now.value is not None and now.value.k > before:
             now.value = None
     del Exact.roots[before:]
-    return False
+    return None
 
 
 def _compute(value: Lazy, done: list[Lazy]) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import gc
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
+from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict, TypeVar
 
 from flint import arb
 
@@ -22,8 +22,10 @@ from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
 from ...tools.verify import BITS, CIRCLES, FORMAT, Malformed, Refuted, Unsettled, cost
 from .isometries import Contact
 from .outlines import numbers_of
-from .prover import Prover, decimal_text
+from .prover import Prover, decimal_text, is_same
 from .tower import Exact, exact_number, scene_part, text_of
+
+T = TypeVar("T")
 
 DIGITS = 17
 """Decimals after the point of times and of the final state, unless others are asked for."""
@@ -418,6 +420,8 @@ class _Follow:
     ) -> None:
         self.frame, self.log, self.contacts, self.digits, self.times = frame, log, contacts, digits, times
         self.roots = list(Exact.roots)
+        self.grazing: dict[int, list[Contact]] = {}
+        self.grazes: set[tuple[str, Contact]] = set()
         self.prover: Prover | None = None
 
     def whole(self, bits: int) -> dict[str, Any]:
@@ -427,7 +431,10 @@ class _Follow:
             Unsettled: if these bits do not suffice, or a zero has no witness.
             Refuted: if the run is wrong.
         """
-        return self._told(self.frame, self.log, bits)
+        while True:
+            told = self._told(self.frame, self.log, bits)
+            if not self._list_missed():
+                return told
 
     def part(self, count: int) -> bool:
         """Follows the first instants only, with more bits than forms lose; whether that went well."""
@@ -440,9 +447,42 @@ class _Follow:
     def _told(self, frame: dict[str, Any], log: list[dict[str, Any]], bits: int) -> dict[str, Any]:
         told = {**_copied(frame), "bits": bits, "instants": _copied(log)}
         Exact.work, Exact.roots, self.prover = 0, list(self.roots), None
-        self.prover = Prover(told, self.contacts, self.digits, self.times)
+        self.prover = Prover(told, self.contacts, self.digits, self.times, self.grazing)
         self.prover.run()
         return told
+
+    def _list_missed(self) -> bool:
+        """Lists the grazes that were missed, at instants that there are or of their own; whether there are any.
+
+        Raises:
+            Unsettled: where it is not told before or after which instant one comes, or one was listed in vain.
+        """
+        assert self.prover is not None
+        own: dict[int, Exact] = {}
+        times = self.prover.ball.times[: len(self.log)]
+        for exact, near, contact in self.prover.missed:
+            graze = text_of(exact), contact
+            if graze in self.grazes:
+                raise Unsettled("whether two graze")
+            self.grazes.add(graze)
+            k = next((k for k, time in enumerate(times) if (near - time).sign() != 1), len(times))
+            if k < len(times) and (near - times[k]).sign() != -1:
+                there = self.prover.form.times[k - sum(other < k for other in own)]
+                if (own[k] - exact) if k in own else not is_same(there, exact):
+                    raise Unsettled("at which instant two graze")
+            else:
+                entry = {"exact": graze[0], "rounds": [], "enter": [], "settle": [], "time": "0"}
+                self.log.insert(k, entry)
+                self.contacts.insert(k, frozenset())
+                times.insert(k, near)
+                self.times, self.grazing = _shifted(self.times, k), _shifted(self.grazing, k)
+                own = {**_shifted(own, k), k: exact}
+            self.grazing.setdefault(k, []).append(contact)
+        if self.prover.missed:
+            self.roots = list(Exact.roots)
+            scene = len(self.frame["scene"].get("roots", ()))
+            self.frame["roots"] = [text_of(root) for root in self.roots[scene:]]
+        return bool(self.prover.missed)
 
     @property
     def where(self) -> str:
@@ -455,6 +495,11 @@ class _Follow:
         at the end are the digits, and room for decisions."""
         lost, age = (self.prover.lost, max(1, self.prover.age)) if self.prover else (0, 1)
         return LEAST_BITS + 4 * self.digits + lost * len(self.log) * 17 // (16 * age)
+
+
+def _shifted(told: Mapping[int, T], k: int) -> dict[int, T]:
+    """By places in the log, into which an instant has been put."""
+    return {place + (place >= k): value for place, value in told.items()}
 
 
 def _copied(part: Any) -> Any:

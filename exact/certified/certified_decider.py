@@ -282,7 +282,7 @@ class CertifiedMeetings:
         spent, predictor = 0, self._pegs
         assert predictor is not None
         while True:
-            found, grazes = predictor.comes(link, exactly=not spent)
+            found, grazes = predictor.comes(link, None if spent else (self._sign, self._decided))
             if found is None:
                 return None
             if isinstance(found, arb):

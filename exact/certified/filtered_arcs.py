@@ -7,16 +7,16 @@ from collections.abc import Callable, Collection, Sequence
 from math import inf, isfinite, sqrt
 from typing import NamedTuple, TypeAlias, TypeGuard
 
-from flint import arb, fmpq
+from flint import arb
 
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
 from ..numbers import ball
 from ..numbers.system import Undecided
-from ..question import Approach, Beside, Gap, Question
+from ..question import Abreast, Approach, Beside, FallsStraight, Gap, Question
 from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_arc, is_flat, is_pair, name_of
-from ..replay.landings import Landing, grazed, landing, passes, within_arc
+from ..replay.landings import DoubleZero, Landing, face_gone_onto, grazes_of, landing, passes, within_arc
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import DEEPEST, MOST_PARTS, Started, halves, sharpened_in_doubles, started
 from ..replay.state import ReplayState
@@ -34,6 +34,8 @@ from .filtered import (
     FilteredPredictor,
 )
 from .filtered_falls import FallingPredictor, SeenFlight, as_times, seen_from, time_left
+
+Answers: TypeAlias = tuple[Callable[[Question], int | None], Callable[[Question], int]]
 
 
 class FloatArc(NamedTuple):
@@ -434,38 +436,93 @@ class PegPredictor(FallingPredictor):
         """Nothing is plain before it is asked: doubles are of the frame that falls."""
         return False
 
-    def comes(self, link: Round, exactly: bool) -> tuple[Landing, bool]:
+    def comes(self, link: Round, exactly: Answers | None) -> tuple[Landing, bool]:
         """When a circle comes to something round, and whether it grazes it; None where it does neither.
+
+        Further grazes of one flight are queued.
 
         Args:
             link: the two.
-            exactly: whether fractions are asked, too, which tell a graze, where the flight is of fractions.
+            exactly: where it is asked whether the two graze: what answers questions where balls do, and in full.
+
+        Raises:
+            Undecided: where it grazes an end from which it may go onto a face.
         """
         state, found = self.refinable, self.in_full(link)
-        exact = exactly and all(state.exact[i] for i in link.circles if i not in self.scene.pegs)
-        if found is None or isinstance(found, arb) or state.field is None or not exact:
+        if found is None or isinstance(found, arb) or exactly is None:
             return found, False
-        touched = passes(state.field, link)
-        if touched is None or touched is False:
-            return (found if touched is None else None), False
-        known = grazed(state.field, link)
-        if known is None:
-            return found, False
+        if state.field is None or not all(state.exact[i] for i in link.circles if i not in self.scene.pegs):
+            touched = None
+        else:
+            touched = passes(state.field, link)
+        if touched is None:
+            times = self.passes_straight(link, *exactly)
+            return (found, False) if times is None else (self.grazed(link, times), True)
+        if not touched or state.field is None:
+            return None, False
+        if (face := face_gone_onto(state.field, link)) is not None:
+            circle = next(i for i in link.circles if i not in self.scene.ends)
+            raise Undecided(
+                f"whether {name_of(self.scene, AtWall(circle, face))} touch and stay so: the circle comes to an end of "
+                "the face along its tangent, at a double zero of a quartic, after which no law of a blow tells more"
+            )
         ball.use_bits(state.bits)
-        time = arb(known[0]).union(arb(known[1]))
-        if is_arc(link) and not self.scene.arc_sides[link.arc].full:
-            within = self._grazes_within(link, known)
-            return time if within == 1 else found if within is None else None, True
-        return time, True
+        return self.grazed(link, grazes_of(state.field, link)), True
 
-    def _grazes_within(self, link: AtArc, known: tuple[fmpq, fmpq]) -> int | None:
+    def passes_straight(
+        self, link: Round, sign: Callable[[Question], int | None], decide: Callable[[Question], int]
+    ) -> list[arb] | None:
+        """When a circle that passes what is round along gravity, as far from it as at a contact, touches it; None where
+        that is not proved.
+
+        Its gap is then the square of how far it is from it along gravity, in whatever numbers.
+
+        Args:
+            link: the two.
+            sign: answers a question where balls do.
+            decide: answers it in full, or raises `Undecided`.
+        """
+        for question in FallsStraight(link), Abreast(link):
+            if sign(question) not in (0, None):
+                return None
+            try:
+                if decide(question):
+                    return None
+            except Undecided:
+                return None
+        state = self.refinable.balls
+        ball.use_bits(self.refinable.bits)
+        fall, begun = state.peg_fall(link), link.later(state).flight.instant
+        along, speed, pull = (fall.hx * x + fall.hy * y for x, y in ((fall.dx, fall.dy), (fall.vx, fall.vy), fall[4:6]))
+        square = speed * speed + 4 * pull * along
+        if (real := ball.sign_of(square)) != 1:
+            return [] if real == -1 else None
+        clock, root = state.faller(link).flight.t, square.sqrt()
+        times = [clock + (speed + turn * root) / (2 * pull) for turn in (-1, 1)]
+        signs = [ball.sign_of(time - begun) for time in times]
+        return None if {0, None} & {*signs} else [time for time, sign in zip(times, signs, strict=True) if sign == 1]
+
+    def grazed(self, link: Round, zeros: Sequence[DoubleZero | arb]) -> Landing:
+        """The first of the times at which two graze, none, or that it is unclear; the others are queued."""
+        ranged = is_arc(link) and not self.scene.arc_sides[link.arc].full
+        times: list[arb] = []
+        for zero in zeros:
+            within = self._grazes_within(link, zero) if ranged and is_arc(link) else 1
+            if within is None:
+                return self.in_full(link)
+            times += [zero.in_ball() if isinstance(zero, DoubleZero) else zero] * (within == 1)
+        for time in times[1:]:
+            self.push(time, link, graze=True)
+        return times[0] if times else None
+
+    def _grazes_within(self, link: AtArc, zero: DoubleZero | arb) -> int | None:
         """Whether a side of an arc is grazed within its range, 1, or not; right at its end the end is grazed."""
         state, field = self.refinable, self.refinable.field
-        assert field is not None
-        if known[0] == known[1]:
-            then = field.peg_fall(link).after(known[0] - field.faller(link).flight.t)
+        if isinstance(zero, DoubleZero) and not zero.q and field is not None:
+            then = field.peg_fall(link).after(zero.p - field.faller(link).flight.t)
             return ball.field_sign(within_arc(field, link, then.dx, then.dy))
-        then = state.balls.peg_fall(link).after(arb(known[0]).union(arb(known[1])) - state.balls.faller(link).flight.t)
+        time = zero.in_ball() if isinstance(zero, DoubleZero) else zero
+        then = state.balls.peg_fall(link).after(time - state.balls.faller(link).flight.t)
         return ball.sign_of(within_arc(state.balls, link, then.dx, then.dy))
 
     def push_unsure(self, link: Round) -> None:

@@ -30,7 +30,6 @@ from .round_falls import (
     falling_zero,
     falling_zero_exactly,
     falling_zero_in_balls,
-    first_zero_exactly,
     halved,
     horner,
     horner_slope,
@@ -393,48 +392,49 @@ def passes(state: Flights[FieldNumber], link: Round) -> bool | None:
     found = None if known is None else falling_zero_exactly(known[1])
     if known is None or not isinstance(found, bool):
         return None
-    if found and (field_sign(state.reach(*link.ends(state))) == 0 or _may_go_onto_a_face(state, link, known[1])):
-        return None
-    return found
+    return None if found and field_sign(state.reach(*link.ends(state))) == 0 else found
 
 
-def double_zero_exactly(c: Sequence[fmpq]) -> tuple[fmpq, fmpq] | None:
-    """Bounds of the positive double zero, or fourfold, of a polynomial, positive at 0, that falls through none; None
-    where it has more than one.
+class DoubleZero(NamedTuple):
+    """p + q sqrt(D), of fractions; q is 0, 1 or -1."""
 
-    >>> low, high = double_zero_exactly([fmpq(1), fmpq(0), fmpq(-2), fmpq(0), fmpq(1)])
-    >>> low < 1 < high
-    True
-    >>> double_zero_exactly([fmpq(4), fmpq(-12), fmpq(13), fmpq(-6), fmpq(1)]) is None
-    True
+    p: fmpq
+    q: int
+    square: fmpq
+
+    def in_ball(self) -> arb:
+        """To the bits at hand."""
+        return arb(self.p) + self.q * arb(self.square).sqrt() if self.q else arb(self.p)
+
+
+def double_zeros_exactly(c: Sequence[fmpq]) -> list[DoubleZero]:
+    """The positive double zeros, or fourfold, of a polynomial of degree at most 4, in order.
+
+    >>> double_zeros_exactly([fmpq(4), fmpq(-12), fmpq(13), fmpq(-6), fmpq(1)])
+    [DoubleZero(p=1, q=0, square=0), DoubleZero(p=2, q=0, square=0)]
+    >>> double_zeros_exactly([fmpq(4), fmpq(0), fmpq(-4), fmpq(0), fmpq(1)])
+    [DoubleZero(p=0, q=1, square=2)]
     """
-    twice = fmpq_poly([1])
-    for factor, times in fmpq_poly(list(c)).numer().factor()[1]:
-        if times % 2 == 0:
-            twice *= fmpq_poly(factor)
-    if twice.degree() == 1:
-        zero = -twice[0] / twice[1]
-        return zero, zero
-    if twice.degree() != 2 or twice[0] * twice[2] > 0:
-        return None
-    twice = twice if twice[0] > 0 else -twice
-    found = first_zero_exactly(twice)
-    if found is None:
-        return None
-    for _ in range(DOUBLE_ZERO_HALVINGS):
-        found = halved(twice, *found)
-    return found
+    found: list[DoubleZero] = []
+    for twice, times in fmpq_poly(list(c)).numer().factor()[1]:
+        low, middle, high = (fmpq(int(twice[k])) for k in range(3))
+        if times % 2:
+            continue
+        if twice.degree() == 1:
+            found.append(DoubleZero(-low / middle, 0, fmpq(0)))
+        elif twice.degree() == 2:
+            p, both = -middle / (2 * high), low / high
+            if p * p > both:
+                found += [DoubleZero(p, -1, p * p - both)] * (p > 0 and both > 0)
+                found += [DoubleZero(p, 1, p * p - both)] * (p > 0 or both < 0)
+    return sorted(zero for zero in found if zero.q or zero.p > 0)
 
 
-DOUBLE_ZERO_HALVINGS = 256
-"""As often the bounds of a double zero are halved that is no fraction: to the bits of balls at hand, or nearly."""
-
-
-def grazed(state: Flights[FieldNumber], link: Round) -> tuple[fmpq, fmpq] | None:
-    """Bounds of when two graze that `passes` says do; None where they do so more than once."""
+def grazes_of(state: Flights[FieldNumber], link: Round) -> list[DoubleZero]:
+    """When two graze that `passes` says do, in order."""
     known = gap_in_fractions(state, link)
-    found = None if known is None else double_zero_exactly(known[1])
-    return None if known is None or found is None else (found[0] + known[0], found[1] + known[0])
+    assert known is not None, "two that graze have a gap in fractions: a defect"
+    return [zero._replace(p=zero.p + known[0]) for zero in double_zeros_exactly(known[1])]
 
 
 def begins_at(face: Wall, end: Circle) -> bool:
@@ -448,28 +448,29 @@ def begins_at(face: Wall, end: Circle) -> bool:
     return any(value.sign() == 0 for value in across)
 
 
-def _may_go_onto_a_face(state: Flights[FieldNumber], link: Round, gap: list[fmpq]) -> bool:
-    """Whether a circle that grazes an end may do so where a face begins that it is not pulled away from.
+def face_gone_onto(state: Flights[FieldNumber], link: Round) -> int | None:
+    """The face onto which a circle may go that grazes an end: it begins there, and does not pull it away.
 
     Beside the end its gap to that face is zero, too, and falls: neither gap does so through zero, and yet it would go
     into the face. Both are told of one moment by the common divisor of two polynomials.
     """
     scene = state.scene
     circle, end = (next((i for i in link.circles if (i in scene.ends) is wanted), None) for wanted in (False, True))
-    if circle is None or end is None:
-        return False
-    whole = fmpq_poly(gap)
+    known = gap_in_fractions(state, link)
+    if circle is None or end is None or known is None:
+        return None
+    whole = fmpq_poly(known[1])
     fall, twice, there = state.peg_fall(link), whole.gcd(whole.derivative()), scene.circles[end]
     for k, face in enumerate(scene.walls):
-        known = k in scene.faces and (face.vx, face.vy) == there.drift and begins_at(face, there)
-        if not known or state.sides.pull(circle, k) > 0:
+        beside = k in scene.faces and (face.vx, face.vy) == there.drift and begins_at(face, there)
+        if not beside or state.sides.pull(circle, k) > 0:
             continue
         nx, ny = (state.constant(part) for part in face.normal)
         along = [ny * x - nx * y for x, y in ((fall.dx, fall.dy), (fall.vx, fall.vy), (-fall.hx, -fall.hy))]
         told = [value for value in along if isinstance(value, fmpq)]
         if len(told) < len(along) or twice.gcd(fmpq_poly(told)).degree() > 0:
-            return True
-    return False
+            return k
+    return None
 
 
 def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:

@@ -25,7 +25,7 @@ from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine, QuadE
 from truebreak.floating.knots import FallingMotion
 from truebreak.floating.pocket_entries import entries
 from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Segment, Trajectory, Wall
-from truebreak.scenarios.trajectory import StopReason, TieProof
+from truebreak.scenarios.trajectory import Contact, StopReason, TieProof
 
 FLOOR = Wall(0, -4, 1, -4, id="floor")
 SIDES = [Wall(-6, 0, -6, 1, id="left"), Wall(6, 0, 6, 1, id="right")]
@@ -634,8 +634,25 @@ def test_a_graze_of_an_end_where_a_face_begins_to_which_gravity_pulls_is_no_miss
     bar = Segment(0, -2, 1, -2, id="bar", r=r)
     run = ExactEngine().run(Scene([ball], segments=[bar], gravity=(0, "-1/3")), until=3)
     assert run.stop.reason is StopReason.UNDECIDED
-    assert "ball and bar hit, graze or miss" in run.stop.message
+    assert "ball and bar touch and stay so: the circle comes to an end of the face" in run.stop.message
     assert run.events == ()
     upright = Segment(1, -2, 1, -9, id="bar", r=r)  # no face begins there: it grazes the end, and goes on
     past = ExactEngine().run(Scene([ball], segments=[upright], gravity=(0, "-1/3")), until=3)
     assert past.stop.reason is StopReason.HORIZON
+
+
+@pytest.mark.parametrize("floor", [-8, -7])
+def test_what_falls_beside_a_peg_grazes_it_down_and_up_again(floor: int) -> None:
+    """Two double zeros on the way up: after -8 of a quartic in fractions, after -7 not; nearer by 2**-99 it hits."""
+    peg, ground = Circle(0, 0, r=1, m="oo", id="peg"), Wall(-9, floor, 9, floor, id="floor")
+
+    def run(x: Quantity) -> Trajectory:
+        ball = Circle(x, 9, r=1, id="ball")
+        return ExactEngine().run(Scene([ball, peg], walls=[ground], gravity=(0, -2)), until=20)
+
+    beside, far, near = (run(Quantity.of(2) + Quantity.of(by)) for by in ("0", f"1/{2**99}", f"-1/{2**99}"))
+    assert beside.stop.reason is far.stop.reason is StopReason.HORIZON
+    assert len(beside.events) >= 2
+    assert {contact for event in beside.events for contact in event.contacts} == {Contact("ball", "floor")}
+    assert [float(event.time) for event in far.events] == [float(event.time) for event in beside.events]
+    assert near.events[0].contacts == (Contact("ball", "peg"),)

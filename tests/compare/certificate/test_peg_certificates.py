@@ -28,7 +28,17 @@ from certificate.test_tampering import WAYS, altered, refused
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Arc, Circle, Scene, Wall
+from truebreak.scenarios import Arc, Circle, Scene, Segment, StopReason, Wall
+
+FLOOR, LOW = (Wall(-9, y, 9, y, id="floor") for y in (-8, -7))
+
+
+def ball(x: int, y: int, vx: int = 0, vy: int = 0) -> Circle:
+    return Circle(x, y, r=1, vx=vx, vy=vy, id="ball")
+
+
+def peg(x: int | str, y: int | str) -> Circle:
+    return Circle(x, y, r=1, m="oo", id=f"peg {x} {y}")
 
 
 def test_both_verify_runs_among_what_stands_under_gravity(tmp_path: Path) -> None:
@@ -252,3 +262,31 @@ def test_both_verify_runs_that_graze_the_end_of_an_arc_or_rest_there(tmp_path: P
     """In fractions that balls do not tell from zero: each was without a certificate."""
     runs = {name: ExactEngine().run(scene, until="3/2") for name, scene in GRAZED_ENDS.items()}
     both_verify(((name, certificate_of(run)) for name, run in runs.items()), tmp_path)
+
+
+BESIDE = {  # what a disc of radius 1 that falls touches without a blow, and how often
+    "beside a peg, down and up again": (Scene([ball(2, 9), peg(0, 0)], walls=[FLOOR], gravity=(0, -2)), 4),
+    "in no fractions, once it has bounced": (Scene([ball(2, 9), peg(0, 0)], walls=[LOW], gravity=(0, -2)), 4),
+    "between two pegs, at one instant": (Scene([ball(2, 9), peg(0, 0), peg(4, 0)], gravity=(0, -2)), 1),
+    "beside one peg and the other": (Scene([ball(2, 9), peg(0, 0), peg(4, -4)], gravity=(0, -2)), 2),
+    "over the top of one": (Scene([ball(0, 0, 2, 1), peg(2, "-3/2")], gravity=(0, -1)), 1),
+    "past the end of a segment": (Scene([ball(0, 9)], segments=[Segment(1, 0, 4, 0, id="bar")], gravity=(0, -2)), 1),
+    "past an arc": (Scene([ball(3, 9)], arcs=[Arc(0, 0, 2, 0, -2, 0, 2, id="bow")], gravity=(0, -2)), 1),
+}
+
+
+@needs_node
+@pytest.mark.parametrize("how", BESIDE)
+def test_what_is_grazed_on_the_way_is_an_instant(how: str, tmp_path: Path) -> None:
+    scene, grazes = BESIDE[how]
+    run = ExactEngine().run(scene, until=14)
+    assert run.stop.reason is StopReason.HORIZON
+    told = certificate_of(run)
+    listed = [entry for entry in told["instants"][1:] if "rounds" not in entry]
+    assert len(listed) == grazes
+    both_verify([("grazes", told)], tmp_path)
+    for entry in listed:
+        without = {**told, "instants": [other for other in told["instants"] if other is not entry]}
+        path = tmp_path / "without.json"
+        path.write_text(certificate_json(without), encoding="utf-8")
+        assert by_python(path)[0] != 0
