@@ -30,13 +30,7 @@ def built(out: Path, *arguments: str) -> Path:
     return out / "html"
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The short site."""
-    return built(tmp_path_factory.mktemp("site"), "--short")
-
-
-def test_every_page_of_the_docs_and_every_scene_is_there(site: Path) -> None:
+def every_page_of_the_docs_and_every_scene_is_there(site: Path) -> None:
     for page in (ROOT / "docs").glob("*.md"):
         assert (site / "docs" / f"{page.stem}.html").is_file()
     for name in catalogue.names():
@@ -46,7 +40,7 @@ def test_every_page_of_the_docs_and_every_scene_is_there(site: Path) -> None:
     assert (site / "reports" / "lee.html").read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
-def test_the_laws_are_printed_by_sympy(site: Path) -> None:
+def the_laws_are_printed_by_sympy(site: Path) -> None:
     from law_forms import FORMS
 
     text = (site / "laws" / "index.html").read_text("utf-8")
@@ -55,6 +49,56 @@ def test_the_laws_are_printed_by_sympy(site: Path) -> None:
     assert "hat</mi>" not in text
     assert text.count('<mover accent="true">') > 4
     assert "\u2062" not in text and "InvisibleTimes" not in text, "names of several letters run together"
+
+
+def every_name_of_the_face_is_in_the_api(site: Path) -> None:
+    import truebreak
+
+    text = (site / "api" / "truebreak.html").read_text("utf-8")
+    assert all(f'id="truebreak.{name}"' in text for name in truebreak.__all__ if not name.startswith("__"))
+
+
+def no_two_pages_have_one_title(site: Path, tmp_path: Path) -> None:
+    from links import same_titles
+
+    assert same_titles(site) == []
+    twice = tmp_path / "twice"
+    twice.mkdir()
+    for name in ("a", "b"):
+        (twice / f"{name}.html").write_text("<title>One</title>", "utf-8")
+    assert same_titles(twice) == ["a.html, b.html: have one title: One"]
+
+
+def the_home_page_leads_in_and_shows_every_scene_with_its_verdict(site: Path) -> None:
+    from catalogue import verdicts
+
+    text = (site / "index.html").read_text("utf-8")
+    assert "pip" in text and "install" in text
+    for door in ("README.html#how-to-read-the-report", "docs/your-engine.html", "docs/chaos.html"):
+        assert f'href="{door}"' in text
+    assert list(verdicts()) == list(catalogue.names())
+    for name, (verdict, _) in verdicts().items():
+        assert f'href="catalogue/{name}.html"' in text
+        moving = (site / "pictures" / f"{name}.svg").read_text("utf-8")
+        still = (site / "pictures" / "still" / f"{name}.svg").read_text("utf-8")
+        assert f'srcset="pictures/still/{name}.svg"' in text
+        assert ("@keyframes" in moving) == (name not in ("article", "beads")), (
+            "in those nothing happens after the start"
+        )
+        assert "@keyframes" not in still
+        assert verdict in text
+    if (site / "play").is_dir():
+        assert all(f'href="play/index.html?scene={name}"' in text for name in verdicts())
+
+
+def test_the_short_site_is_whole(tmp_path: Path) -> None:
+    """One test, since building it takes half a minute, and each worker would."""
+    site = built(tmp_path / "site", "--short")
+    every_page_of_the_docs_and_every_scene_is_there(site)
+    the_laws_are_printed_by_sympy(site)
+    every_name_of_the_face_is_in_the_api(site)
+    no_two_pages_have_one_title(site, tmp_path)
+    the_home_page_leads_in_and_shows_every_scene_with_its_verdict(site)
 
 
 def test_a_long_formula_is_the_sum_of_its_parts() -> None:
@@ -72,13 +116,6 @@ def test_a_long_formula_is_the_sum_of_its_parts() -> None:
         values = {symbol: expression for expression, symbol in names.items()}
         for formula, expression in zip(shown, expressions, strict=True):
             assert simplify(formula.subs(values).subs(values) - expression) == 0
-
-
-def test_every_name_of_the_face_is_in_the_api(site: Path) -> None:
-    import truebreak
-
-    text = (site / "api" / "truebreak.html").read_text("utf-8")
-    assert all(f'id="truebreak.{name}"' in text for name in truebreak.__all__ if not name.startswith("__"))
 
 
 def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
@@ -118,37 +155,6 @@ def test_a_foreign_link_is_a_whole_address(address: str, good: bool, tmp_path: P
 
     (tmp_path / "a.html").write_text(f'<a href="{address}">a</a>', "utf-8")
     assert broken(tmp_path) == ([] if good else [f"a.html: {address} is no address of another site"])
-
-
-def test_no_two_pages_have_one_title(site: Path, tmp_path: Path) -> None:
-    from links import same_titles
-
-    assert same_titles(site) == []
-    for name in ("a", "b"):
-        (tmp_path / f"{name}.html").write_text("<title>One</title>", "utf-8")
-    assert same_titles(tmp_path) == ["a.html, b.html: have one title: One"]
-
-
-def test_the_home_page_leads_in_and_shows_every_scene_with_its_verdict(site: Path) -> None:
-    from catalogue import verdicts
-
-    text = (site / "index.html").read_text("utf-8")
-    assert "pip" in text and "install" in text
-    for door in ("README.html#how-to-read-the-report", "docs/your-engine.html", "docs/chaos.html"):
-        assert f'href="{door}"' in text
-    assert list(verdicts()) == list(catalogue.names())
-    for name, (verdict, _) in verdicts().items():
-        assert f'href="catalogue/{name}.html"' in text
-        moving = (site / "pictures" / f"{name}.svg").read_text("utf-8")
-        still = (site / "pictures" / "still" / f"{name}.svg").read_text("utf-8")
-        assert f'srcset="pictures/still/{name}.svg"' in text
-        assert ("@keyframes" in moving) == (name not in ("article", "beads")), (
-            "in those nothing happens after the start"
-        )
-        assert "@keyframes" not in still
-        assert verdict in text
-    if (site / "play").is_dir():
-        assert all(f'href="play/index.html?scene={name}"' in text for name in verdicts())
 
 
 FRAMES = re.compile(r"@keyframes b(\d+)\{(.*?\})\}")

@@ -31,7 +31,7 @@ EVENTS = (4, 9, 18)
 LONGER = 2
 """Times as many events as the longest span has, for what lies beyond."""
 
-FEW, MANY, BLOCKS = 60, 2000, 20
+FEW, MANY, BLOCKS = 30, 2000, 20
 """Runs in an ordinary run of the tests, and in a slow one."""
 
 NEAR = 4

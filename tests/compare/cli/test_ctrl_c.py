@@ -32,9 +32,9 @@ from truebreak.scenarios.trajectory import Progress
 # -- Ctrl-C
 
 
-@pytest.mark.parametrize("name", ENDLESS)
+@pytest.mark.parametrize("name", [name for name in ENDLESS if name != "sympy"])  # it is ended by the same loop
 def test_an_interrupted_run_shows_what_it_has(name: str) -> None:
-    for times in (1 / 4, 1, 3, 9):  # a slow machine has nothing to show at first
+    for times in (1 / 4, 1 / 2, 1, 3, 9):  # a slow machine has nothing to show at first
         seconds = times * (2 + float(patience(name)))
         code, out, err = interrupted("run", endless(name), "--engine", name, *ENDLESS[name], "--json", after=seconds)
         if not err:

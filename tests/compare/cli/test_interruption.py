@@ -44,8 +44,8 @@ def endless(name: str) -> str:
 
 
 def patience(name: str) -> str:
-    """Seconds in which a run has some events; sympy derives its laws first."""
-    return "9" if name == "sympy" else "1.5"
+    """Seconds in which a run has some events, and not too many; sympy derives its laws first."""
+    return {"sympy": "9", "double": "0.6"}.get(name, "1.5")
 
 
 Said: TypeAlias = "subprocess.CompletedProcess[str]"
