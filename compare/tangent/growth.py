@@ -13,7 +13,7 @@ from ...exact.exact_motion import motion_of
 from ...exact.laws.formulas import damped, pair_approach, wall_approach, wall_bounce
 from ...exact.laws.tangent_formulas import fall_turn, pair_tangent, pair_tangent_blocks
 from ...exact.numbers import ball
-from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
+from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, as_doubles, impacts, moving
 
 if TYPE_CHECKING:
     import numpy as np
@@ -166,9 +166,7 @@ def _by_blocks(dx: Real, dy: Real, vx: Real, vy: Real, reach: Real, wa: Real, wb
 
 def in_doubles(impact: Impact) -> Impact:
     """An impact in doubles."""
-    time, a, b, *numbers, wall = impact
-    dx, dy, vx, vy, reach, wa, wb = map(float, numbers)  # pyright: ignore[reportArgumentType]
-    return Impact(float(time), a, b, dx, dy, vx, vy, reach, wa, wb, wall)
+    return Impact(float(impact.time), *as_doubles(impact), impact.wall)
 
 
 def unit_displacements(scene: Scene) -> NDArray[np.float64]:

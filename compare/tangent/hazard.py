@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from enum import Enum
-from math import hypot, inf, log2
+from math import copysign, hypot, inf, log2
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
@@ -311,7 +311,10 @@ class Course:
         """By what share gravity changes the approach to what stands in a unit of time."""
         _, _, dx, dy, vx, vy, *_ = as_doubles(impact)
         gx, gy = self.pull(impact)
-        return float(pair_approach(dx, dy, gx, gy) / pair_approach(dx, dy, vx, vy))
+        if not (gx or gy):
+            return 0.0
+        pull, approach = float(pair_approach(dx, dy, gx, gy)), float(pair_approach(dx, dy, vx, vy))
+        return pull / approach if approach else copysign(inf, -pull)  # of a hit that is a graze in doubles
 
     def pulled(self, impact: Impact) -> bool:
         """Whether gravity pulls a circle to what it hits: then it comes there at whatever speed it flies."""

@@ -237,8 +237,11 @@ class Impact(NamedTuple):
 
 
 def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
-    """All of an impact but its time."""
+    """All of an impact but its time. Two that all but graze approach by an ulp, not by rounding's zero."""
     dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:10])
+    slip = ULP * hypot(vx, vy) / (hypot(dx, dy) or 1.0)
+    while impact.b is not None and slip and pair_approach(dx, dy, vx, vy) == 0.0:
+        vx, vy, slip = vx - slip * dx, vy - slip * dy, 2.0 * slip
     return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
 
 
@@ -443,6 +446,8 @@ def _sharply(trajectory: Trajectory, motion: ExactMotion, events: int, *, togeth
                 return found
         bits *= 2
 
+
+ULP = 2.0**-52
 
 LEAST_BITS = 320
 """Bits of the replay beyond what the run lost, at first."""
