@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -79,6 +79,20 @@ class DoubleMotion:
             result[:, column, :2] = held[:, 1:3] + held[:, 3:] * (at - held[:, 0])[:, None]
             result[:, column, 2:] = held[:, 3:]
         return result
+
+    def among(self, place: int, time: float, done: int, count: int) -> DoubleRow | None:
+        """A circle after some of its so many events at one time; None where it has not a knot for each.
+
+        >>> knots = [(0.0, 0.0, 0.0, 1.0, 0.0), (2.0, 2.0, 0.0, -1.0, 0.0), (2.0, 2.0, 0.0, 3.0, 0.0)]
+        >>> motion = DoubleMotion([knots])
+        >>> [motion.among(0, 2.0, done, 2)[2] for done in range(3)], motion.among(0, 2.0, 1, 1)
+        ([1.0, -1.0, 3.0], None)
+        """
+        knots = self.knots[place]
+        first = max(bisect_left(knots, time, key=_time), 1)  # the start is no event
+        if bisect_right(knots, time, key=_time) - first != count:
+            return None
+        return self.flown_from(place, first + done - 1, time)
 
     def flown(self, place: int, knot: DoubleKnot, time: float) -> DoubleRow:
         """A circle, by its place in the scene, at a time after one of its knots."""

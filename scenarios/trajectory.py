@@ -217,7 +217,8 @@ class Motion(Protocol):
     """The motion between the events, as an engine keeps it.
 
     One with a method `after(event)`, which gives the rows as an event leaves them, by its index, can have several
-    events at one time.
+    events at one time; or with `among(place, time, done, count)`, which gives that of a circle after some of its so
+    many events at one time, or None.
     """
 
     def state(self, time: Any) -> Sequence[tuple[SupportsFloat, SupportsFloat, SupportsFloat, SupportsFloat]]:
@@ -308,7 +309,19 @@ class Trajectory:
     def after(self, event: int) -> State:
         """The state as an event leaves it, by its index; without what follows at the same time, if the motion tells."""
         time, told = self.events[event].time, getattr(self.motion, "after", None)
-        return self._state(time, self.motion.state(time) if told is None else told(event))
+        rows = self.motion.state(time) if told is None else told(event)
+        among, sides = getattr(self.motion, "among", None), (event - 1, event + 1)
+        if told is None and among and any(0 <= k < len(self.events) and self.events[k].time == time for k in sides):
+            low, high = event, event + 1
+            while low and self.events[low - 1].time == time:
+                low -= 1
+            while high < len(self.events) and self.events[high].time == time:
+                high += 1
+            rows = list(rows)
+            for place, circle in enumerate(self.scene.circles):
+                own = [e.index <= event for e in self.events[low:high] if any(str(circle.id) in p for p in e.impulses)]
+                rows[place] = (among(place, float(time), sum(own), len(own)) if own else None) or rows[place]
+        return self._state(time, rows)
 
     @kept
     def final(self) -> State:

@@ -170,6 +170,23 @@ class Diagnosis:
         """The account: every kind with its part of the displacement, the largest first."""
         return tuple(sorted((e for e in self.experiments if e.share is not None), key=lambda e: -abs(e.share or 0.0)))
 
+    @property
+    def families(self) -> dict[str, list[Experiment]]:
+        """The account by families of kinds, such as those of arithmetic; a kind without one is its own."""
+        found: dict[str, list[Experiment]] = {}
+        for row in self.shares:
+            found.setdefault(row.cause.entry.family or row.cause.name, []).append(row)
+        return found
+
+    def large(self, least: float) -> list[Experiment]:
+        """The shares of some size, of families of some size: elsewhere kinds cancel each other."""
+        rows = [row for rows in self.families.values() if abs(_sum(rows)) >= least for row in rows]
+        return [row for row in self.shares if row in rows and abs(row.share or 0.0) >= least]
+
+
+def _sum(rows: Sequence[Experiment]) -> float:
+    return math.fsum(row.share or 0.0 for row in rows)
+
 
 Bounds = tuple[float, float]
 """Doubles around a number that is known exactly."""
@@ -236,10 +253,8 @@ def diagnosed(
     enough = made.sufficient
     if enough and enough[0].entry.rank < SHARE_RANK:
         return _named(made, enough[:1])
-    families: dict[str, list[Experiment]] = {}
-    for row in made.shares:
-        families.setdefault(row.cause.entry.family or row.cause.name, []).append(row)
-    sizes = {name: sum(row.share or 0.0 for row in rows) for name, rows in families.items()}
+    families = made.families
+    sizes = {name: _sum(rows) for name, rows in families.items()}
     pushing = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if sizes[name] > 0]
     alone = [
         name
@@ -273,8 +288,8 @@ def _why(row: Experiment) -> str:
 
 
 def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:
-    """Whether a run has shown that a family does not change the decision alone."""
-    shown = [e.suffices for e in made.experiments if e.cause.name == name]
+    """Whether a run has shown that a family, or the kind that has nearly all of it, changes nothing alone."""
+    shown = [e.suffices for e in made.experiments if e.cause is _chief(name, rows)]
     return False in (shown or [row.suffices for row in rows if len(rows) == 1])
 
 

@@ -50,7 +50,19 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
     if taken := takings(reference, candidate, alignment):
         return [decision for one in taken for decision in one.decisions()]
     mine, theirs = _met_in_one(reference, alignment, divergence)
-    return _of_two((mine, divergence.expected_time or 0.0), (theirs, divergence.got_time or 0.0))
+    found = _of_two((mine, divergence.expected_time or 0.0), (theirs, divergence.got_time or 0.0))
+    return found if theirs is None else [*_of_partner(reference, alignment, theirs), *found]
+
+
+def _of_partner(reference: Trajectory, alignment: Alignment, got: Pairing) -> list[DecidingNumber]:
+    """Whether the partner of what only the other run has meets what it meets next in the reference before that."""
+    anchor = got.anchors.get(got.partner)
+    own = _own_events(reference, got.partner) if got.partner in got.anchors else []
+    event = next((e for e in own if anchor is None or e > anchor), None)
+    if event is None:
+        return []
+    pairs = [p for p in reference.events[event].impulses if got.partner in p and got.body not in p]
+    return [DecidingNumber("order", _at_event(reference, alignment, pair, event), got) for pair in pairs[:1]]
 
 
 def _met_in_one(

@@ -263,7 +263,7 @@ def _share_words(candidate: Candidate) -> str:
     assert found is not None
     cause = _capital(str(found))
     adds = {row[0]: row[1] for row in account_rows(candidate)}
-    large = [e for e in found.shares if abs(e.share or 0.0) >= LARGE][:MOST_SHARES]
+    large = found.large(LARGE)[:MOST_SHARES]
     pushes = [e.cause.value for e in large if (e.share or 0.0) > 0]
     if not found.closed or not found.displacement or not pushes:
         return f"{cause}: {found.finding}."

@@ -103,6 +103,28 @@ def test_what_an_answer_is_rounded_by_is_named_without_what_hardly_adds_to_it() 
     assert found.diagnosis is not None and found.diagnosis.causes == (CauseName["DECISION"],)
 
 
+def test_of_several_events_at_one_time_each_leaves_its_own_state() -> None:
+    """What doubles take for one instant leaves b2 three times; all three states were the last."""
+    run = DoubleEngine().run(catalogue.build("rack:rows=3,gap=10**-20"), events=4)
+    assert len({float(event.time) for event in run.events}) == 1
+    assert [round(float(run.after(k)["b2"].vx), 2) for k in range(4)] == [0.0, 0.6, -0.09, -0.07]
+    assert [round(float(run.after(k)["b5"].vx), 2) for k in range(4)] == [0.0, 0.0, 0.25, 0.25]
+
+
+def test_what_the_partner_meets_before_in_the_exact_run_is_what_was_decided() -> None:
+    """b2 meets b4 by 1e-20 before it would meet b5; the margin was said to be 0.3, by arithmetic and no run."""
+    found = only(catalogue.build("rack:rows=3,gap=10**-20"), "double", events=40)
+    assert found.diagnosis is not None and found.diagnosis.causes == (CauseName["DECISION"],)
+    assert found.margin is not None and found.margin.gap[0] == pytest.approx(1.4433756729740639e-20)
+
+
+def test_kinds_that_cancel_each_other_are_not_said_to_shift_the_margin() -> None:
+    """What is mirrored errs alike; only the offset of 10**-20 that 24 bits cannot hold decides."""
+    found = only(catalogue.build("rack:rows=3,offset=10**-20"), "single", events=40)
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["INPUT"]
+    assert [row.cause for row in found.diagnosis.large(0.1)] == [CauseName["INPUT"]]
+
+
 def test_a_contact_too_many_before_it_is_no_tunnelling() -> None:
     """Two bricks in one step turn the ball; that it passes through the paddle later is not why."""
     found = only(catalogue.build("breakout"), PymunkEngine(dt=1 / 30))
