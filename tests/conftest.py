@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,9 @@ def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
 DURATIONS = Path(__file__).parent / "durations.json"
 LONG = 0.4
 """Seconds of CPU: of a test, of what it is the first to set up, and of the processes that it starts."""
+
+WAITING = 1 / 8
+"""What a second of waiting counts as CPU, as for an engine that hangs; on a busy machine all tests wait a little."""
 
 MOST_LONG = 0.099
 """The part of all tests that is marked, at most: those that take longest. A slower machine has more over `LONG`."""
@@ -119,11 +123,11 @@ class Durations:
     """
 
     def __init__(self, config: pytest.Config) -> None:
-        self.config, self.seconds, self.began = config, dict[str, float](), 0.0
+        self.config, self.seconds, self.began, self.since = config, dict[str, float](), 0.0, 0.0
         self.shared, self.inside, self.new = dict[tuple[str, ...], float](), 0.0, 0.0
 
     def pytest_runtest_logstart(self) -> None:
-        self.began, self.new = cpu(), 0.0
+        self.began, self.new, self.since = cpu(), 0.0, time.perf_counter()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[Any], request: pytest.FixtureRequest) -> Any:
@@ -153,7 +157,8 @@ class Durations:
     def pytest_runtest_makereport(self, item: pytest.Item) -> Iterator[None]:
         """A report carries this from a worker to the process that gathers them."""
         others = [pair for pair in item.user_properties if pair[0] != "cpu"]
-        item.user_properties = [*others, ("cpu", cpu() - self.began - self.new + self._fixtures(item))]
+        own, waited = cpu() - self.began - self.new, time.perf_counter() - self.since
+        item.user_properties = [*others, ("cpu", max(own, WAITING * waited) + self._fixtures(item))]
         return (yield)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
