@@ -252,12 +252,10 @@ class Prover(Checker):
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
         clock = entry["met"][0] if self.age >= 0 and entry.get("met") else None
-        a_witness = (
-            clock is not None and "exact" not in entry and self.drops(tuple(clock))
-        )  # as it is before what falls stands, or the reverse
+        falls = clock is not None and self.drops(tuple(clock))  # before what falls stands, or the reverse
         super().instant(entry)
         self.history.append(self.rows)
-        if not a_witness:
+        if not falls or "exact" in entry:
             entry["time"] = self.decimal(self.ball.times[self.age])
 
     # -- what falls on an instant

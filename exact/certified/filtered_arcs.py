@@ -490,6 +490,8 @@ class PegPredictor(FallingPredictor):
                     return None
             except Undecided:
                 return None
+        if link.hollow:  # its gap is minus that square, and never falls
+            return []
         state = self.refinable.balls
         ball.use_bits(self.refinable.bits)
         fall, begun = state.peg_fall(link), link.later(state).flight.instant
