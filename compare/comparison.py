@@ -449,6 +449,10 @@ def explained(
     if scene.settle and engine.step is not None:
         new = "in which walls carry what settles, of engines of steps"
     told = f"causes other than the step are not looked for yet in scenes {new}"
+    if candidate.trajectory.certified and study.truth.rounds_input:
+        name = study.reference.engine
+        told = f"{candidate.engine} is proved, and {name} is not: the error is {name}'s"
+        new = new or "held against a float engine"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

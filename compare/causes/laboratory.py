@@ -365,7 +365,7 @@ class Laboratory:
     def tied(self) -> bool:
         """Whether what is in question is an order of meetings that the reference has at one instant."""
         events, event, divergence = self.reference.events, self.divergence.expected_event, self.divergence
-        if event >= len(events):
+        if event >= len(events) or self.study.truth.rounds_input:  # its instants are of doubles
             return False
         pairs = {frozenset(pair) for pair in events[event].contacts}
         if self.decision is not None:

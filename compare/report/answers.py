@@ -33,6 +33,7 @@ from .sentences import (
     hit_words,
     listed,
     off,
+    right_phrase,
     tied,
     until_phrase,
     verdict_sentence,
@@ -275,12 +276,11 @@ def _share_words(candidate: Candidate) -> str:
     back = f", against it {summed(against)}" if against else ""
     if found.name.entry.rank < SHARE_RANK:
         return f"{cause}: {found.finding}. Shifts of the margin: {summed(pushes)}{back}."
-    total = f"the margin by {found.displacement:+.3g}"
     if pushes == [str(found)] and not against:
         return f"{cause}: the margin shifts by {found.displacement:+.3g}."
     leads = pushes == [c.value for c in found.causes] or pushes[0] == str(found)
     named = summed(pushes) if leads else f"{cause}: {summed(pushes)}"
-    return f"{_capital(named)}{back}, shift {total}."
+    return f"{_capital(named)}{back}, shift the margin by {found.displacement:+.3g}."
 
 
 def _margin_words(candidate: Candidate) -> str:
@@ -395,7 +395,7 @@ def what_now(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | 
     elif candidate.verdict == "agree" and candidate.changed:
         told.append(_where_it_matters(comparison, candidate))
     elif candidate.verdict == "agree":
-        told.append(f"Nothing to change: {candidate.engine} is right to the end{_cheaper(comparison, candidate)}.")
+        told.append(f"{right_phrase(comparison, candidate)}{_cheaper(comparison, candidate)}.")
     elif candidate.verdict == "unsettled" and _at_its_end(candidate):
         told.append(f"No run of {candidate.engine} goes further; compare what comes before that.")
     elif candidate.verdict == "unsettled":

@@ -72,6 +72,9 @@ def verdict_sentence(comparison: Comparison) -> str:
     changed = sorted({name.replace("_", " ") for c in by_verdict["agree"] for name in c.changed})
     if changed:
         return f"No collision changed, but an outcome did ({', '.join(changed)}): {same}"
+    if not comparison.certain:
+        unknown = "this does not tell whether floating point changed what happened"
+        return f"No difference: {same} {reference.engine} proves nothing, so {unknown}."
     return f"Floating point did not change what happened: {same}"
 
 
@@ -465,6 +468,13 @@ def proof_phrase(comparison: Comparison) -> str:
         return f"{reference.engine} proves nothing: it is taken as the reference."
     told = "Every decision is proved" if reference.certified else "Not every tie in it is proved"
     return f"{told}{', up to its end' if reference.stop.reason in UNKNOWING else ''}."
+
+
+def right_phrase(comparison: Comparison, candidate: Candidate) -> str:
+    """What an engine is that agrees to the end."""
+    if comparison.certain:
+        return f"Nothing to change: {candidate.engine} is right to the end"
+    return "Take exact as the reference to know which are right"
 
 
 def middle(bounds: tuple[float, float]) -> float:

@@ -12,8 +12,8 @@ from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Candidate
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.foreign.recording import Recording
-from truebreak.compare.report.answers import why
-from truebreak.compare.report.sentences import head_phrase
+from truebreak.compare.report.answers import what_now, why
+from truebreak.compare.report.sentences import head_phrase, verdict_sentence
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
@@ -143,3 +143,15 @@ def test_between_two_slopes_a_disc_slides_along_neither() -> None:
     walls = [Wall(0, 0, 4, -3, id="v"), Wall(0, 0, 4, 3, id="w")]
     stop = ExactEngine().run(Scene([Circle("5/3", 0, id="d")], walls, gravity=(-10, 0)), until=1).stop
     assert stop.message.endswith("d and v as well as d and w")
+
+
+def test_against_a_float_engine_nothing_is_told_of_floating_point() -> None:
+    """It takes the near-tie for a tie, as the others do, and was said to be right."""
+    scene = catalogue.build("near-tie")
+    told = compare(scene, ["pymunk", "single"], reference="double")
+    assert told.verdict == "agree"
+    assert verdict_sentence(told).startswith("No difference: pymunk and single agree with the double run")
+    assert "right to the end" not in what_now(told, told.candidates[0])
+    found = compare(scene, ["exact"], reference="double").candidates[0]
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["UNKNOWN"]
+    assert "the error is double's" in found.diagnosis.finding
