@@ -206,7 +206,7 @@ def align(
         undecided=stuck and first is None,
         unsettled=more and first is None,
         wanted=wanted,
-        agreed=len(whole),
+        agreed=span.events if reference.scene.settle and first is None and not (stuck or more) else len(whole),
         reordered=_overtaken(kept),
         split=len({r for w in walks.values() for r in w.split if r <= event}),
         merged=len({c for w in walks.values() for c in w.merged if c in kept}),

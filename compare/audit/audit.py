@@ -150,7 +150,7 @@ class Audit:
         total = sum(self.counts.values())
         told = f"does not keep the law: {self.finding}"
         if self.fit is not None and self.first is not None:
-            told += f"; {total:,} of its {self.steps} miss it, first {self.first}"
+            told += f"; {total:,} miss{'es' * (total != 1)} in its {self.steps}, first {self.first}"
         return told
 
 
@@ -428,6 +428,8 @@ def _step_violations(measures: Measures, ids: tuple[str, ...], kinds: set[str], 
             Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
             for p in lasting(measures, measures.passages, step)
         ]
+    most = {v.kind: v.size for v in sorted(found, key=lambda v: v.size)}  # what is far smaller may be of the step
+    found = [v for v in found if 2 * v.size >= most[v.kind]]
     return sorted(found, key=lambda violation: (violation.time, violation.event))
 
 
@@ -472,7 +474,7 @@ class Measures:
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
         tunnels: those of overlaps in which two come nearer between two ends of steps only.
-        impacts, flights: how many contacts and flights there were.
+        impacts, flights: how many contacts and flights there were; fastest: the greatest speed.
         back: how long before the end of a step impulses are applied.
         end: up to when its flights are known.
         met: when each pair meets.
@@ -487,6 +489,7 @@ class Measures:
     tunnels: list[Passage] = field(default_factory=list[Passage])
     impacts: int = 0
     flights: int = 0
+    fastest: float = 0.0
     back: float = 0.0
     behind: float = 0.0
     end: float = math.inf
@@ -560,7 +563,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
-        found.end = transcript.end
+        found.end, found.fastest = transcript.end, max(fastest.values(), default=0.0)
         turn = math.inf if run.reversal is None else float(run.reversal.time)
         for passage in passages(laws, transcript.flights(), transcript.end, gone, transcript.carried):
             base = turn if passage.time > turn else 0.0
@@ -577,24 +580,21 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
     step = engine.step or 0.0
     bad = [s for s in measures.samples if s.defect > NEAR * s.room]
     several = [r for _, _, r in measures.several if r.broken]
+    gained = max((r.size for r in several if r.kind == "energy"), default=0.0) / (measures.fastest or 1.0) ** 2
+    turned = max((r.size / (r.room or 1.0) for r in several if r.kind == "impulse"), default=0.0)
+    moved = [d.size for d in measures.drifts]  # the median; under gravity, where most are of rest, the most
     sizes = {
         "impulse": _middle_of([s.defect for s in bad]) if bad else 0.0,
         "integrator": measures.behind,
         "lateness": max((abs(s.late) for s in measures.samples if abs(s.sunk) > s.loose), default=0.0),
-        "correction": _corrected(measures),
-        "several": max((r.size / (r.room or 1.0) for r in several if r.kind != "bystander"), default=0.0),
+        "correction": max([0.0, *moved]) if measures.behind else _middle_of(moved),
+        "several": gained or turned,  # impulses may be another policy's; energy is none's
         "bystander": float(sum(r.kind == "bystander" for r in several)),
         "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
         "through": max((p.residual.size for p in lasting(measures, measures.passages, step, True)), default=0.0),
         "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
-
-
-def _corrected(measures: Measures) -> float:
-    """By how much places are moved without a flight: the median; under gravity, where most are of rest, the most."""
-    moved = [d.size for d in measures.drifts]
-    return max(moved, default=0.0) if measures.behind else _middle_of(moved)
 
 
 def lasting(measures: Measures, found: Sequence[Passage], step: float, through: bool = False) -> list[Passage]:

@@ -534,6 +534,8 @@ def _text(x: Lazy) -> str:
 
 def _grazes(prover: Prover, c: Contact, age: int | None) -> list[Unlisted]:
     """When two of which one stands graze on their flights, up to an instant, or ever: double zeros of the gap."""
+    if c[1] in prover.arcs and not prover.things[c[0]][4]:  # of a point both sides of an arc are at gap zero
+        return []
     start, order = prover.again(c) or (prover.ball.start(c), 0)
     m, now = prover.ball.meeting(c, start), None if age is None else prover.ball.wait(start, age)
     found: list[Unlisted] = []

@@ -40,6 +40,9 @@ class Whole(click.ParamType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
         text = str(value).strip()
+        if text.isascii() and text.isdecimal() and len(text.lstrip("0")) > MOST_DIGITS:
+            told = f"{shortened(text)!r} is too large; write a whole number of at most {MOST_DIGITS} digits"
+            raise click.BadParameter(told, ctx=ctx, param=param)
         if not text.removeprefix("-").isdecimal() or not text.isascii() or len(text) > MOST_DIGITS:
             meant = _meant(text)
             wish = f"digits alone: {meant}" if meant is not None else "digits alone, such as 1000"

@@ -302,7 +302,8 @@ class Desync:
             yield f"field {name}", f"in {(found.a, found.b)[side].name} alone, first at {record.place()}"
         ends = self.ends()
         if ends:
-            yield "final states", ends
+            cut = (found.longer is not None or any(found.alone)) and ends != "the same"
+            yield ("last states" if cut else "final states"), f"{ends}, not of one time" if cut else ends
         ids = [sorted(found.final[s].keys() - found.final[1 - s].keys()) for s in (0, 1)]
         for side, names in enumerate(ids):
             if names and found.final[1 - side]:

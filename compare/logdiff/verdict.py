@@ -330,7 +330,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: GrowthRate |
         if found.by == "body":
             what = "how many steps lie between records is not logged; log the step, or states with each contact"
         return Finding.OPEN, onset, (
-            f"{size}, but it may be of any age: it is as large as it can be in the first record that has it, and {what}"
+            f"{size}, but it may be of any age: the first record that has it has all of it, and {what}"
         )  # fmt: skip
     free = not top.touching and found.contacts_each and found.by == "step" and gap <= 1
     low, high = limits.free if free else limits.touching

@@ -273,7 +273,7 @@ def _end(reference: Trajectory, span: Span) -> float:
 
 @dataclass(frozen=True)
 class Left:
-    """Every circle as its last meeting inside the span left it, flying straight on.
+    """Every circle as its last meeting inside the span left it, flying straight on; or as a wall carries it.
 
     Attributes:
         candidate: the whole run.
@@ -292,7 +292,11 @@ class Left:
         struck = [last.get(str(circle.id)) for circle in self.candidate.scene.circles]
         states = {k: self.candidate.at(0) if k is None else self.candidate.after(k) for k in {*struck}}
         rows = []
+        lying = self._lying(float(time))
         for place, index in enumerate(struck):
+            if place in lying:
+                rows.append(lying[place])
+                continue
             told = states[index].circles[place]
             lag = float(time) - (0.0 if index is None else float(self.events[index].time))
             vx, vy = float(told.vx), float(told.vy)
@@ -300,6 +304,21 @@ class Left:
             x, y = float(told.x) + vx * lag + gx * lag * lag / 2, float(told.y) + vy * lag + gy * lag * lag / 2
             rows.append((x, y, vx + gx * lag, vy + gy * lag))
         return rows
+
+    def _lying(self, time: float) -> dict[int, Row]:
+        """The circles that the run may have at rest, which meet nothing more up to a time, as it has them; by place."""
+        run = self.candidate
+        if not run.scene.settle or not float(run.final_time) >= time:
+            return {}
+        more = [e for k, e in enumerate(run.events) if k not in self.events and float(e.time) <= time]
+        busy = {name for event in more for pair in event.impulses for name in pair}
+        names = [str(circle.id) for circle in run.scene.circles]
+        rows = run.at(time).circles
+        return {
+            place: (float(row.x), float(row.y), float(row.vx), float(row.vy))
+            for place, row in enumerate(rows)
+            if names[place] not in busy
+        }
 
     def sample(self, times: Sequence[float]) -> Any:
         """Shape (times, circles, 4)."""

@@ -52,6 +52,8 @@ def verdict_sentence(comparison: Comparison) -> str:
         first = lawless[0]
         spared = [c.engine for c in by_verdict["agree"] if not c.lawless]
         kept = f"; {listed(spared)} {'keeps' if len(spared) == 1 else 'keep'} it" if spared else ""
+        others = [c.engine for c in lawless[1:]]
+        kept += f"; {listed(others)} {'does' if len(others) == 1 else 'do'} not keep it either" if others else ""
         name = f" ({first.engine})" if len(comparison.candidates) > 1 else ""
         return f"The collisions are right, the law is not: {law_phrase(first)}{name}{kept}."
     broken = "".join(f"{c.engine} does not keep the law: {law_phrase(c)}. " for c in lawless)

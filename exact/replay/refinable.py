@@ -249,7 +249,11 @@ class RefinableState:
         if type(step) is Go:
             worst = min([bodies[i].acc for i in taking_part if not bodies[i].flight.rest], default=bits)
             ball.use_bits(min(bits, worst + state.spare))
-            state.do(step)
+            try:
+                state.do(step)
+            except ZeroDivisionError:  # two all but graze: when they meet was told with all bits that there are
+                ball.use_bits(bits)
+                state.do(step)
             if taking_part:
                 accuracy = max(0, min(bits, state.instant.rel_accuracy_bits()))
                 for i in step.bodies:

@@ -656,3 +656,37 @@ def test_what_falls_beside_a_peg_grazes_it_down_and_up_again(floor: int) -> None
     assert {contact for event in beside.events for contact in event.contacts} == {Contact("ball", "floor")}
     assert [float(event.time) for event in far.events] == [float(event.time) for event in beside.events]
     assert near.events[0].contacts == (Contact("ball", "peg"),)
+
+
+@pytest.mark.parametrize(
+    ("y", "arc"),
+    [
+        ("9", Arc(0, 0, 2, 0, -2, 2, 0, id="bow")),
+        ("9", Arc(3, -2, 3, 0, -2, 3, -5, id="bow")),
+        ("9+sqrt(2)", Arc(3, -1, 3, 0, -1, 6, -1, id="bow")),
+        ("1/3", Arc(3, -1, 3, 0, -1, 6, -1, id="bow")),
+    ],
+)
+def test_a_disc_that_comes_to_an_arc_along_its_end_is_not_let_through(y: str, arc: Arc) -> None:
+    """It falls straight, beside the middle of the circle as far as at a contact from within: it was certified to cross
+    the arc."""
+    floor = Wall(-9, -12, 9, -12, id="floor")
+    run = ExactEngine().run(Scene([Circle(1, y, r=1, id="ball")], [floor], arcs=[arc], gravity=(0, -2)), until=9)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert run.events == ()
+
+
+def test_what_slides_on_along_a_face_from_its_end_is_not_told_to_graze_it() -> None:
+    bar = Segment(1, "1/2", 1, -5, id="bar")
+    scene = Scene([Circle(0, "9+sqrt(2)", r=1, id="ball")], [], segments=[bar], gravity=(0, -2))
+    assert ExactEngine().run(scene, until=9).stop.reason is StopReason.UNDECIDED
+
+
+@pytest.mark.parametrize("k", [100, 300])
+def test_a_hit_that_all_but_grazes_is_carried_out_with_the_bits_that_told_it(k: int) -> None:
+    """Beside it another end is grazed: the run raised an error at 200."""
+    ends = [Segment("1/4", -2, 4, -2, id="graze"), Segment(Quantity.of(f"1/{2**k}") - "1/4", -2, -3, -2, id="hit")]
+    run = ExactEngine().run(
+        Scene([Circle(0, 2, r="1/4", id="ball")], segments=ends, gravity=(0, -2)), until=8, events=3
+    )
+    assert [event.contacts[0].second for event in run.events] == ["hit", "graze", "hit"]
