@@ -213,9 +213,9 @@ class RunSoFar:
         return found
 
     def rounds(self, now: float) -> float:
-        """By what share of themselves numbers may be off a flight: under gravity each step adds to a velocity."""
+        """By what share of themselves numbers may be off a flight: each step adds to places, or to falling speeds."""
         bits, step, _ = self._steps
-        if self._gravity is None or bits is None:
+        if bits is None or (self._gravity is None and 2.0**-bits < FLIGHT):
             return FLIGHT
         span = now - min(row[-1][0] for row in self.knots)
         return max(FLIGHT, 4.0 * max(1.0, 1.0 if step is None else span / step) * 2.0**-bits)
