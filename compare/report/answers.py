@@ -433,7 +433,7 @@ def _at_its_end(candidate: Candidate) -> bool:
 
 def _instead(comparison: Comparison, candidate: Candidate) -> list[str]:
     """What was run and is right to the end, the cheapest; and a setting of the engine itself that goes further."""
-    found = [a for a in all_run(comparison, candidate) if a.agreed > candidate.alignment.agreed]
+    found = [a for a in all_run(comparison, candidate) if a.right or a.agreed > candidate.alignment.agreed]
     right = [a for a in found if a.right][:1]
     own = [a for a in found if a.beside == candidate.engine and a not in right and candidate.stepped]
     told = [f"{_run_words(comparison, candidate, alternative)}." for alternative in right]
