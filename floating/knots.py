@@ -105,6 +105,15 @@ class DoubleMotion:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
 
 
+@dataclass(frozen=True)
+class SteppedMotion(DoubleMotion):
+    """The same by steps: what one of several events of a step leaves is not known."""
+
+    def among(self, place: int, time: float, done: int, count: int) -> DoubleRow | None:
+        """None."""
+        return None
+
+
 Slides: TypeAlias = "Mapping[int, tuple[float, float]]"
 """Half of what there is of gravity along a slope, by the knots of a circle from which on it slides down that."""
 
@@ -232,7 +241,7 @@ class FallingMotion(DoubleMotion):
 
 
 @dataclass(frozen=True)
-class SteppedFall(DoubleMotion):
+class SteppedFall(SteppedMotion):
     """The same under gravity by steps: each adds g dt to a velocity, and moves the circle on before that or after.
 
     Attributes:

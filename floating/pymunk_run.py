@@ -30,7 +30,7 @@ from ..scenarios.trajectory import (
     TieProof,
     Trajectory,
 )
-from .knots import DoubleKnot, DoubleMotion, SteppedFall
+from .knots import DoubleKnot, DoubleMotion, SteppedFall, SteppedMotion
 from .pocket_entries import entries, last_entry
 from .pymunk_space import PymunkSpace, elasticity_of
 from .resting import Resting
@@ -372,7 +372,7 @@ class Run:
     def motion(self, final: float) -> DoubleMotion:
         """Straight flight between knots, and between steps under gravity."""
         if self.scene.gravity is None:
-            return DoubleMotion(self.record.knots, final)
+            return SteppedMotion(self.record.knots, final)
         gx, gy = self.world.space.gravity
         rests = {} if self.record.resting is None else self.record.resting.spans(final)
         return SteppedFall(self.record.knots, final, (gx, gy), self.engine.dt, self.scene.pegs, rests=rests)

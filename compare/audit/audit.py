@@ -363,15 +363,18 @@ def _described_steps(laws: Laws, measures: Measures, kinds: set[str]) -> list[Fi
 
 
 def _of_iterations(run: Trajectory, engine: Engine, measures: Measures, unit: float) -> bool:
-    """Whether twice as many iterations of the engine's solver leave at most half of what its impulses miss."""
-    left = _iterated(engine, run, unit, float(run.final_time))
-    return left is not None and left.get("impulse", 0.0) <= defects(engine, measures).get("impulse", 0.0) / 2
+    """Whether more iterations of the engine's solver leave at most half of what its impulses miss."""
+    half = defects(engine, measures).get("impulse", 0.0) / 2
+    return _iterated(engine, run, unit, float(run.final_time), "impulse", half) <= half
 
 
-def _iterated(engine: Engine, run: Trajectory, unit: float, until: float) -> dict[str, float] | None:
-    """The defects with twice as many iterations of the engine's solver; None where it has none, or refuses."""
-    firmer = firmer_of(engine)
-    return None if firmer is None or firmer.step is None else _defects_of(firmer, run, unit, until)
+def _iterated(engine: Engine, run: Trajectory, unit: float, until: float, kind: str, most: float) -> float:
+    """What is left of a kind of defect with up to 16 times the iterations of the solver; infinite without a run."""
+    left, firmer, more = math.inf, firmer_of(engine), 4
+    while more and left > most and firmer is not None and firmer.step is not None:
+        found = _defects_of(firmer, run, unit, until)
+        left, firmer, more = math.inf if found is None else found.get(kind, 0.0), firmer_of(firmer), more - 1
+    return left
 
 
 def _defects_of(engine: Engine, run: Trajectory, unit: float, until: float) -> dict[str, float] | None:
@@ -650,11 +653,9 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
         seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False if through else None))
     judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
     for place, defect in enumerate(judged):
-        if defect.kind in ("several", "impulse") and defect.of_step is not True:
-            sizes = _iterated(engine, run, unit, until)
-            left = math.inf if sizes is None else sizes.get(defect.kind, 0.0)
-            if left <= defect.size / 2:
-                judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
+        asked, half = defect.kind in ("several", "impulse") and not defect.of_step, defect.size / 2
+        if asked and (left := _iterated(engine, run, unit, until, defect.kind, half)) <= half:
+            judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
     return [*integrator, *judged, *seen]
 
 

@@ -312,6 +312,7 @@ CLASSES = (
     "floating.knots:FallingMotion",
     "floating.knots:SteppedEvents",
     "floating.knots:SteppedFall",
+    "floating.knots:SteppedMotion",
     "floating.quad:QuadMotion",
     "floating.quad:QuadNumber",
     "floating.quad:QuadTime",
