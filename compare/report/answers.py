@@ -290,7 +290,7 @@ def _margin_words(candidate: Candidate) -> str:
         return ""
     error = f"{name} was {off(margin.error)} off by then" if margin.error else f"{name}'s places were off by {off(0.0)}"
     if margin.gap == (0.0, 0.0):
-        return f"They fall on exactly one instant; {error}."
+        return f"The contacts fall on exactly one instant; {error}."
     if margin.gap is not None:
         return f"{'Contact and entry' if margin.entry else 'The two'} are {about(margin.gap)} apart in time; {error}."
     if margin.speed is not None:
