@@ -452,7 +452,7 @@ def explained(
     if candidate.trajectory.certified and study.truth.rounds_input:
         name = study.reference.engine
         told = f"{candidate.engine} is proved, and {name} is not: the error is {name}'s"
-        new = new or "held against a float engine"
+        new = new or "compared with a float engine"
     if new and unsettled and not candidate.unable:
         from .causes.diagnosis import CauseName, Diagnosis, Experiment
 

@@ -252,6 +252,9 @@ class RefinableState:
             try:
                 state.do(step)
             except ZeroDivisionError:  # two all but graze: when they meet was told with all bits that there are
+                if state.centred:  # where flights may be their centres by now
+                    raise
+                state.steps_done -= 1  # nothing else has been done
                 ball.use_bits(bits)
                 state.do(step)
             if taking_part:
