@@ -433,9 +433,8 @@ def explained(
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.finer_steps import by_finer_steps
     from .causes.laboratory import Laboratory, diagnosis_of, margin_of
-    from .causes.stops import Stopped, diagnosis_of_stop
+    from .causes.other_settings import Stopped, by_finer_steps, diagnosis_of_stop
 
     unsettled = candidate.alignment.divergence is not None or candidate.alignment.undecided
     scene = study.scene

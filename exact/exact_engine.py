@@ -35,7 +35,7 @@ from .exact_motion import (
 from .numbers import ball
 from .numbers.ball import Known, known_ball
 from .numbers.system import BudgetSpent, Undecided
-from .replay.contact import AtWall, NamedContacts, contact_of
+from .replay.contact import NamedContacts
 from .replay.state import Settle
 from .simulation import cells
 from .simulation.decider import History, Limits, Mark, PackedKnots, PackedRecords, Record, RunLog, run_limits
@@ -474,10 +474,9 @@ def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
             i, row = step.body, knots[step.body]
             at = bisect_left(row, k, key=itemgetter(5))
             if at == 0 or not log.carries(i, row[at - 1][5]):
-                circle, wall = contact_of(log.scene, AtWall(i, step.wall))
                 since, time = ends.get((i, at)) or (None, motion.knot_time(i, at))
                 if motion.reaches(time):
-                    found.append((float(time), i, Settling(circle, wall, time, since)))
+                    found.append((float(time), i, step.told(log.scene, time, since)))
     return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1)))
 
 

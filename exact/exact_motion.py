@@ -35,8 +35,8 @@ from .numbers.system import N, Undecided
 from .replay.contact import Link
 from .replay.state import Constant, ReplayState, Velocity
 from .simulation.decider import Formula, Knot, Mark, RunLog
-from .simulation.endings import Accumulating
 from .simulation.loop import Tape
+from .simulation.policies import Accumulating
 
 if TYPE_CHECKING:
     import numpy as np

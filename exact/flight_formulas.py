@@ -109,19 +109,19 @@ class Bounced:
     number: int
 
     def __call__(self, state: ReplayState[N]) -> N:
-        wall, first, start = state.bounced[self.body][self.nth]
-        line, e, half = state.line(self.body, wall), state.scene.restitution, _half(self.body, wall, state)
+        nx, ny, first, start = state.bounced[self.body][self.nth]
+        e, half = state.scene.restitution, _half(nx, ny, state)
         up, gone = first * state.constant(e**self.number), state.constant((1 - e**self.number) / (1 - e))
         since = _moment(self.time, state) - start + first * gone / half
         across = up + (half + half) * since if self.speed else (up + half * since) * since
-        return self.along(state) + (line.nx if self.axis == 0 else line.ny) * across / line.nn
+        return self.along(state) + (nx if self.axis == 0 else ny) * across / (nx * nx + ny * ny)
 
 
-def _half(body: int, wall: int, state: ReplayState[N]) -> N:
-    """Half of the pull along the normal of a wall."""
-    line, falls = state.line(body, wall), state.falling
+def _half(nx: N, ny: N, state: ReplayState[N]) -> N:
+    """Half of the pull along a normal."""
+    falls = state.falling
     assert falls is not None
-    return line.nx * falls.hx + line.ny * falls.hy
+    return nx * falls.hx + ny * falls.hy
 
 
 @frozen
@@ -130,7 +130,7 @@ class BounceTime:
 
     Attributes:
         body, nth: see `Bounced`.
-        wall: on which they are.
+        wall: on which they are; below 0 where they are between two.
         number: of the bounce; None for the end.
     """
 
@@ -140,10 +140,10 @@ class BounceTime:
     number: int | None = None
 
     def __call__(self, state: ReplayState[N]) -> N:
-        wall, first, start = state.bounced[self.body][self.nth]
+        nx, ny, first, start = state.bounced[self.body][self.nth]
         e, number = state.scene.restitution, self.number
         gone = state.constant((1 if number is None else 1 - e**number) / (1 - e))
-        return start - first * gone / _half(self.body, wall, state)
+        return start - first * gone / _half(nx, ny, state)
 
 
 def endless(
@@ -160,7 +160,8 @@ def endless(
     for number, step in enumerate(steps, start=1):
         if isinstance(step, Settle) and step.bounces:
             place = bisect_left(knots[step.body], number, key=itemgetter(5))
-            found[step.body, place] = number, BounceTime(step.body, step.wall, counts[step.body])
+            wall = step.wall if step.other < 0 else -1
+            found[step.body, place] = number, BounceTime(step.body, wall, counts[step.body])
             counts[step.body] += 1
     return found
 
@@ -213,12 +214,12 @@ def amid_bounces(
 
     Args:
         row: that: x, y, vx, vy.
-        scene, wall: what runs, and on what the circle bounces.
+        scene, wall: what runs, and on what the circle bounces; below 0 between two slopes.
         start, end, time: of the bounces, and the time.
         number: of the bounce before the time.
     """
     gravity = scene.gravity or (ZERO, ZERO)
-    free = scene.walls[wall].along(*gravity)
+    free = (ZERO, ZERO) if wall < 0 else scene.walls[wall].along(*gravity)
     with ball.precision(AMID_BITS):
         e, begun, last = ball.constant(scene.restitution), start.ball(AMID_BITS), end.ball(AMID_BITS)
         halves = [ball.constant(part - along) / 2 for part, along in zip(gravity, free, strict=True)]

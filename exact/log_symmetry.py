@@ -16,13 +16,13 @@ from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, 
 from .laws.formulas import wall_mirror
 from .numbers.ball import LeavesField, field_ball
 from .question import BeforeTime, Discriminant, Moment, Question, Sooner
-from .replay.contact import Body, Link, Pair, Touch, can_push, is_flat, is_pair
+from .replay.contact import AtWall, Body, Link, Pair, Touch, can_push, is_flat, is_pair
 from .replay.refinable import Projection
 from .replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
 
 # -- The causal past of a run as a graph: for each circle, the rounds of impulses that it took part in, in order.
 
-FLIP, TAKE = "flip", "take"
+FLIP, TAKE, LIFT, SETTLE = "flip", "take", "lift", "settle"
 
 
 class Block:
@@ -31,9 +31,10 @@ class Block:
     Attributes:
         number: its place among all blocks, in the order of the log.
         instant: the number of the instant that it belongs to.
-        kind: "" for impulses; FLIP for the negation of one circle's velocity, TAKE for its capture, or where a wall
-            begins to carry it, or ends to: no isometry is known to map that.
-        among: the contacts whose law it is (see `Kick`).
+        kind: "" for impulses; FLIP for the negation of one circle's velocity; TAKE for its capture, which no isometry
+            is known to map; LIFT and SETTLE for where a wall ends to carry it, or begins to, the latter with whether
+            it slides, and has bounced.
+        among: the contacts whose law it is (see `Kick`), or with the walls that carry it.
         links: those of them that push.
         places: for each movable circle in it, its place in that circle's row.
     """
@@ -97,8 +98,14 @@ class Past:
                 return [self._add(instant, alone, alone, step.among[0].circles)]
             pushing = set(step.links)
             return [self._add(instant, among, among & pushing, bodies) for bodies, among in self._apart(step.among)]
-        if isinstance(step, Take | Settle | Lift):
-            return [self._add(instant, frozenset(), frozenset(), (step.body,), TAKE)]
+        if isinstance(step, Take | Lift):
+            kind = TAKE if isinstance(step, Take) else LIFT
+            return [self._add(instant, frozenset(), frozenset(), (step.body,), kind)]
+        if isinstance(step, Settle):
+            walls = (step.wall,) if step.other < 0 else (step.wall, step.other)
+            among = frozenset(AtWall(step.body, wall) for wall in walls)
+            kind = f"{SETTLE} {step.slides:d}{step.bounces:d}"
+            return [self._add(instant, among, frozenset(), (step.body,), kind)]
         assert isinstance(step, Flip)
         movers = (i for i in range(self.n) if self.movable[i])
         return [self._add(instant, frozenset(), frozenset(), (i,), FLIP) for i in movers]
@@ -261,13 +268,17 @@ class Retrace:
 # argument, by induction over the blocks of the log (`Past`):
 #
 # 1. Data: g maps place, velocity, radius and mass of each circle in the past to those of its image, and each wall
-# and fixed circle to its image. So it maps the first flights. 2. A block's time follows from the flights before it:
-# each of its contacts approaches at the block's instant, at    gap zero. The gap of two straight flights is a convex
-# quadratic in time (of a wall, linear), and has one zero at    which it falls. So the times of a block and of its
-# image are equal, whatever the log says of clocks. 3. The velocities after a block follow from the flights at its
-# time and from `among`, by laws that know no direction.    Circles that share no movable circle do not couple, so a
-# block is one connected part of a round; a fixed circle    has data and no past, and a stranger that hits it changes
-# nothing. 4. A reversal's instant is one number, shared by both pasts.
+#    and fixed circle to its image. So it maps the first flights.
+# 2. A block's time follows from the flights before it: each of its contacts approaches at the block's instant, at
+#    gap zero. The gap of two straight flights is a convex quadratic in time (of a wall, linear), and has one zero at
+#    which it falls. So the times of a block and of its image are equal, whatever the log says of clocks.
+# 3. The velocities after a block follow from the flights at its time and from `among`, by laws that know no direction.
+#    Circles that share no movable circle do not couple, so a block is one connected part of a round; a fixed circle
+#    has data and no past, and a stranger that hits it changes nothing.
+# 4. A reversal's instant is one number, shared by both pasts.
+# 5. That a wall begins to carry a circle, or two do, falls on the instant of the block before it in the circle's row,
+#    or on time 0: a circle that was let fall is pushed at that instant, or is carried again, its way as if it had been
+#    all along. How it goes on follows from its flight, and from the walls that g maps with their pull.
 #
 # So if g maps the circles and walls of one meeting to those of another, and their pasts, the two fall on one instant:
 # at any depth, under any tie policy, whatever the rest of the scene is like. A past that is mapped to itself makes

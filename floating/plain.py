@@ -20,16 +20,15 @@ from ..exact.replay.contact import (
     Link,
     NamedContacts,
     Round,
-    contact_of,
     name_of,
 )
 from ..exact.replay.landings import told_wait
 from ..exact.replay.state import Lift, ReplayState, Settle, Step, Take
 from ..exact.replay.wall_flights import SeenWall
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
-from ..exact.simulation.endings import Accumulating, Rows
+from ..exact.simulation.endings import Rows
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
-from ..exact.simulation.policies import Policy
+from ..exact.simulation.policies import Accumulating, Policy
 from ..exact.simulation.prediction import ArrivalQueue, Predictor
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
@@ -58,10 +57,10 @@ class PlainState(ReplayState[M]):
         """See `Flights.surely_falls`."""
         return bool(speed < self.zero)
 
-    def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
+    def settle(self, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
         """See `ReplayState.settle`; at a wall along an axis a circle is put where the wall has it, to the last bit."""
         x, y, vx, vy, *_ = self.bodies[index].flight
-        super().settle(index, wall, slides, bounces)
+        super().settle(index, wall, slides, bounces, other)
         body, line, zero = self.bodies[index], self.line(index, wall), self.zero
         flight, level, upright = body.flight, *(part.sign() == 0 for part in self.scene.walls[wall].normal)
         if level:
@@ -471,7 +470,7 @@ class LastBounces(NamedTuple, Generic[M]):
     Attributes:
         start, until: when the first of them is, which is listed, and when they have all happened.
         speed: after the first, in the scale of the wall's normal.
-        line: the wall as the circle sees it.
+        line: the wall as the circle sees it; between two slopes, one across gravity.
     """
 
     start: M
@@ -489,9 +488,12 @@ def bounced_knots(state: ReplayState[M], history: History[M]) -> dict[int, dict[
             row = history.knots[step.body]
             place = next(n for n, knot in enumerate(row) if knot[5] >= k)
             start, _, _, vx, vy, *_ = row[place - 1]
-            line = state.line(step.body, step.wall)
             assert falls is not None
             assert falls.bent
+            line = state.line(step.body, step.wall)
+            if step.other >= 0:
+                nx, ny = falls.upward
+                line = line._replace(nx=nx, ny=ny, nn=nx * nx + ny * ny)
             speed, half = line.nx * vx + line.ny * vy, line.nx * falls.hx + line.ny * falls.hy
             until = start - speed / (half * state.constant(1 - e))
             found.setdefault(step.body, {})[place] = LastBounces(start, until, speed, line)
@@ -507,22 +509,21 @@ def _settlings(
     """Where walls began to carry circles; not where one was let fall and carried on at one instant."""
     if not scene.settle:
         return
-    walls = {k: (step.body, step.wall) for k, step in enumerate(history.steps, 1) if isinstance(step, Settle)}
-    rows: list[tuple[float, int, int, Real, Real | None]] = []
+    steps = {k: step for k, step in enumerate(history.steps, 1) if isinstance(step, Settle)}
+    rows: list[tuple[float, int, Settle, Real, Real | None]] = []
     for body, places in carried_knots(history).items():
         row = history.knots[body]
         for place in sorted(places):
             time, step, number = row[place][0], row[place][5], row[place][6]
-            wall = next(w for k in range(step, 0, -1) if k in walls for i, w in (walls[k],) if i == body)
+            begun = next(steps[k] for k in range(step, 0, -1) if k in steps and steps[k].body == body)
             if place == 0 or place - 1 not in places:
                 last, since = bounced.get(body, {}).get(place), None
                 when = shown(time, number)
                 if last is not None:
                     when, since = shown(last.until, None), when
-                rows.append((float(when), body, wall, when, since))
-    for _, body, wall, when, since in sorted(rows, key=itemgetter(0, 1)):
-        circle, name = contact_of(scene, AtWall(body, wall))
-        yield Settling(circle, name, when, since)
+                rows.append((float(when), body, begun, when, since))
+    for _, _, begun, when, since in sorted(rows, key=itemgetter(0, 1)):
+        yield begun.told(scene, when, since)
 
 
 # -- What event-driven engines without certainty share: the event loop, fed numbers of one system that always answers.

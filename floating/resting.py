@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
 
 from ..scenarios.numbers.precision import Double
 from ..scenarios.scene import Scene
@@ -16,6 +18,8 @@ from ..scenarios.trajectory import Settling
 # contacts of a collision where something else hits the circle at that step, and presses it to the wall by more than
 # lying there would take. Two circles that have pushed each other just before, and come to each other no faster than by
 # what gravity gives along their line of centres, and rounding, still touch, as where one pushes another along a floor.
+# Two walls that hold a circle between them bear each a share of g dt, and a solver that pushes one after the other
+# gives more: a contact with one of them counts as one across gravity would.
 
 ROUNDED = 1 + 2.0**-20
 """By what factor rounding, and what a solver leaves undone, may raise a speed."""
@@ -25,6 +29,9 @@ NEXT = 2.0**-40
 
 HOPS = 8
 """Steps after which a circle that was not pushed has left its wall: one that is let bounce there hops for a few."""
+
+SLANT = 2.0**-20
+"""Share of gravity that each of two walls must bear to hold a circle between them: less is rounding of normals."""
 
 Indices = tuple[int, int]
 """Two things by their places in `scene.ids`: a wall, a segment or a polygon is last."""
@@ -47,6 +54,7 @@ class Resting:
         self._gravity = (0.0, 0.0) if scene.gravity is None else (float(scene.gravity[0]), float(scene.gravity[1]))
         self._e = float(scene.restitution)
         self._shares = [float(circle.inverse_mass) for circle in scene.circles]
+        self._between: set[int] = set()  # circles that two walls hold between them
         self._lying: dict[int, list[float]] = {}  # by circle: the wall's place, since when, when last pushed there
         self._spans: dict[int, list[tuple[float, float]]] = {}
         self._bounced: dict[int, tuple[int, float]] = {}
@@ -89,6 +97,7 @@ class Resting:
         """
         pairs, self._held = list(pairs), None
         still: dict[Indices, tuple[float, float]] = {}
+        cradles = self._cradles(pairs, normal)
         for pair in pairs:
             k, wall = pair
             if wall >= self._count:
@@ -97,6 +106,8 @@ class Resting:
                 pull, approach = -(nx * gx + ny * gy) * self._dt, -(nx * vx + ny * vy)
                 lying = self._lying.get(k)
                 hops = lying is not None and lying[0] == wall and time - lying[2] <= HOPS * self._dt
+                if wall in cradles.get(k, ()):
+                    pull = math.hypot(gx, gy) * self._dt
                 if pull > 0.0 and approach <= (3 if hops else 2) * pull * ROUNDED:
                     still[pair] = pull, approach
             elif (room := self._lasts(time, pair, before, normal(pair))) is not None:
@@ -121,7 +132,9 @@ class Resting:
             if pull > 0.0 and nx * ux + ny * uy <= pull * ROUNDED:
                 known = self._lying.get(k)
                 if known is None or known[0] == wall or (k, known[0]) not in pairs:  # of two it keeps the first
-                    self._lies(k, wall, time)
+                    both = cradles.get(k, ())
+                    held = wall in both and all((k, other) not in found for other in both)
+                    self._lies(k, wall, time, next((other for other in both if held and other != wall), None))
             elif pair in found:
                 self._leaves(k)
         for k in struck - {k for k, wall in pairs if wall >= self._count}:
@@ -168,18 +181,47 @@ class Resting:
         """Whether a wall gives a circle more speed than it takes to lie or bounce there, by more than a step's."""
         return gain > (1 + self._e) * max(approach, pull) + pull
 
-    def _lies(self, k: int, wall: int, time: float) -> None:
+    def _cradles(
+        self, pairs: Iterable[Indices], normal: Callable[[Indices], tuple[float, float]]
+    ) -> dict[int, tuple[int, int]]:
+        """For each circle that two walls push, which hold it between them: those."""
+        walls: dict[int, list[int]] = {}
+        for k, wall in pairs:
+            if wall >= self._count:
+                walls.setdefault(k, []).append(wall)
+        (gx, gy), found = self._gravity, dict[int, tuple[int, int]]()
+        least = SLANT * math.hypot(gx, gy)
+        for k, row in walls.items():
+            for one, other in combinations(row, 2):
+                (ax, ay), (bx, by) = normal((k, one)), normal((k, other))
+                turn = ax * by - ay * bx
+                if turn and min((gy * bx - gx * by) / turn, (gx * ay - gy * ax) / turn) > least:
+                    found[k] = one, other
+        return found
+
+    def _lies(self, k: int, wall: int, time: float, other: int | None) -> None:
         lying = self._lying.get(k)
-        if lying is not None and lying[0] == wall:
+        if lying is not None and lying[0] == wall and (other is None or k in self._between):
             lying[2] = time
+            return
+        if other is not None and lying is not None and lying[0] in (wall, other):  # it comes to be held where it lies
+            place = max(n for n, rest in enumerate(self.settlings) if rest.circle == self._ids[k])
+            ids = sorted((self._ids[wall], self._ids[other]), key=self.settlings[place].wall.__ne__)
+            self.settlings[place] = replace(self.settlings[place], other=ids[1])
+            lying[2] = time
+            self._between.add(k)
             return
         self._leaves(k)
         bounced = self._bounced.get(k)
-        since = None if bounced is None or bounced[0] != wall or not self._e else Double(bounced[1])
-        self.settlings.append(Settling(self._ids[k], self._ids[wall], Double(time), since))
+        since = None if bounced is None or bounced[0] not in (wall, other) or not self._e else Double(bounced[1])
+        name = None if other is None else self._ids[other]
+        self.settlings.append(Settling(self._ids[k], self._ids[wall], Double(time), since, name))
         self._lying[k] = [wall, time, time]
+        if other is not None:
+            self._between.add(k)
 
     def _leaves(self, k: int) -> None:
+        self._between.discard(k)
         lying = self._lying.pop(k, None)
         if lying is not None:
             self._spans.setdefault(k, []).append((lying[1], lying[2]))
@@ -189,14 +231,14 @@ class Resting:
         return (ROUNDED - 1) * max(math.hypot(*self._gravity) * self._dt, *speeds)
 
     def all_lie(self, time: float) -> bool:
-        """Whether every circle that moves lies on a level wall, which has no end."""
+        """Whether every circle that moves lies on a level wall, which has no end, or between two that hold it."""
         return all(
-            share == 0.0 or ((lying := self._lying.get(k)) is not None and self._lies_level(lying, time))
+            share == 0.0 or ((lying := self._lying.get(k)) is not None and self._stays(k, lying, time))
             for k, share in enumerate(self._shares)
         )
 
-    def _lies_level(self, lying: Sequence[float], time: float) -> bool:
-        return lying[0] in self._level and time - lying[2] <= HOPS * self._dt
+    def _stays(self, k: int, lying: Sequence[float], time: float) -> bool:
+        return (lying[0] in self._level or k in self._between) and time - lying[2] <= HOPS * self._dt
 
     def stays(self) -> None:
         """Nothing happens any more: what lies now does so for ever."""

@@ -141,12 +141,21 @@ class Settling:
         wall: the wall's id.
         time: the instant.
         since: where infinitely many bounces come before that, the time of the last that the run lists; None elsewhere.
+        other: the other wall's id, of two slopes that hold the circle between them; None elsewhere.
     """
 
     circle: str
     wall: str
     time: Real
     since: Real | None = None
+    other: str | None = None
+
+    @property
+    def where(self) -> str:
+        """Where the circle lies, in words."""
+        if self.other is None:
+            return f"on {self.wall}"
+        return f"between {self.wall} and {self.other}" if self.other != self.wall else f"in a corner of {self.wall}"
 
 
 # -- What a run gives back: events, the reason it stopped, and the motion between them.
@@ -374,7 +383,7 @@ class Trajectory:
         """
         walls, (gx, gy) = {wall.id: wall for wall in self.scene.walls}, self.scene.gravity or (ZERO, ZERO)
         last = {s.circle: s for s in self.settlings}.values()
-        along = [(s, walls[s.wall].along(gx, gy)) for s in last if s.wall in walls]
+        along = [(s, walls[s.wall].along(gx, gy)) for s in last if s.wall in walls and s.other is None]
         return {s.circle: (float(s.time), (float(x), float(y))) for s, (x, y) in along if x.sign() or y.sign()}
 
     @property

@@ -108,18 +108,19 @@ class Patience:
 
 
 class Tail(NamedTuple):
-    """Infinitely many bounces of a circle on a wall that come to an end, of which a run lists the first.
+    """Infinitely many bounces of a circle on a wall, or on two that hold it, that come to an end, of which a run lists
+    the first.
 
     Attributes:
         met: how many meetings the circle has up to the last that is listed.
-        last: how many of these, one after the other, are with the wall.
-        wall: the wall.
+        last: how many of these, one after the other, are with the walls.
+        walls: these.
         time: their end.
     """
 
     met: int
     last: int
-    wall: str
+    walls: frozenset[str]
     time: float
 
 
@@ -129,9 +130,10 @@ def _tails(run: Trajectory, streams: Streams, circle: str) -> list[Tail]:
     for rest in run.settlings:
         if rest.circle == circle and rest.since is not None:
             met = sum(streams.times[k] <= float(rest.since) for k, _ in row)
-            before = [one.partners == (rest.wall,) for one in reversed(row[:met])]
+            walls = frozenset({rest.wall, rest.other or rest.wall})
+            before = [walls.issuperset(one.partners) for one in reversed(row[:met])]
             last = before.index(False) if False in before else met
-            found.append(Tail(met, last, rest.wall, float(rest.time)))
+            found.append(Tail(met, last, walls, float(rest.time)))
     return found
 
 
@@ -156,7 +158,7 @@ def without_tails(
             assert known is not None
             streams, row = sides[at][0], sides[at][0].meetings[circle]
             place = known.met - len(dropped[1 - at]) + len(dropped[at])
-            while place < len(row) and row[place].partners == (known.wall,):
+            while place < len(row) and known.walls.issuperset(row[place].partners):
                 if streams.times[row[place].event] > patience.latest(known.time):
                     break
                 dropped[at].add(place)

@@ -15,7 +15,8 @@ from ...scenarios.errors import SceneError
 from ..foreign.guard import allowances, finer_of, firmer_of, run_guarded
 from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
 from .passages import Passage, passages, passes_between
-from .residuals import AUDIT_BITS, KINDS, Laws, Residual
+from .residual import AUDIT_BITS, KINDS, Residual
+from .residuals import Laws
 from .transcript import Transcript
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class Violation:
     """A step that misses a law by more than rounding.
 
     Attributes:
-        kind: one of `residuals.KINDS`.
+        kind: one of `residual.KINDS`.
         event: the event, by the engine's own count; of two that fly into each other, how many events came before.
         time: when.
         bodies: who takes part, by id.
@@ -456,8 +457,7 @@ FEW_IMPACTS = 4
 """Impacts by which it is measured where more are not to be had at that price."""
 
 LATE = 2.0
-"""An engine that finds an overlap at the end of a step and pushes in the next is late by two steps; one that tells
-contacts at the end of the step before is early by one."""
+"""Steps by which an engine may be late that finds an overlap at the end of one and pushes in the next."""
 
 LASTING_UNITS = 64
 """Units in the last place of the greatest speeds of two that a contact that lasts may leave, at restitution 0."""

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb
 
 from ...exact.numbers import ball
-from .residuals import Laws, along, length_of
+from .residual import along, length_of
+from .residuals import Laws
 
 if TYPE_CHECKING:
     from .transcript import ReportedFlight, ReportedInstant, Transcript
@@ -96,8 +97,7 @@ class Sample(NamedTuple):
     @property
     def defect(self) -> float:
         """How far the impulse is from the law, as a share of itself."""
-        sliding = 0.0 if math.isnan(self.sliding) else abs(self.aside)
-        return max(abs(self.restitution - 1.0), sliding, abs(self.lost))
+        return max(abs(self.restitution - 1.0), 0.0 if math.isnan(self.sliding) else abs(self.aside), abs(self.lost))
 
 
 class Drift(NamedTuple):

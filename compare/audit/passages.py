@@ -11,8 +11,9 @@ from flint import arb
 
 from ...exact.replay.landings import first_zero_after, told_falling_zero
 from ...exact.replay.round_falls import RoundFall
-from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, SideInBalls, WallInBalls, size_of
-from .transcript import Leg, legs_of
+from .residual import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, size_of, unsupported
+from .residuals import SideInBalls
+from .transcript import Leg, WallInBalls, legs_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -114,7 +115,8 @@ def passages(
                 for side in range(len(laws.sides))
             ]
         if leg.carried:
-            found.append(_unsupported(laws, leg))
+            off = unsupported(laws, leg)
+            found.append(None if off is None else Passage(*off, leg.start))
         for other in near.beside(leg):
             if not (laws.moving[leg.circle] or laws.moving[other.circle]):
                 continue
@@ -128,34 +130,6 @@ def passages(
             else:
                 found.append(_between(laws, leg, other) if also is None else _fallen_onto(laws, other, leg, also))
         yield from (passage for passage in found if passage is not None)
-
-
-def _unsupported(laws: Laws, leg: Leg) -> Passage | None:
-    """How far a circle that a wall carries is from any that can: one across gravity, to which gravity pulls it.
-
-    Looked at is where its flight begins and ends; of one without an end, where it has gone its own distance. A face
-    carries between its ends alone.
-    """
-    radius = laws.things[leg.circle].radius
-    away = math.hypot(leg.x, leg.y) + radius
-    later = leg.end if leg.end < math.inf else leg.start + (away / leg.speed if leg.speed else 1.0)
-    worst: Passage | None = None
-    for time in (leg.start, later):
-        nearest = Residual("support", (leg.circle,), math.inf, 0.0)
-        x, y = (arb(time) - leg.t) * leg.vx + leg.x, (arb(time) - leg.t) * leg.vy + leg.y
-        for wall in laws.supports[leg.circle]:
-            line = laws.line(leg.circle, wall)
-            gap = line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[leg.circle].r
-            along = float((line.nx * (y - line.y) - line.ny * (x - line.x)).mid())
-            beside = max(0.0, -along, along - line.length) if wall in laws.scene.faces else 0.0
-            size = math.hypot(size_of(gap), beside)
-            sizes = (away + leg.speed * (time - leg.t) + leg.speed * time) + line.size * (1 + abs(along) / line.length)
-            room = ROOT_UNITS * laws.unit * (sizes + radius) + LEAST + leg.apart + leg.turned * (time - leg.t)
-            if size - room < nearest.size - nearest.room:
-                nearest = Residual("support", (leg.circle, laws.count + wall), size, room)
-        if nearest.broken and (worst is None or nearest.size > worst.residual.size):
-            worst = Passage(time, nearest, leg.start)
-    return worst
 
 
 def _from(leg: Leg, start: float, fall: Fall) -> Leg:

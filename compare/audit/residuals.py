@@ -1,23 +1,36 @@
 """What one step of a run misses the laws by, enclosed, beside what rounding by a declared unit may make of it.
 
-The step's own numbers are taken as they are. Honest is mixed forward-backward (Higham, *Accuracy and Stability of
-Numerical Algorithms*, 2nd edition 2002, section 1.5): the step is exact for inputs and outputs that are off by a few
-units, relatively. docs/audit.md derives the constants.
+docs/audit.md derives the constants.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
 from ...exact.numbers import ball
 from ...exact.replay.contact import Sides
+from ...exact.simulation.arc_meetings import held_between
 from ...scenarios.numbers.quantity import ZERO as NONE
 from ...scenarios.surfaces import parts_of
 from ..foreign.impulses import left_of, limits_of_pushes, sharpened, strengths_of
+from .residual import (
+    FLIGHT_UNITS,
+    IMPULSE_UNITS,
+    LEAST,
+    ROOT_UNITS,
+    UNDERFLOW,
+    UNDERFLOWS,
+    Residual,
+    along,
+    length_of,
+    rested,
+    size_of,
+)
 from .transcript import WallInBalls, groups_of
 
 if TYPE_CHECKING:
@@ -26,60 +39,8 @@ if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from .transcript import Fall, ReportedFlight, ReportedInstant, Transcript
 
-AUDIT_BITS = 256
-"""Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
-or nearly so, and what is not is in the enclosure."""
-
-FLIGHT_UNITS = 6.0
-"""x + v (t - t0): a difference, a product, a sum, and telling place and time. An engine may fly on every circle at
-every event, so that each event between adds as many. Measured over 17 formulations: at most 1.7."""
-
-ROOT_UNITS = 16.0
-"""The quadratic's coefficients, discriminant, root and quotient; docs/audit.md has the three usual formulas.
-Measured: at most 2.7 of the sizes that are taken here."""
-
-IMPULSE_UNITS = 16.0
-"""The normal, the approach, the share of the masses, the product and the sum, by impulse along the line of centres, in
-the frame of the centre of mass, or by angles. Measured: at most 3.9."""
-
-UNDERFLOW = {2.0**-11: 2.0**-24, 2.0**-24: 2.0**-149, 2.0**-53: 2.0**-1074}
-"""The least positive number of the formats of IEEE 754, by their units; others have no least number."""
-
-UNDERFLOWS = 8
-"""Products of fourth order that a discriminant has, each of which may underflow."""
-
 CLOSE = 2.0**-40
 """A share of a time within which two contacts may be of one instant."""
-
-LEAST = 2.0**-1070
-"""Below the normal doubles a rounding is no longer relative: 16 of their least differences are granted."""
-
-
-class Residual(NamedTuple):
-    """One thing that a step misses, and what rounding may make of it.
-
-    Attributes:
-        kind: one of `KINDS`.
-        bodies: the circle, or the two that meet, by place in `scene.ids`.
-        size: a lower bound of what is missed: a length, or a speed.
-        room: what rounding may make of it.
-    """
-
-    kind: str
-    bodies: tuple[int, ...]
-    size: float
-    room: float
-
-    @property
-    def broken(self) -> bool:
-        """Whether it is more than rounding."""
-        return self.size > self.room
-
-
-KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "support", "phantom")
-"""The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
-energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; a circle
-that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
 
 
 class Thing(NamedTuple):
@@ -159,22 +120,6 @@ class ImpactLaws(NamedTuple):
         return speed * (1.0 - math.sqrt(1.0 - share)) if share < 1.0 else speed + math.hypot(speed, math.sqrt(off))
 
 
-def length_of(x: arb, y: arb) -> float:
-    """A lower bound of sqrt(x^2 + y^2); 0 where nothing is known.
-
-    >>> length_of(arb(3), arb(-4))
-    5.0
-    """
-    size = math.hypot(float(x.mid()), float(y.mid())) - float(x.rad()) - float(y.rad())
-    return size if size > 0.0 else 0.0
-
-
-def size_of(x: arb) -> float:
-    """A lower bound of |x|; 0 where nothing is known."""
-    size = abs(float(x.mid())) - float(x.rad())
-    return size if size > 0.0 else 0.0
-
-
 class Laws:
     """The laws of flight, contact and impulse for one scene, beside the rounding of an engine.
 
@@ -187,6 +132,7 @@ class Laws:
 
     Attributes:
         supports: by circle, the walls that can carry it: those across gravity, to which that pulls it.
+        holds: whether two walls hold a circle between them, by their places.
 
     To be used at `AUDIT_BITS`.
     """
@@ -216,6 +162,7 @@ class Laws:
         self.moving = [not c.fixed for c in scene.circles]
         self._fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
         self._sides = Sides(scene)
+        self.holds = partial(held_between, self._sides)
         level = [w for w in range(len(scene.walls)) if scene.settle and self._sides.level(w)]
         self.supports = [[w for w in level if self._sides.pull(k, w) < 0] for k in range(self.count)]
         self._ends_of = {wall: parts.ends for parts in self.parts.values() for wall in parts.faces}
@@ -283,7 +230,7 @@ class Laws:
         for k in instant.rested:
             flight, after = instant.before[k], instant.after[k]
             rest = along(self, k, flight)
-            yield _rested(self, k, flight, rest, after)
+            yield rested(self, k, flight, rest, after)
             high = rest._replace(x=flight.x, y=flight.y)  # as it bounced last: an engine leaves it there, or puts it on
             instant.before[k] = min(rest, high, key=lambda way: self._flown(k, way, after, events).size)
         for k, after in instant.after.items():
@@ -639,37 +586,6 @@ def _begin(laws: Laws, k: int, flight: ReportedFlight, time: float) -> None:
     short = abs(time - flight.time) <= CLOSE * abs(time)
     since = known.get(flight.time, (flight.time, flight.speed)) if short else (flight.time, flight.speed)
     laws.came[k] = {**({flight.time: known[flight.time]} if flight.time in known else {}), time: since}
-
-
-def along(laws: Laws, k: int, flight: ReportedFlight) -> ReportedFlight:
-    """How a circle would go on from the beginning of a flight if the wall next to it carried it: see `supports`."""
-    walls = [laws.line(k, wall).at(flight.t) for wall in laws.supports[k]]
-    gaps = [w.nx * (w.x - flight.x) + w.ny * (w.y - flight.y) - laws.things[k].r for w in walls]
-    if not walls:
-        return flight
-    gap, wall = min(zip(gaps, walls, strict=True), key=lambda pair: abs(float(pair[0].mid())))
-    near = wall.nears(flight.vx, flight.vy)
-    x, y, vx, vy = (
-        flight.x + wall.nx * gap,
-        flight.y + wall.ny * gap,
-        flight.vx - wall.nx * near,
-        flight.vy - wall.ny * near,
-    )
-    return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
-
-
-def _rested(laws: Laws, k: int, flight: ReportedFlight, rest: ReportedFlight, after: ReportedFlight) -> Residual:
-    """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
-
-    It is told as the way that the circle goes in it with the speed v after that; a is the pull.
-    """
-    assert laws.fall is not None
-    ux, uy = flight.vx - rest.vx, flight.vy - rest.vy
-    speed, lost = (ux * ux + uy * uy).sqrt(), 2 - laws.change
-    per_speed = 2 / (laws.fall.pull * lost)
-    size = size_of((after.t - flight.t - speed * per_speed) * speed)
-    times = after.time + flight.time + flight.speed * float(per_speed.mid())
-    return Residual("support", (k,), size, ROOT_UNITS * laws.unit * times * float(speed.mid()) + LEAST)
 
 
 def _falls(laws: Laws, k: int, flight: ReportedFlight) -> bool:

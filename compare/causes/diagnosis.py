@@ -45,9 +45,9 @@ SOLVER_HEAD = "The solver's iterations changed what happened"
 
 CAUSES: dict[str, Cause] = {
     "LAW": Cause("law not kept", "evidence:law", LAW_RANK, head="The engine does not keep the law"),
-    "STEP": Cause("time step", "finer_steps:step", head=STEP_HEAD, settings=True),
-    "TUNNELLING": Cause("tunnelling", "finer_steps:tunnelling", FACT_RANK, head=TUNNELS),
-    "ITERATIONS": Cause("solver iterations", "finer_steps:iterations", head=SOLVER_HEAD, settings=True),
+    "STEP": Cause("time step", "other_settings:step", head=STEP_HEAD, settings=True),
+    "TUNNELLING": Cause("tunnelling", "other_settings:tunnelling", FACT_RANK, head=TUNNELS),
+    "ITERATIONS": Cause("solver iterations", "other_settings:iterations", head=SOLVER_HEAD, settings=True),
     "PHANTOM": Cause("phantom contact", "evidence:phantom", FACT_RANK, rounding=True),
     "TIE": Cause("tie", "evidence:tie", FACT_RANK, head="A tie was resolved differently"),
     "INPUT": Cause("input rounding", "evidence:shares", SHARE_RANK, rounding=True),

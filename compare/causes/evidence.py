@@ -22,7 +22,8 @@ from ...scenarios.things import Circle, Polygon, Segment, Wall
 from ...scenarios.trajectory import Event
 from ..alignment.align import align
 from ..alignment.walk import history
-from ..audit.residuals import AUDIT_BITS, Laws
+from ..audit.residual import AUDIT_BITS
+from ..audit.residuals import Laws
 from ..audit.transcript import Transcript
 from ..validation import falls
 from .budget import ALONE

@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import chain
 from operator import add, mul, neg, sub, truediv
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, NoReturn, TypeVar, cast
 
 from flint import fmpq, fmpq_poly
 
@@ -24,6 +24,7 @@ from ...tools.verify import (
     Ball,
     Bowing,
     Checker,
+    Dropping,
     Facing,
     Nearing,
     Refuted,
@@ -127,8 +128,11 @@ class Recorded(Remembering):
         self.struck: dict[int, list[list[Lazy]]] = {}
 
     def drop(self, c: Contact, again: Any, near: str) -> Lazy:
-        """No exact number: a zero of a quartic."""
-        return Lazy(None, _unknown)
+        """No exact number, as a zero of a quartic is none, but of what falls straight onto the middle of a circle."""
+        m: Any = self.meeting(c, start := self.start(c))
+        if type(m) is not Dropping:
+            return Lazy(None, _unknown)
+        return cast(Lazy, self.times[start]) + Lazy(None, _axial, *m.d, *m.v, *m.bend, m.reach)
 
     def blow(self, age: int, push: Any, coming: Any, s: Any) -> Any:
         """As in any world."""
@@ -481,7 +485,21 @@ def decimal_text(part: int, bits: int, digits: int) -> str:
     return f"{'-' if nearest < 0 else ''}{whole}.{rest:0{digits}d}"
 
 
-def _unknown() -> Exact:
+def _axial(dx: Exact, dy: Exact, vx: Exact, vy: Exact, hx: Exact, hy: Exact, reach: Exact) -> Exact:
+    """How long what falls straight onto the middle of a circle takes: |d + v s + h s^2| = R, of second degree there."""
+    if dx * hy - dy * hx or vx * hy - vy * hx or not (along := dx * hx + dy * hy):
+        _unknown()
+    square, speed = hx * hx + hy * hy, vx * hx + vy * hy
+    gap, approach, half = along - reach * square.sqrt(), speed, square
+    if along.sign() < 0:
+        gap, approach, half = -along - reach * square.sqrt(), -speed, -square
+    root = (approach * approach - TWO * TWO * half * gap).sqrt()
+    if half.sign() > 0 <= approach.sign():
+        _unknown()
+    return (-approach - root) / (half + half)
+
+
+def _unknown() -> NoReturn:
     raise Unsettled("a zero of a quartic is no exact number here")
 
 

@@ -15,6 +15,7 @@ from ...exact.certified.certified_decider import FIRST_BITS
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import AtWall, places_of
 from ...exact.replay.state import Kick, Lift, Settle, Step
+from ...exact.simulation.endings import ENDS
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
@@ -322,7 +323,11 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         raise CertificateError(
             f"{circle} slides down a slope from time {time:.9g} on: certificates do not tell that yet"
         )
+    if ENDS in trajectory.stop.message:
+        raise CertificateError("a circle slides along a face, to its end: certificates do not tell that yet")
     for rest in trajectory.settlings:
+        if rest.other is not None:
+            raise CertificateError(f"{rest.circle} comes to rest {rest.where}: certificates do not tell that yet")
         if rest.since is not None:
             raise CertificateError(
                 f"{rest.circle} bounces on {rest.wall} infinitely often before it settles, and the run goes on: "

@@ -197,6 +197,8 @@ def step_of(data: Written) -> Step:
             return Settle(body, wall, slides)
         case ["settle", int(body), int(wall), bool(slides), bool(bounces)]:
             return Settle(body, wall, slides, bounces)
+        case ["settle", int(body), int(wall), bool(slides), bool(bounces), int(other)]:
+            return Settle(body, wall, slides, bounces, other)
         case ["lift", int(body)]:
             return Lift(body)
         case ["flip"]:
@@ -296,7 +298,7 @@ CLASSES = (
     "exact.flight_formulas:FallSpeed",
     "exact.replay.contact:Gravity",
     "exact.simulation.decider:RunLog",
-    "exact.simulation.endings:Accumulating",
+    "exact.simulation.policies:Accumulating",
     "exact.exact_motion:TimeFormula",
     "exact.exact_motion:ExactValue",
     "exact.simulation.instant:Instant",

@@ -12,9 +12,9 @@ from ...exact.exact_motion import ExactMotion, ExactValue, TimeFormula, ending_o
 from ...exact.replay.contact import AtWall, Entry, can_push
 from ...exact.replay.state import Constant
 from ...exact.simulation.decider import Limits, Mark, RunLog
-from ...exact.simulation.endings import Accumulating
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.loop import Found, Reached, Tape
+from ...exact.simulation.policies import Accumulating
 from ...scenarios.disk import InSchema, Seal, fits, text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json

@@ -313,7 +313,7 @@ class Left:
         more = [e for k, e in enumerate(run.events) if k not in self.events and float(e.time) <= time]
         busy = {name for event in more for pair in event.impulses for name in pair}
         names = [str(circle.id) for circle in run.scene.circles]
-        rows = run.at(time).circles
+        rows = run.at(time if time < float(run.final_time) else run.final_time).circles
         return {
             place: (float(row.x), float(row.y), float(row.vx), float(row.vy))
             for place, row in enumerate(rows)

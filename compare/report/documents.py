@@ -49,7 +49,7 @@ FORMS = {
     "scenarios.trajectory:Event": "index time contacts impulses ties? coupled? rests_on?",
     "scenarios.trajectory:Reversal": "after time",
     "scenarios.trajectory:Pocketing": "circle pocket time",
-    "scenarios.trajectory:Settling": "circle wall time since?",
+    "scenarios.trajectory:Settling": "circle wall time since? other?",
     "scenarios.trajectory:State": "time circles",
     "scenarios.trajectory:CircleState": "id x y vx vy",
     "scenarios.trajectory:Trajectory": "scene engine stop ending? certified collisions events final plan reversal? "

@@ -180,7 +180,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
         less = "" if scene.elastic else ", less what contacts lost"
         say(out, f"energy: {what} brought in {energy_gained(trajectory):.9g}{less}")
     for settled in trajectory.settlings:
-        told = f"settled: {settled.circle} on {settled.wall} at time {number(settled.time, exact)}"
+        told = f"settled: {settled.circle} {settled.where} at time {number(settled.time, exact)}"
         if settled.since is not None:
             told += f", after infinitely many bounces; none is listed after time {number(settled.since, exact)}"
         say(out, told)

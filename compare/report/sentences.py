@@ -384,7 +384,7 @@ def settled_phrase(comparison: Comparison) -> str:
     'sitter on floor at time 0.774596669, slider on floor at time 1; the same in double'
     """
     reference, same, late, others = comparison.reference, list[str](), list[str](), list[str]()
-    rows = [f"{s.circle} on {s.wall} at time {float(s.time):.9g}" for s in reference.settlings]
+    rows = [f"{s.circle} {s.where} at time {float(s.time):.9g}" for s in reference.settlings]
     for candidate in comparison.candidates:
         if comparison.scene.settle and not candidate.unable:
             apart = _settles_apart(comparison, candidate)
@@ -411,7 +411,7 @@ def _settles_apart(comparison: Comparison, candidate: Candidate) -> float | None
     end = min([*ends, *(time for time in times if time is not None)]) * SETTLED_BY
     apart: float | None = None
     for circle in map(str, comparison.scene.ids):
-        rows = ([(s.wall, float(s.time)) for s in run.settlings if s.circle == circle] for run in runs)
+        rows = ([({s.wall, s.other}, float(s.time)) for s in run.settlings if s.circle == circle] for run in runs)
         for both in zip_longest(*rows):
             known = [row for row in both if row is not None]
             first, last = min(time for _, time in known), max(time for _, time in known)

@@ -25,8 +25,10 @@ from ..question import BeforeTime, Decision, Moment, Question, Sooner
 from ..replay.contact import Body, Entry, Link
 from ..replay.landings import ExactMoment, exact_moment, order_exactly
 from ..replay.refinable import RefinableState
+from ..replay.round_falls import QUARTIC
 from ..replay.state import ReplayState, Step, causal_past, replay, step_units
-from ..simulation.endings import Accumulating, Rows
+from ..simulation.endings import Rows
+from ..simulation.policies import Accumulating
 from .filtered import QUICK_BITS
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.
@@ -303,10 +305,11 @@ second and seven half of one; longer numbers take more, so the work is bounded t
 
 @frozen
 class Hopeless:
-    """A past that could not be replayed, and the work that did not suffice; None: no work does, it is too deep."""
+    """A past that could not be replayed, and the work that did not suffice; None: no work does. And why not."""
 
     past: frozenset[int]
     work: int | None
+    why: str
 
 
 class NestedRoots:
@@ -331,14 +334,15 @@ class NestedRoots:
         allowed = 0 if work.limit is None else work.limit - work.spent
         for known in self._hopeless:
             if known.past <= past and (known.work is None or known.work >= allowed):
-                return None, "its past holds one that was too deep for nested square roots"
+                return None, f"its past holds {known.why}"
         numbers = NestedNumbers(MAX_DEPTH, work)
         try:
             state = ReplayState(self.scene, numbers, only=bodies)
             replay(state, steps, needed)
             return sign_of_root_sum(*question.sum_of_roots(state)), ""
         except TowerLimit as limit:
-            self._hopeless.append(Hopeless(past, allowed if work.is_spent else None))
+            why = QUARTIC if str(limit) == QUARTIC else "one that was too deep for nested square roots"
+            self._hopeless.append(Hopeless(past, allowed if work.is_spent else None, why))
             return None, f"nested square roots: {limit}"
 
 

@@ -256,10 +256,10 @@ class CentredState(BallState):
         self.loosen()
         super().take(index)
 
-    def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
+    def settle(self, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
         """As `State.settle`."""
         self.loosen()
-        super().settle(index, wall, slides, bounces)
+        super().settle(index, wall, slides, bounces, other)
 
     def lift(self, index: int) -> None:
         """As `State.lift`; what the law of the meeting told is of the flight before."""

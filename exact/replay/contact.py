@@ -661,6 +661,11 @@ class Gravity(NamedTuple, Generic[N]):
     hy: N
     bent: bool
 
+    @property
+    def upward(self) -> tuple[N, N]:
+        """What is against gravity, and as long."""
+        return -(self.hx + self.hx), -(self.hy + self.hy)
+
     def half(self, axis: int) -> N:
         """Half of gravity along x (0) or y (1)."""
         return self.hx if axis == 0 else self.hy

@@ -159,7 +159,7 @@ class RefinableState:
         if other is None or other.falling is None or not isinstance(step, Settle | Lift | Take):
             return
         other.pegs = other.pegs - {step.body} if isinstance(step, Lift) else other.pegs | {step.body}
-        if isinstance(step, Settle) and not other.sides.level(step.wall):
+        if isinstance(step, Settle) and step.other < 0 and not other.sides.level(step.wall):
             other.slopes = {**other.slopes, step.body: step.wall}
 
     def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:

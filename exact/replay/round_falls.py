@@ -15,8 +15,8 @@ from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..compiled import predictions
-from ..laws.formulas import advance
-from ..numbers.ball import LeavesField, bits_in_use, sign_of
+from ..laws.formulas import advance, fall_discriminant, fall_time, fall_time_back
+from ..numbers.ball import LeavesField, bits_in_use, field_sign, sign_of
 from ..numbers.system import N
 from .contact import (
     AtArc,
@@ -492,6 +492,9 @@ def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     raise AssertionError("a polynomial has more zeros than its degree: a defect")
 
 
+QUARTIC = "the time at which a circle falls onto something round, which is a zero of a quartic"
+"""What has no closed form, in words."""
+
 # -- The same in a state: which contacts it concerns, and where the two are.
 
 
@@ -545,6 +548,7 @@ class RoundFalls(Generic[N]):
     scene: Scene
     zero: N
     constant: Callable[[Quantity], N]
+    root: Callable[[N], N]
     falling: Gravity[N] | None
     bodies: dict[int, Body[N]]
     pockets: list[Body[N]]
@@ -655,18 +659,42 @@ class RoundFalls(Generic[N]):
     # -- when they meet
 
     def peg_hit(self, link: Round) -> tuple[N, N]:
-        """As `Flights.round_hit`: in closed numbers there is none.
+        """As `Flights.round_hit`: in closed numbers there is none, but for what falls straight onto the middle.
 
         Raises:
             LeavesField, TowerLimit, NoClosedForm: by the kind of the numbers.
         """
-        return self.no_closed_form()
+        gap, approach, half = self.axial_fall(link)
+        root, clock = self.root(fall_discriminant(gap, approach, half)), self.faller(link).flight.t
+        back = field_sign(half) < 0  # pyright: ignore[reportArgumentType]
+        return clock, fall_time_back(approach, half, root) if back else fall_time(gap, approach, root)
+
+    def axial_fall(self, link: Round) -> tuple[N, N, N]:
+        """Of a circle that falls along the line through the middle of another: gap, approach, half of the pull.
+
+        There d, v and h, half of gravity, are parallel, and |d + v s - h s^2| = R, times |h|, is of second degree.
+
+        Raises:
+            LeavesField, TowerLimit, NoClosedForm: as `peg_hit`, of any other.
+        """
+        if not is_pair(link) or not isinstance(self.zero, fmpq | Element):
+            self.no_closed_form()
+        dx, dy, vx, vy, hx, hy, reach = self.peg_fall_at_clock(link)
+        along, speed, square = dx * hx + dy * hy, vx * hx + vy * hy, hx * hx + hy * hy
+        aside = field_sign(dx * hy - dy * hx) or field_sign(vx * hy - vy * hx)  # pyright: ignore[reportArgumentType]
+        side = field_sign(along)  # pyright: ignore[reportArgumentType]
+        if aside or not side:
+            self.no_closed_form()
+        gap = (along if side > 0 else -along) - reach * self.root(square)
+        approach, half = (speed, -square) if side > 0 else (-speed, square)
+        if side < 0 and not (field_sign(approach) < 0 < field_sign(fall_discriminant(gap, approach, half))):  # pyright: ignore
+            self.no_closed_form()
+        return gap, approach, half
 
     def no_closed_form(self) -> NoReturn:
         """What a zero of a quartic is, in numbers that have square roots alone."""
-        told = "the time at which a circle falls onto something round is a zero of a quartic"
         if isinstance(self.zero, fmpq):
             raise LeavesField
         if isinstance(self.zero, Element):
-            raise TowerLimit(told)
-        raise NoClosedForm(f"{told}, and none of square roots: ask for `digits` or `ball`")
+            raise TowerLimit(QUARTIC)
+        raise NoClosedForm(f"{QUARTIC}, and none of square roots: ask for `digits` or `ball`")

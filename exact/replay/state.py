@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, TypeAlias
 from flint import arb
 
 from ...scenarios.lazy import frozen
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity, Real
 from ...scenarios.scene import Scene
 from ...scenarios.things import Pocket
+from ...scenarios.trajectory import Settling
 from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
+    fall_discriminant,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -26,7 +28,22 @@ from ..laws.formulas import (
     wall_bounce,
 )
 from ..numbers.system import Arithmetic, N, solve_positive
-from .contact import AtArc, AtWall, Body, Entry, Flight, Gravity, Link, Pair, Relation, Round, Sides, Touch, can_push
+from .contact import (
+    AtArc,
+    AtWall,
+    Body,
+    Entry,
+    Flight,
+    Gravity,
+    Link,
+    Pair,
+    Relation,
+    Round,
+    Sides,
+    Touch,
+    can_push,
+    contact_of,
+)
 from .round_falls import RoundFalls
 from .wall_flights import WallFlights
 
@@ -85,12 +102,20 @@ class Settle(NamedTuple):
         wall: what carries it: a wall across gravity, or a slope.
         slides: whether it moves along the wall.
         bounces: whether infinitely many bounces on it come before, of which nothing but the speed of the first is kept.
+        other: the other wall of two slopes that hold it between them; below 0 where one carries it.
     """
 
     body: int
     wall: int
     slides: bool
     bounces: bool = False
+    other: int = -1
+
+    def told(self, scene: Scene, time: Real, since: Real | None) -> Settling:
+        """As a run's record, of a time."""
+        circle, wall = contact_of(scene, AtWall(self.body, self.wall))
+        other = contact_of(scene, AtWall(self.body, self.other)).second if self.other >= 0 else None
+        return Settling(circle, wall, time, since, other)
 
 
 class Lift(NamedTuple):
@@ -327,7 +352,10 @@ class Flights(RoundFalls[N], WallFlights[N]):
     def round_parts(self, link: Round) -> tuple[N, N, N]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
         if self.curved and self.stands and self.on_peg(link):
-            return self.no_closed_form()
+            gap, approach, half = self.axial_fall(link)
+            pull = half + half
+            t, disc = self.faller(link).flight.t, fall_discriminant(gap, approach, half)
+            return t - approach / pull, -(self.one / pull), disc
         t, dx, dy, vx, vy, reach = self.relation(link)
         a = vx * vx + vy * vy
         disc = pair_discriminant(dx, dy, vx, vy, reach)

@@ -42,6 +42,15 @@ Rows: TypeAlias = "Sequence[tuple[arb, arb, arb, arb]]"
 # the speed relative to it.
 
 
+class Rebounds(NamedTuple, Generic[N]):
+    """Infinitely many bounces, from the first of them on: along which normal, how fast after that one, and when."""
+
+    nx: N
+    ny: N
+    speed: N
+    start: N
+
+
 class SeenWall(NamedTuple, Generic[N]):
     """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
 
@@ -179,7 +188,7 @@ class WallFlights(Generic[N]):
     falling: Gravity[N] | None
     drifts: dict[int, tuple[N, N]]
     slopes: dict[int, int]
-    bounced: dict[int, tuple[tuple[int, N, N], ...]]
+    bounced: dict[int, tuple[Rebounds[N], ...]]
     paces: dict[int, tuple[N, N]]
     _lines: dict[int, tuple[SeenWall[N], SeenWall[N]]]
 
@@ -360,16 +369,23 @@ class WallFlights(Generic[N]):
         """The circles that slide down slopes, with half of what there is of gravity along those."""
         return {i: bend for i in self.slopes if (bend := self.bend(i)) is not None}
 
-    def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
+    def settle(self, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
         """Has a wall carry a body; its velocity across the wall, which is zero, is left out.
 
         A wall that is a slope bears all of gravity but what there is along it. Of a body that bounces on it infinitely
-        often, ever lower, the wall, that velocity and the time are noted, for each time that it does.
+        often, ever lower, the normal, the speed along that and the time are noted, for each time that it does; between
+        two slopes, straight up.
         """
         body, zero = self.bodies[index], self.zero
         if bounces:
             known = self.bounced.get(index, ())
-            row = wall, self.wall_approach(AtWall(index, wall)), body.flight.instant
+            if other < 0:
+                line, speed = self.line(index, wall), self.wall_approach(AtWall(index, wall))
+                row = Rebounds(line.nx, line.ny, speed, body.flight.instant)
+            else:
+                assert self.falling is not None
+                (nx, ny), (*_, vx, vy) = self.falling.upward, self.true_row(body)
+                row = Rebounds(nx, ny, nx * vx + ny * vy, body.flight.instant)
             self.bounced = {**self.bounced, index: (*known, row)}
         _, _, _, _, t, instant, late, last, _ = body.flight
         x, y, vx, vy = self.true_row(body)

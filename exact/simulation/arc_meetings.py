@@ -408,6 +408,43 @@ def _time_to_face(predictor: FaceMeetings[M], a: Body[M], link: AtWall, stands: 
 # velocities.
 
 
+def held_between(sides: Sides, i: int, one: int, other: int) -> bool:
+    """Whether two walls bear a circle between them against gravity, which neither does alone.
+
+    Gravity is then -p a - q b with p, q > 0, for their normals a and b to the circle's side.
+
+    >>> from truebreak.scenarios import Circle, Scene, Wall
+    >>> walls = [Wall(0, 0, -4, 3), Wall(0, 0, 4, 3), Wall(0, 0, 0, 1)]
+    >>> sides = Sides(Scene([Circle(0, "5/4")], walls[:2], gravity=(0, -10)))
+    >>> held_between(sides, 0, 0, 1)
+    True
+    >>> sides = Sides(Scene([Circle(1, 2)], walls[1:], gravity=(0, -10)))
+    >>> held_between(sides, 0, 0, 1)
+    False
+    """
+    (ax, ay), (bx, by) = (sides.scene.walls[k].normal for k in (one, other))
+    gx, gy = sides.scene.gravity or (ZERO, ZERO)
+    turn = (ax * by - ay * bx).sign()
+    first, second = (gx * by - gy * bx).sign() * turn, (ax * gy - ay * gx).sign() * turn
+    return first == (1 if sides.negative(i, one) else -1) and second == (1 if sides.negative(i, other) else -1)
+
+
+def borne(sides: Sides, i: int, walls: Sequence[int]) -> tuple[list[int], bool]:
+    """On which of the walls at which it stands a circle lies, and whether it slides along that one.
+
+    If neither a level wall bears it nor two between them, it leaves all but the least steep.
+    """
+    scene, pressed = sides.scene, [k for k in walls if sides.pull(i, k) < 0]
+    if any(held_between(sides, i, *both) for both in combinations(walls, 2)):
+        return pressed, False
+    if any(map(sides.level, pressed)):
+        return [k for k in pressed if sides.level(k)], False
+    gx, gy = scene.gravity or (ZERO, ZERO)
+    normals = {k: scene.walls[k].normal for k in pressed}
+    shares = {k: (nx * gx + ny * gy) ** 2 / (nx * nx + ny * ny) for k, (nx, ny) in normals.items()}
+    return [k for k in pressed if all((shares[k] - share).sign() >= 0 for share in shares.values())], True
+
+
 class Incline:
     """A slope, and where circles are along it, s, downwards, and above it, h: in balls.
 

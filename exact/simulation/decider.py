@@ -29,7 +29,8 @@ from ..question import Decision, Question
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Body, Entry, Link, Sides, Touch
 from ..replay.state import Lift, ReplayState, Settle, Step, Take, causal_past, replay, step_units
-from .endings import Accumulating, Rows
+from .endings import Rows
+from .policies import Accumulating
 from .prediction import Arrival, ArrivalQueue
 
 if TYPE_CHECKING:
@@ -447,7 +448,8 @@ class RunLog:
     def _slopes(self) -> dict[int, tuple[int, int]]:
         """For each circle that slides down a wall for ever, how many steps led to where it does, and that."""
         sides, steps = Sides(self.scene), enumerate(self.steps if self.given.settle else (), start=1)
-        return {s.body: (k, s.wall) for k, s in steps if isinstance(s, Settle) and not sides.level(s.wall)}
+        settled = ((k, s) for k, s in steps if isinstance(s, Settle) and s.other < 0)
+        return {s.body: (k, s.wall) for k, s in settled if not sides.level(s.wall)}
 
     @cached_property
     def _carried(self) -> dict[int, list[tuple[int, bool]]]:

@@ -10,20 +10,19 @@ from typing import NamedTuple
 
 from flint import arb
 
-from ...scenarios.lazy import frozen
 from ...scenarios.numbers.precision import hull
 from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
 from ..laws.formulas import face_along
 from ..numbers import ball
-from ..numbers.system import N, Undecided
+from ..numbers.system import Undecided
 from ..question import Question, Slide
 from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
-from ..replay.state import Constant, Go, Lift, ReplayState, Settle, Step
+from ..replay.state import Constant, Go, Lift, Settle, Step
 from ..replay.wall_flights import Rows
-from .arc_meetings import Incline
-from .policies import Collapse, LineRallies, are_square, may_collapse
+from .arc_meetings import Incline, borne, held_between
+from .policies import Accumulating, Collapse, LineRallies, are_square, may_collapse
 
 # -- A circle that stands at a wall to which gravity pulls it, and neither approaches nor parts, is at rest there. It is
 # no straight flight in the falling frame: the run ends.
@@ -57,6 +56,9 @@ from .policies import Collapse, LineRallies, are_square, may_collapse
 SLIDES = ", a slope, along which it slides"
 """What the stop says of a circle that neither approaches a wall nor parts from it, and does not stay where it is."""
 
+ENDS = ", a face, along which it slides: it would come to its end"
+"""What it says of a level face where a scene may go on with what rests."""
+
 UNPROVED = ": it is not proved that nothing meets it there"
 """What it says besides where a scene may go on with what slides."""
 
@@ -85,35 +87,6 @@ class Rally(NamedTuple):
     since: float
 
 
-@frozen
-class Accumulating:
-    """Computes when the bounces of a circle on a wall end, from the state after one of them; or the hits of `link` and
-    `other` in turns, on one line (see `Collapse`), from the state after one of `link`."""
-
-    link: Touch
-    other: Touch | None = None
-
-    @property
-    def circles(self) -> tuple[int, ...]:
-        """The circle, or all that are hit."""
-        return tuple(dict.fromkeys((*self.link.circles, *(() if self.other is None else self.other.circles))))
-
-    def __call__(self, state: ReplayState[N]) -> N:
-        body = state.bodies[self.link[0]]
-        return body.flight.instant + self.wait(state)
-
-    def wait(self, state: ReplayState[N]) -> N:
-        """How long after the bounce: 2 v / (|n.g| (1 - e)), with v relative to the wall."""
-        if self.other is not None:
-            collapse = Collapse.of(state.scene, self.link, self.other)
-            assert collapse is not None
-            return collapse.wait(state)
-        assert state.falling is not None
-        assert is_flat(self.link)
-        speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
-        return -speed / (half * state.constant(1 - state.scene.restitution))
-
-
 class Carrier:
     """Knows the circles of a run that walls carry.
 
@@ -125,6 +98,7 @@ class Carrier:
     Attributes:
         walls: the circles, with the wall of each.
         away: those that slide down a slope, for ever: they are out of play.
+        leaving: those that slide along a face, to its end, which is not followed.
     """
 
     def __init__(
@@ -136,6 +110,7 @@ class Carrier:
     ) -> None:
         self.walls: dict[int, int] = {}
         self.away: set[int] = set()
+        self.leaving: list[AtWall] = []
         self._scene, self._ask, self._ask_cheaply, self._do = scene, ask, ask_cheaply, do
         self._sides = Sides(scene)
         self._changed: set[int] = set()
@@ -172,18 +147,23 @@ class Carrier:
                 self._changed.add(i)
 
     def settle(self, standing: Mapping[Link, int]) -> list[AtWall]:
-        """Has walls carry the circles that neither approach them nor part, where they can; what these are.
+        """Has walls carry the circles that neither approach them nor part, where they can; the contacts that last so.
+
+        One that lies still does not leave any wall at which it stands.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
-
-        Raises:
-            Undecided: for one that slides along a face, which ends.
         """
-        found = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link) and self.carries(link))
-        for link in found:
-            self.carry(link)
-        return found
+        flat = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link))
+        found = [link for link in flat if self.carries(link)]
+        still = {link.circle for link in found if not self.carry(link)}
+        for one, other in combinations(flat, 2):
+            i = one.circle
+            free = i not in self.walls and i not in self.away and i not in self._scene.pegs
+            if free and i == other.circle and held_between(self._sides, i, one.wall, other.wall):
+                self._hold(i, one.wall, other.wall)
+                still.add(i)
+        return found + [link for link in flat if link.circle in still and link not in found]
 
     def slide(
         self, standing: Mapping[Link, int], fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]
@@ -206,7 +186,7 @@ class Carrier:
                 done.append(i)
         return done
 
-    def calm(self, link: AtWall, fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]) -> bool:
+    def calm(self, link: AtWall, other: int, fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]) -> bool:
         """Has a wall carry a circle that bounces on it infinitely often and meets nothing else meanwhile, if it can.
 
         That is done at the instant at which the circle stands, after one of these bounces: until they have come to
@@ -214,9 +194,13 @@ class Carrier:
 
         Args:
             link: the two.
+            other: the other wall, of two that hold it; below 0 elsewhere.
             fallen, steps: see `slide`.
         """
         i, wall = link.circle, link.wall
+        if other >= 0:
+            self._hold(i, wall, other, bounces=True)
+            return True
         if not self._sides.level(wall):
             if wall in self._scene.faces or not self._is_alone(link, fallen(i)[1], steps):
                 return False
@@ -237,24 +221,23 @@ class Carrier:
         known = link.circle in self.walls or link.circle in self._scene.pegs
         return not known and self._sides.pull(*link[:2]) < 0 and self._sides.level(link.wall)
 
-    def carry(self, link: AtWall, *, bounces: bool = False) -> None:
-        """Has a wall carry a circle, perhaps after infinitely many bounces.
+    def _hold(self, i: int, wall: int, other: int, *, bounces: bool = False) -> None:
+        """Has two slopes hold a circle between them."""
+        self._do(Settle(i, wall, False, bounces, other))
+        self.walls[i] = wall
+        self._changed.add(i)
 
-        Raises:
-            Undecided: for one that slides along a face, which ends.
-        """
-        if link.wall not in self._scene.faces:
-            slides = self._ask_cheaply(Slide(link)) != 0
-        elif self._ask(Slide(link)) == 0:
-            slides = False
+    def carry(self, link: AtWall, *, bounces: bool = False) -> bool:
+        """Has a wall carry a circle, perhaps after infinitely many bounces; whether it may slide along it."""
+        if link.wall in self._scene.faces:
+            slides = self._ask(Slide(link)) != 0
+            self.leaving += [link] if slides else []
         else:
-            raise Undecided(
-                f"{name_of(self._scene, link)} neither approach nor part, under gravity, and the one slides along the "
-                "other, which ends: that is not followed"
-            )
+            slides = self._ask_cheaply(Slide(link)) != 0
         self._do(Settle(link.circle, link.wall, slides, bounces))
         self.walls[link.circle] = link.wall
         self._changed.add(link.circle)
+        return slides
 
 
 class Endings:
@@ -262,14 +245,15 @@ class Endings:
 
     Args:
         scene: what runs, under gravity, with walls that move, or a restitution below 1.
+        together: whether contacts of one instant push together, not one by one.
 
     Attributes:
         found: the bounces that were proved to end, or when a circle is crushed.
         closes: whether surfaces may close and leave a circle no room.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, together: bool) -> None:
+        self.scene, self._together = scene, together
         self.found: Accumulating | Constant | None = None
         self._closing = {closing.circle: closing for closing in scene.closing}
         self.closes = bool(self._closing or scene.moving_ends)
@@ -278,6 +262,7 @@ class Endings:
         self._pinches: dict[tuple[int, int, int], Squeeze | None] = {}
         self._sides = Sides(scene)
         self._rows: dict[int, dict[int, int]] = {}
+        self._pairs: dict[int, tuple[int, int, int]] = {}
         self.lines = LineRallies(scene) if may_collapse(scene) else None
         self._marks: list[tuple[int, float]] = []
         self._stuck = 0, 0.0
@@ -286,17 +271,17 @@ class Endings:
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
-    def at_rest(self, standing: Mapping[Link, int], carried: Collection[int] = ()) -> str | None:
+    def at_rest(self, standing: Mapping[Link, int], carrier: Carrier | None = None) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
-            carried: the circles that walls carry: these stand, as fixed ones do.
+            carrier: knows the circles that walls carry: these stand, as fixed ones do.
 
         Raises:
             Undecided: where one stands on, or flies along, something round that stands.
         """
-        stands = self.scene.pegs.union(carried)
+        stands = self.scene.pegs.union(() if carrier is None else carrier.begun)
         for link, sign in standing.items():
             round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
             if sign == 0 and round_one and self.scene.gravity is not None:
@@ -306,42 +291,51 @@ class Endings:
                     "rests on the other, slides along it or flies off is not followed"
                 )
         slides = SLIDES + (UNPROVED if self.scene.settle else "")
-        rests = [
-            link
-            for link, sign in standing.items()
-            if sign == 0 and is_flat(link) and self._sides.pull(*link[:2]) < 0 and link.circle not in stands
-        ]
-        held = Counter(link.circle for link in rests)  # by two walls or more: it slides along none
-        names = [
-            name_of(self.scene, link) + ("" if self._sides.level(link.wall) or held[link.circle] > 1 else slides)
-            for link in rests
+        walls: dict[int, list[int]] = {}
+        for link, sign in standing.items():
+            if sign == 0 and is_flat(link) and link.circle not in stands:
+                walls.setdefault(link.circle, []).append(link.wall)
+        names = [name_of(self.scene, link) + ENDS for link in (() if carrier is None else carrier.leaving)]
+        names += [
+            name_of(self.scene, AtWall(i, wall)) + (slides if goes else "")
+            for i, row in walls.items()
+            for on, goes in (borne(self._sides, i, row),)
+            for wall in on
         ]
         return " as well as ".join(sorted(names)) or None
 
-    def bounced(self, impulses: Iterable[Touch]) -> list[AtWall]:
+    def bounced(self, impulses: Iterable[Touch]) -> list[tuple[AtWall, int]]:
         """Notes the impulses of an event; the contacts whose bounces have shrunk enough to be looked at.
 
         A wall at right angles to another leaves the speed towards that as it is: where circles settle, both count.
+        With each comes the other wall, below 0 elsewhere, of two that hold the circle between them, where it bounces on
+        both at once, a second time: it is as fast away from one, for what pulls it there, as from the other, and so it
+        flies straight up. Both push, as -g lies between their normals, and it is as straight up after that.
         """
-        links, rows = [*impulses], self._rows
-        shares = Counter(i for link in links for i in link.circles)
-        found: list[AtWall] = []
-        for link in links:
-            if is_flat(link) and shares[link.circle] == 1:
-                i, wall = link.circle, link.wall
-                counts = {
-                    k: n
-                    for k, n in rows.get(i, {}).items()
-                    if k == wall or (self.scene.settle and are_square(self.scene, k, wall))
-                }
-                if self._sides.pull(i, wall) < 0:
-                    counts[wall] = counts.get(wall, 0) + 1
-                    if self._enough is not None and counts[wall] > self._enough:
-                        found.append(link)
-                rows[i] = counts
-            else:
-                for i in link.circles:
-                    rows.pop(i, None)
+        mine: dict[int, list[Touch]] = {}
+        for link in impulses:
+            for i in link.circles:
+                mine.setdefault(i, []).append(link)
+        found: list[tuple[AtWall, int]] = []
+        for i, links in mine.items():
+            before, pair = self._rows.pop(i, {}), self._pairs.pop(i, None)
+            walls = [link.wall for link in links if is_flat(link)]
+            if len(walls) < len(links) or self._enough is None:
+                continue
+            if len(walls) == 1:
+                wall = walls[0]
+                square = {k: n for k, n in before.items() if self.scene.settle and are_square(self.scene, k, wall)}
+                self._rows[i] = counts = {**square, wall: before.get(wall, 0) + (self._sides.pull(i, wall) < 0)}
+                if counts[wall] > self._enough:
+                    found.append((AtWall(i, wall), -1))
+            elif len(walls) == 2:
+                one, other = sorted(walls)
+                as_before = self._together or are_square(self.scene, one, other)
+                if one != other and as_before and held_between(self._sides, i, one, other):
+                    count = pair[2] if pair is not None and pair[:2] == (one, other) else 0
+                    self._pairs[i] = one, other, count + 1
+                    if count >= self._enough:
+                        found.append((AtWall(i, one), other))
         return found
 
     def crushed(self, links: Iterable[Touch]) -> Squeeze | None:
@@ -487,20 +481,20 @@ class Endings:
         end = start + (nx * -mx - ny * my)
         return bool(start < place < end) or bool(end < place < start)
 
-    def ends(self, link: AtWall, now: arb, wait: arb, rows: Rows, lasting: Collection[Touch] = ()) -> bool:
+    def ends(self, link: AtWall, other: int, now: arb, wait: arb, rows: Rows, lasting: Collection[Touch] = ()) -> bool:
         """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then.
 
         Args:
             link: the circle and the wall.
+            other: the other wall, of two that hold it; below 0 elsewhere.
             now, wait: the instant, and how long after it they end.
             rows: where all circles are.
             lasting: contacts that last: along a wall at right angles to the other a circle goes on.
         """
         beside = {k.wall for k in lasting if is_flat(k) and k.circle == link.circle}
+        square = {k for k in beside if other < 0 and are_square(self.scene, k, link.wall)}
         with ball.precision(PROOF_BITS):
-            return self._meets_nothing(
-                link, now, wait, rows, {k for k in beside if are_square(self.scene, k, link.wall)}
-            )
+            return self._meets_nothing(link, now, wait, rows, square | {other})
 
     def collapses(self, collapse: Collapse, wait: arb, rows: Rows) -> bool:
         """Whether three bodies on a line, right after a hit, surely hit each other for so long, and nothing else.
@@ -608,20 +602,23 @@ class Endings:
                 reach = (radii[i] + way + drift * wait) * length
                 if abs(nx * (x - x0) + ny * (y - y0)) > reach:
                     continue
-                clear = self._is_clear_of(k, link.wall, x - ux * now, y - uy * now, (way + drift * wait) * length)
+                clear = self._is_clear_of(
+                    k, {link.wall, *beside}, x - ux * now, y - uy * now, (way + drift * wait) * length
+                )
                 if k not in self.scene.faces or not clear:
                     return False
         return True
 
-    def _is_clear_of(self, face: int, own: int, x: arb, y: arb, way: arb) -> bool:
-        """Whether a circle that bounces on one face, and is far from its ends, surely does not come to be over another.
+    def _is_clear_of(self, face: int, own: Collection[int], x: arb, y: arb, way: arb) -> bool:
+        """Whether a circle that stands on some faces, and is far from their ends, surely does not come to be over
+        another.
 
         Places are as seen from where the other was at time 0. Not the other side of the same segment: while it is over
         its own it stays on that side. Nor one before whose start, or beyond whose end, it is by more than its way, in
         the scale of `formulas.face_along`.
         """
         sides = self.scene.two_sided
-        if face in sides and own in sides and (face - sides.start) ^ 1 == own - sides.start:
+        if face in sides and sides.start + ((face - sides.start) ^ 1) in own:
             return True
         wall = self.scene.walls[face]
         nx, ny, x0, y0 = (ball.constant(q) for q in (*wall.normal, wall.x0, wall.y0))

@@ -33,9 +33,9 @@ from ..replay.contact import (
 )
 from ..replay.state import Constant
 from .decider import Decider, History, K, Limits, Ordinary, Reading
-from .endings import Accumulating, Endings
+from .endings import Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
-from .policies import Collapse, Policy, policy_for
+from .policies import Accumulating, Collapse, Policy, policy_for
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -215,7 +215,7 @@ class Loop(Generic[N, K]):
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
         self.tape = Tape(limits)
         straight = scene.gravity is None and not scene.moving_walls
-        self.endings = None if straight and scene.elastic else Endings(scene)
+        self.endings = None if straight and scene.elastic else Endings(scene, not self.resolver.policy.chooses_order)
         self._loses = straight and not scene.elastic
         self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
@@ -426,16 +426,18 @@ class Loop(Generic[N, K]):
         told = f"{StopReason.CRUSHED.value}: {who} between {one} and {other} at {float(closing.time):.12g}"
         self._ended = Stop(StopReason.CRUSHED, told)
 
-    def _calmed(self, link: AtWall, instant: Instant, done: Resolved[K]) -> bool:
-        """Whether a wall carries a circle from now on that bounces on it infinitely often, and meets nothing else."""
+    def _calmed(self, link: AtWall, other: int, instant: Instant, done: Resolved[K]) -> bool:
+        """Whether a wall, or one and another, carry a circle from now on that bounces there infinitely often, and meets
+        nothing else."""
         carrier, more = self.resolver.carrier, Resolved[K](done.number, moved={link.circle})
-        if carrier is None or not carrier.calm(link, self.decider.reading.fallen, self.history.steps):
+        if carrier is None or not carrier.calm(link, other, self.decider.reading.fallen, self.history.steps):
             return False
         if link.circle in carrier.away:
             self.resolver.leave(link.circle, done)
         else:
-            self.resolver.touching.add(link)
-            done.standing[link] = 0
+            for wall in [link.wall, *([other] if other >= 0 else [])]:
+                self.resolver.touching.add(AtWall(link.circle, wall))
+                done.standing[AtWall(link.circle, wall)] = 0
         more.moved |= carrier.anchored(done.moved | done.advanced)
         assert self.history.last is not None
         last = self.history.last._replace(step=len(self.history.steps))  # kept if the run is cut short after it
@@ -449,20 +451,20 @@ class Loop(Generic[N, K]):
         endings = self.endings
         if endings is None or self._ended is not None:
             return
-        carrier = self.resolver.carrier
-        resting = endings.at_rest(standing, () if carrier is None else carrier.begun)
+        resting = endings.at_rest(standing, self.resolver.carrier)
         if resting is not None:
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return
         for _, _, impulses, _, _ in done.events:
-            for link in endings.bounced(impulses):
+            for link, other in endings.bounced(impulses):
                 time, rows = self.decider.reading.fallen(link.circle)
                 wait = self.decider.reading.bounces(Accumulating(link))
-                if endings.ends(link, time, wait, rows, self.resolver.touching.all()) and not self._calmed(
-                    link, instant, done
-                ):
-                    endings.found = Accumulating(link)
-                    told = f"{StopReason.ACCUMULATION.value}: {name_of(self.scene, link)} by {float(time + wait):.12g}"
+                lasting = self.resolver.touching.all()
+                ends = endings.ends(link, other, time, wait, rows, lasting)
+                if ends and not self._calmed(link, other, instant, done):
+                    endings.found, both = Accumulating(link), [link.wall, *([other] if other >= 0 else [])]
+                    names = " as well as ".join(name_of(self.scene, AtWall(link.circle, wall)) for wall in both)
+                    told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"
                     self._ended = Stop(StopReason.ACCUMULATION, told)
                     return
         if endings.lines is not None:

@@ -445,6 +445,35 @@ class Collapse:
         return gap / -(q + state.constant(self.share) * p)
 
 
+@frozen
+class Accumulating:
+    """Computes when the bounces of a circle on a wall end, from the state after one of them; or the hits of `link` and
+    `other` in turns, on one line (see `Collapse`), from the state after one of `link`."""
+
+    link: Touch
+    other: Touch | None = None
+
+    @property
+    def circles(self) -> tuple[int, ...]:
+        """The circle, or all that are hit."""
+        return tuple(dict.fromkeys((*self.link.circles, *(() if self.other is None else self.other.circles))))
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        body = state.bodies[self.link[0]]
+        return body.flight.instant + self.wait(state)
+
+    def wait(self, state: ReplayState[N]) -> N:
+        """How long after the bounce: 2 v / (|n.g| (1 - e)), with v relative to the wall."""
+        if self.other is not None:
+            collapse = Collapse.of(state.scene, self.link, self.other)
+            assert collapse is not None
+            return collapse.wait(state)
+        assert state.falling is not None
+        assert is_flat(self.link)
+        speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
+        return -speed / (half * state.constant(1 - state.scene.restitution))
+
+
 def _others_share(scene: Scene, link: Touch, middle: int) -> Quantity:
     """The inverse mass of the other one of a contact."""
     return ZERO if is_flat(link) else scene.circles[link[0] if link[1] == middle else link[1]].inverse_mass

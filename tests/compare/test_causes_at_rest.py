@@ -11,7 +11,7 @@ from refuting import ARITHMETIC, FLIGHTS, INPUT, Said, refute, settled
 
 from truebreak.compare import compare, engine
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes.stops import exact_zero
+from truebreak.compare.causes.other_settings import exact_zero
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, plain
 from truebreak.scenarios import Circle, Scene, Wall
@@ -118,8 +118,8 @@ def test_no_margin_is_read_off_flights_that_do_not_fall() -> None:
 @pytest.mark.parametrize("factor", [0.0, 0.5])
 def test_a_law_that_is_broken_by_what_is_carried_outranks_all(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
     class Braked(plain.PlainState[Any]):
-        def settle(self, index: int, wall: int, slides: bool, bounces: bool) -> None:
-            super().settle(index, wall, slides, bounces)
+        def settle(self, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
+            super().settle(index, wall, slides, bounces, other)
             flight = self.bodies[index].flight
             self.bodies[index].flight = flight._replace(vx=flight.vx * factor)
 

@@ -107,7 +107,7 @@ def test_an_account_without_time_is_not_tried(monkeypatch: pytest.MonkeyPatch) -
     [("step", CauseName.STEP), ("tunnelling", CauseName.TUNNELLING), ("iterations", CauseName.ITERATIONS)],
 )
 def test_what_of_a_step_was_not_tried_says_so(where: str, cause: CauseName, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(f"{ROOM}.finer_steps.{where}", over)
+    monkeypatch.setattr(f"{ROOM}.other_settings.{where}", over)
     found, candidate = told("pymunk")
     assert candidate.diagnosis is not None
     assert results(candidate)[cause] == NO_TIME

@@ -154,14 +154,14 @@ def test_a_proof_that_nothing_comes_between_counts_whoever_is_near():
     link = next(iter(ExactEngine().run(scene.with_changes(circles=[Circle(0, 2)])).motion.log.steps)).source
     assert link.wall == 0
     still = [(arb(0), arb(1), arb(0), arb(1)), (arb(9), arb(1), arb(0), arb(0))]
-    endings = Endings(scene)
-    assert endings.ends(link, arb(0), arb("0.01"), still)
-    assert not endings.ends(link, arb(0), arb(10), still)  # by then the other may have come
+    endings = Endings(scene, True)
+    assert endings.ends(link, -1, arb(0), arb("0.01"), still)
+    assert not endings.ends(link, -1, arb(0), arb(10), still)  # by then the other may have come
     quick = [still[0], (arb(9), arb(1), arb(-800), arb(0))]
-    assert not endings.ends(link, arb(0), arb("0.01"), quick)
+    assert not endings.ends(link, -1, arb(0), arb("0.01"), quick)
     near = [(arb(-2), arb(1), arb("-0.5"), arb(1)), still[1]]
-    assert not endings.ends(link, arb(0), arb("0.01"), near)  # it touches the wall on its left
-    assert not endings.ends(link, arb(0), arb.nan(), still)
+    assert not endings.ends(link, -1, arb(0), arb("0.01"), near)  # it touches the wall on its left
+    assert not endings.ends(link, -1, arb(0), arb.nan(), still)
 
 
 def test_a_circle_that_stands_on_a_wall_ends_the_run_by_name():

@@ -175,8 +175,8 @@ def test_a_corner_and_a_platform_hold_what_comes_to_rest() -> None:
     assert [(s.circle, s.wall) for s in run.settlings] == [("ball", "platform")]
     sliding = scene.with_changes(circles=[Circle(0, 9, vx=1, id="ball")])
     stopped = ExactEngine().run(sliding, until=9).stop
-    assert stopped.reason is StopReason.UNDECIDED
-    assert "the one slides along the other, which ends" in stopped.message
+    assert stopped.reason is StopReason.REST
+    assert stopped.message.endswith("ball and platform, a face, along which it slides: it would come to its end")
 
 
 def test_a_slope_and_a_stack_end_by_name() -> None:
@@ -459,13 +459,13 @@ def _forgets_its_velocity(self: ReplayState, index: int) -> None:
     LIFT(self, index)
 
 
-def _slides_backwards(self: ReplayState, index: int, wall: int, slides: bool, bounces: bool) -> None:
+def _slides_backwards(self: ReplayState, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
     SETTLE(self, index, wall, slides, bounces)
     body = self.bodies[index]
     body.flight = body.flight._replace(vx=-body.flight.vx)
 
 
-def _keeps_falling(self: ReplayState, index: int, wall: int, slides: bool, bounces: bool) -> None:
+def _keeps_falling(self: ReplayState, index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
     SETTLE(self, index, wall, slides, bounces)
     body = self.bodies[index]
     body.flight = body.flight._replace(vy=self.one / (self.one + self.one))
@@ -592,7 +592,7 @@ def test_in_the_mirror_in_another_order_and_frame_all_is_the_same() -> None:
     assert min(counts[name] for name in ("mirrored", "reversed", "moving")) > 0
 
 
-def _sinks(self: PlainState[Any], index: int, wall: int, slides: bool, bounces: bool) -> None:
+def _sinks(self: PlainState[Any], index: int, wall: int, slides: bool, bounces: bool, other: int = -1) -> None:
     PLAIN_SETTLE(self, index, wall, slides, bounces)
     body = self.bodies[index]
     body.flight = body.flight._replace(y=body.flight.y + self.one)

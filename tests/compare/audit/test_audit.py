@@ -19,7 +19,8 @@ from audit.planted import FAULTS, Planted
 from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.compare.audit.passages import FEW, passages
-from truebreak.compare.audit.residuals import AUDIT_BITS, Laws
+from truebreak.compare.audit.residual import AUDIT_BITS
+from truebreak.compare.audit.residuals import Laws
 from truebreak.compare.audit.transcript import Transcript
 from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording

@@ -97,8 +97,8 @@ def state(monkeypatch: pytest.MonkeyPatch) -> type[plain.PlainState[Any]]:
     class Wrong(plain.PlainState[Any]):
         by: Any = staticmethod(lambda flight: flight)
 
-        def settle(self, index: int, wall: int, slides: bool, bounces: bool = False) -> None:
-            super().settle(index, wall, slides, bounces)
+        def settle(self, index: int, wall: int, slides: bool, bounces: bool = False, other: int = -1) -> None:
+            super().settle(index, wall, slides, bounces, other)
             if index == 0:
                 self.bodies[0].flight = self.by(self.bodies[0].flight)
 

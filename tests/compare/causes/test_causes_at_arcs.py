@@ -11,7 +11,7 @@ from arc_scenes import scene_of
 
 from truebreak.compare import compare
 from truebreak.compare.causes.decision import DecidingNumber, Pairing, RunReader
-from truebreak.compare.causes.stops import exact_zero
+from truebreak.compare.causes.other_settings import exact_zero
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, catalogue

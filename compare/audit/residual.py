@@ -1,0 +1,217 @@
+"""A residual: what a step misses the laws by, with its kinds and the units of rounding; and those of what walls carry.
+
+The step's own numbers are taken as they are. Honest is mixed forward-backward (Higham, *Accuracy and Stability of
+Numerical Algorithms*, 2nd edition 2002, section 1.5): the step is exact for inputs and outputs that are off by a few
+units, relatively. docs/audit.md derives the constants.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from flint import arb
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ...scenarios.scene import Scene
+    from .transcript import Fall, Leg, ReportedFlight, WallInBalls
+
+AUDIT_BITS = 256
+"""Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
+or nearly so, and what is not is in the enclosure."""
+
+FLIGHT_UNITS = 6.0
+"""x + v (t - t0): a difference, a product, a sum, and telling place and time. An engine may fly on every circle at
+every event, so that each event between adds as many. Measured over 17 formulations: at most 1.7."""
+
+ROOT_UNITS = 16.0
+"""The quadratic's coefficients, discriminant, root and quotient; docs/audit.md has the three usual formulas.
+Measured: at most 2.7 of the sizes that are taken here."""
+
+IMPULSE_UNITS = 16.0
+"""The normal, the approach, the share of the masses, the product and the sum, by impulse along the line of centres, in
+the frame of the centre of mass, or by angles. Measured: at most 3.9."""
+
+UNDERFLOW = {2.0**-11: 2.0**-24, 2.0**-24: 2.0**-149, 2.0**-53: 2.0**-1074}
+"""The least positive number of the formats of IEEE 754, by their units; others have no least number."""
+
+UNDERFLOWS = 8
+"""Products of fourth order that a discriminant has, each of which may underflow."""
+
+LEAST = 2.0**-1070
+"""Below the normal doubles a rounding is no longer relative: 16 of their least differences are granted."""
+
+
+class Residual(NamedTuple):
+    """One thing that a step misses, and what rounding may make of it.
+
+    Attributes:
+        kind: one of `KINDS`.
+        bodies: the circle, or the two that meet, by place in `scene.ids`.
+        size: a lower bound of what is missed: a length, or a speed.
+        room: what rounding may make of it.
+    """
+
+    kind: str
+    bodies: tuple[int, ...]
+    size: float
+    room: float
+
+    @property
+    def broken(self) -> bool:
+        """Whether it is more than rounding."""
+        return self.size > self.room
+
+
+KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "support", "phantom")
+"""The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
+energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; a circle
+that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
+
+
+NEXT_TO = 4
+"""Walls next to a circle of which two may hold it."""
+
+
+def length_of(x: arb, y: arb) -> float:
+    """A lower bound of sqrt(x^2 + y^2); 0 where nothing is known.
+
+    >>> length_of(arb(3), arb(-4))
+    5.0
+    """
+    size = math.hypot(float(x.mid()), float(y.mid())) - float(x.rad()) - float(y.rad())
+    return size if size > 0.0 else 0.0
+
+
+def size_of(x: arb) -> float:
+    """A lower bound of |x|; 0 where nothing is known."""
+    size = abs(float(x.mid())) - float(x.rad())
+    return size if size > 0.0 else 0.0
+
+
+# -- What a wall carries, or two hold between them.
+
+
+class Weighted(Protocol):
+    """A circle: its radius, in a ball and as a double."""
+
+    @property
+    def r(self) -> arb: ...
+
+    @property
+    def radius(self) -> float: ...
+
+
+class Carrying(Protocol):
+    """Of the laws of a scene, those of rest: see `residuals.Laws`."""
+
+    scene: Scene
+    unit: float
+    count: int
+    change: arb
+    fall: Fall | None
+    holds: Callable[[int, int, int], bool]
+
+    @property
+    def supports(self) -> Sequence[Sequence[int]]: ...
+
+    @property
+    def things(self) -> Sequence[Weighted]: ...
+
+    def line(self, circle: int, wall: int, /) -> WallInBalls: ...
+
+
+def along(laws: Carrying, k: int, flight: ReportedFlight) -> ReportedFlight:
+    """How a circle would go on from the beginning of a flight if the wall next to it carried it, or two held it."""
+    gaps = {wall: _gap(laws, k, wall, flight.x, flight.y) for wall in laws.supports[k]}
+    wall = min(gaps, key=lambda place: abs(float(gaps[place].mid())), default=None)
+    cradle = _cradle(laws, k, flight.x, flight.y, flight.time, flight.place)
+    if cradle is not None:
+        one, other = (laws.line(k, place) for place in cradle)
+        a, b = (_gap(laws, k, place, flight.x, flight.y) for place in cradle)
+        if wall is None or max(abs(float(gap.mid())) for gap in (a, b)) < abs(float(gaps[wall].mid())):
+            turn = one.nx * other.ny - one.ny * other.nx
+            x, y = flight.x + (a * other.ny - b * one.ny) / turn, flight.y + (b * one.nx - a * other.nx) / turn
+            zero = arb(0)
+            return flight._replace(x=x, y=y, vx=zero, vy=zero, fallen=flight.speed, carried=True, bounces=False)
+    if wall is None:
+        return flight
+    line, gap = laws.line(k, wall), gaps[wall]
+    closing = line.nears(flight.vx, flight.vy)
+    x, y, vx, vy = (
+        flight.x + line.nx * gap,
+        flight.y + line.ny * gap,
+        flight.vx - line.nx * closing,
+        flight.vy - line.ny * closing,
+    )
+    return flight._replace(x=x, y=y, vx=vx, vy=vy, fallen=flight.speed, carried=True, bounces=False)
+
+
+def _gap(laws: Carrying, k: int, wall: int, x: arb, y: arb) -> arb:
+    line = laws.line(k, wall)
+    return line.nx * (line.x - x) + line.ny * (line.y - y) - laws.things[k].r
+
+
+def _cradle(laws: Carrying, k: int, x: arb, y: arb, time: float, away: float) -> tuple[int, int] | None:
+    """Two walls that hold a circle between them, of those next to it; None where none do."""
+    rows = [_beside(laws, k, wall, x, y, time, away) for wall in range(len(laws.scene.walls))]
+    order = sorted(range(len(rows)), key=lambda wall: rows[wall].size - rows[wall].room)[:NEXT_TO]
+    pairs = combinations(order, 2) if laws.scene.settle else ()
+    return next((pair for pair in pairs if laws.holds(k, *pair)), None)
+
+
+def _beside(
+    laws: Carrying, k: int, wall: int, x: arb, y: arb, time: float, away: float, speed: float = 0.0, began: float = 0.0
+) -> Residual:
+    """How far a circle at a place is from touching a wall, or a face between its ends."""
+    line, radius = laws.line(k, wall), laws.things[k].radius
+    gap = _gap(laws, k, wall, x, y)
+    along = float((line.nx * (y - line.y) - line.ny * (x - line.x)).mid())
+    beside = max(0.0, -along, along - line.length) if wall in laws.scene.faces else 0.0
+    sizes = (away + speed * (time - began) + speed * time) + line.size * (1 + abs(along) / line.length)
+    room = ROOT_UNITS * laws.unit * (sizes + radius) + LEAST
+    return Residual("support", (k, laws.count + wall), math.hypot(size_of(gap), beside), room)
+
+
+def unsupported(laws: Carrying, leg: Leg) -> tuple[float, Residual] | None:
+    """How far a circle that a wall carries is from any that can, and when it is.
+
+    That is one across gravity, to which gravity pulls it; or two that hold it between them. Looked at is where its
+    flight begins and ends; of one without an end, where it has gone its own distance. A face carries between its ends
+    alone.
+    """
+    k = leg.circle
+    away = math.hypot(leg.x, leg.y) + laws.things[k].radius
+    later = leg.end if leg.end < math.inf else leg.start + (away / leg.speed if leg.speed else 1.0)
+    worst: tuple[float, Residual] | None = None
+    for time in (leg.start, later):
+        nearest = Residual("support", (k,), math.inf, 0.0)
+        x, y = (arb(time) - leg.t) * leg.vx + leg.x, (arb(time) - leg.t) * leg.vy + leg.y
+        more = leg.apart + leg.turned * (time - leg.t)
+        rows = [_beside(laws, k, wall, x, y, time, away, leg.speed, leg.t) for wall in range(len(laws.scene.walls))]
+        rows = [row._replace(room=row.room + more) for row in rows]
+        for wall in laws.supports[k]:
+            nearest = min(nearest, rows[wall], key=lambda row: row.size - row.room)
+        if nearest.broken and (pair := _cradle(laws, k, x, y, time, away)) is not None:
+            between = max((rows[wall] for wall in pair), key=lambda row: row.size - row.room)
+            nearest = min(nearest, between, key=lambda row: row.size - row.room)
+        if nearest.broken and (worst is None or nearest.size > worst[1].size):
+            worst = time, nearest
+    return worst
+
+
+def rested(laws: Carrying, k: int, flight: ReportedFlight, rest: ReportedFlight, after: ReportedFlight) -> Residual:
+    """How far off the time is at which infinitely many bounces end, (2 v / a) / (1 - e) after the last one told.
+
+    It is told as the way that the circle goes in it with the speed v after that; a is the pull.
+    """
+    assert laws.fall is not None
+    ux, uy = flight.vx - rest.vx, flight.vy - rest.vy
+    speed, lost = (ux * ux + uy * uy).sqrt(), 2 - laws.change
+    per_speed = 2 / (laws.fall.pull * lost)
+    size = size_of((after.t - flight.t - speed * per_speed) * speed)
+    times = after.time + flight.time + flight.speed * float(per_speed.mid())
+    return Residual("support", (k,), size, ROOT_UNITS * laws.unit * times * float(speed.mid()) + LEAST)

@@ -1,0 +1,292 @@
+"""What two walls hold between them: it lies there, bounces there straight up and down, and is struck there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
+from truebreak.compare.files.saved import run_of, saved_run
+from truebreak.compare.report.sentences import settled_phrase
+from truebreak.exact import ExactEngine
+from truebreak.exact.replay.contact import Sides
+from truebreak.exact.simulation import arc_meetings, endings
+from truebreak.exact.simulation.arc_meetings import borne, held_between
+from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
+from truebreak.scenarios import Circle, Polygon, Quantity, Scene, Segment, Wall
+from truebreak.scenarios.trajectory import StopReason, Trajectory
+from truebreak.tools.verify import weighed
+
+SQUARE = [Wall(0, 0, -1, 1, id="left"), Wall(0, 0, 1, 1, id="right")]
+FLAT = [Wall(0, 0, -4, 3, id="left"), Wall(0, 0, 4, 3, id="right")]
+FACES = [Segment(-4, 3, 0, 0, id="left"), Segment(0, 0, 4, 3, id="right")]
+RAMP = [Wall(0, 0, 4, -3, id="ramp"), Wall(1, 0, 1, 1, id="end")]
+LIES = Circle(0, "5/4", id="a")
+
+
+def scene(circles: list[Circle], things: list[Any], e: object = 0, *, settle: bool = True) -> Scene:
+    """Under gravity of 10; walls, segments or polygons."""
+    of = {
+        kind: [thing for thing in things if type(thing) is made]
+        for kind, made in (("walls", Wall), ("segments", Segment), ("polygons", Polygon))
+    }
+    return Scene(circles, gravity=(0, -10), restitution=e, settle=settle, **of)  # pyright: ignore[reportArgumentType]
+
+
+def ran(circles: list[Circle], things: list[Any], e: object = 0, until: object = 9) -> Trajectory:
+    """The certified run of these."""
+    return ExactEngine().run(scene(circles, things, e), until=until)  # pyright: ignore[reportArgumentType]
+
+
+def is_verified(run: Trajectory) -> bool:
+    """Whether the checker proves it."""
+    return weighed(certificate_json(certificate_of(run)).encode())[0] == 0
+
+
+def rests(run: Trajectory) -> list[tuple[str, str]]:
+    """Who lies where."""
+    return [(rest.circle, rest.where) for rest in run.settlings]
+
+
+@pytest.mark.parametrize("things", [FLAT, FACES, RAMP], ids=["walls", "faces", "ramp"])
+@pytest.mark.parametrize("e", [0, "1/2", 1])
+def test_a_disc_lies_between_two_walls(things: list[Any], e: object) -> None:
+    one, other = (str(thing.id) for thing in things)
+    run = ran([LIES], things, e)
+    assert (rests(run), run.stop.reason, run.slides) == ([("a", f"between {one} and {other}")], StopReason.HORIZON, {})
+    assert (run.final["a"].x.text(), run.final["a"].y.text(), run.final["a"].vy.text()) == ("0", "5/4", "0")
+    stopped = ExactEngine().run(scene([LIES], things, e, settle=False), until=9).stop
+    assert stopped.reason is StopReason.REST
+    assert "slides" not in stopped.message
+
+
+def test_two_slopes_that_lean_the_same_way_hold_nothing() -> None:
+    """It slides along the less steep one, and that alone is said."""
+    walls = [Wall(0, 0, 3, -4, id="steep"), Wall(0, 0, 4, -3, id="shallow")]
+    stopped = ran([Circle("5/7", "5/7", id="a")], walls).stop
+    assert stopped.reason is StopReason.REST
+    assert "a and shallow, a slope, along which it slides" in stopped.message
+    assert "steep" not in stopped.message
+
+
+def test_which_pairs_of_walls_hold_a_disc_is_told_by_the_sides_of_gravity() -> None:
+    """Against the solution of -g = p a + q b by division, for lines through a point all around."""
+    ways = [(4, 3), (3, 4), (0, 1), (-3, 4), (-4, 3), (-1, 0), (1, 0), (5, -12), (12, 5)]
+    held = 0
+    for k, (ux, uy) in enumerate(ways):
+        for wx, wy in ways[k + 1 :]:
+            turn = ux * wy - uy * wx
+            for x, y in ((1, 7), (7, 1), (-7, 2), (2, -7)):
+                if not turn or 0 in (ux * y - uy * x, wx * y - wy * x):
+                    continue
+                walls = [Wall(0, 0, ux, uy), Wall(0, 0, wx, wy)]
+                sides = Sides(Scene([Circle(x, y, "1/9")], walls, gravity=(0, -10)))
+                normals = [(-v, u) if u * y - v * x > 0 else (v, -u) for u, v in ((ux, uy), (wx, wy))]
+                (ax, ay), (bx, by) = normals
+                p, q = -bx / (ax * by - ay * bx), ax / (ax * by - ay * bx)  # (0, 1) = p a + q b
+                assert held_between(sides, 0, 0, 1) == (p > 0 and q > 0), (ux, uy, wx, wy, x, y)
+                held += p > 0 and q > 0
+    assert held == 12
+
+
+@pytest.mark.parametrize("things", [SQUARE, FLAT, FACES], ids=["square", "flat", "faces"])
+def test_dropped_into_the_middle_it_bounces_straight_and_settles(things: list[Any]) -> None:
+    high = Quantity.of("5/4") if things is not SQUARE else Quantity.of("sqrt(2)")
+    first = ((6 - high) / 5).sqrt()
+    run = ran([Circle(0, 6, id="a")], things, "1/2", 20)
+    (rest,) = run.settlings
+    assert rest.where == "between left and right"
+    assert Quantity.of(rest.time.text()) == 3 * first
+    assert all({*map(tuple, event.impulses)} == {("a", "left"), ("a", "right")} for event in run.events)
+    times = [Quantity.of(event.time.text()) for event in run.events]
+    assert all(time == first * Quantity.of(n) for time, n in zip(times, (1, 2, "5/2", "11/4"), strict=False))
+    speed = 10 * first * Quantity.of("1/2") ** len(times)
+    then, lag = (
+        times[-1] + speed / 10 / 2,
+        speed / 10 / 2,
+    )  # as it is highest
+    assert Quantity.of(run.at(then)["a"].y.text()) == high + speed * lag - 5 * lag * lag
+    assert (run.final["a"].y.text(), run.final["a"].vy.text()) == (high.text(), "0")
+    named = ExactEngine().run(scene([Circle(0, 6, id="a")], things, "1/2", settle=False))
+    assert named.stop.reason is StopReason.ACCUMULATION
+    assert named.ending is not None
+    assert Quantity.of(named.ending.text()) == 3 * first
+    assert "a and left as well as a and right" in named.stop.message
+
+
+@pytest.mark.parametrize("engine", [DoubleEngine, SingleEngine, QuadEngine, RoundedEngine], ids=lambda e: e.__name__)
+def test_engines_of_finite_precision_hold_it_too(engine: Any) -> None:
+    given = scene([Circle(0, 6, id="a")], SQUARE, "1/2")
+    exact, run = ExactEngine().run(given, until=20), engine().run(given, until=20)
+    assert rests(run) == rests(exact)
+    assert float(run.settlings[0].time) == pytest.approx(float(exact.settlings[0].time), rel=1e-6)
+    for time in (1.1, 2.5, 2.87, 9.0):
+        assert float(run.at(time)["a"].y) == pytest.approx(float(exact.at(str(time))["a"].y), abs=1e-5)
+
+
+def test_steps_push_it_in_each_and_that_is_no_collision() -> None:
+    """A solver pushes it at both walls in each step, at one that is upright with no speed of its own too."""
+    for circles, things, e in (([LIES], RAMP, 0), ([LIES], FLAT, "1/2"), ([Circle(0, 6, id="a")], SQUARE, 0)):
+        given = scene(circles, things, e)
+        comparison = compare(given, ["double", "pymunk"], until=4)
+        assert [c.alignment.verdict for c in comparison.candidates] == ["agree", "agree"], things
+        assert "otherwise" not in settled_phrase(comparison)
+        (rest,) = PymunkEngine().run(given, until=4).settlings
+        assert {rest.wall, rest.other} == {str(thing.id) for thing in things}
+
+
+@pytest.mark.parametrize("things", [FLAT, FACES], ids=["walls", "faces"])
+def test_struck_there_it_is_pushed_against_both(things: list[Any]) -> None:
+    given = scene([LIES, Circle("1/10", 8, id="b")], things, "1/2")
+    run, own = (engine.run(given, until=1) for engine in (ExactEngine(), DoubleEngine()))
+    assert {tuple(pair) for pair in run.events[0].impulses} == {("a", "b"), ("a", "left"), ("a", "right")}
+    assert [event.impulses for event in own.events] == [event.impulses for event in run.events]
+    assert compare(given, ["double"], until=1).candidates[0].laws.kept is True  # pyright: ignore[reportOptionalMemberAccess]
+
+
+def test_a_disc_that_lies_on_a_floor_leans_on_what_it_touches() -> None:
+    """A slope at its side is one of the contacts of a blow, though the floor alone bears it."""
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall("3/5", "1/5", "23/5", "16/5", id="up")]
+    run = ran([Circle(0, 1, id="a"), Circle("-1/2", 5, id="b")], walls, "1/2", 1)
+    assert rests(run)[0] == ("a", "on floor")
+    assert {tuple(pair) for pair in run.events[0].contacts} == {("a", "b"), ("a", "floor"), ("a", "up")}
+
+
+@pytest.mark.parametrize("end", ["wall", "post", "ell"])
+def test_a_disc_settles_beside_an_upright_face_that_it_touches(end: str) -> None:
+    """Its other side, which is the same line, is none that it could meet."""
+    floor, shelf = Wall(0, 0, 1, 0, id="floor"), Segment(0, 0, 6, 0, id="floor")
+    post, wall = Segment(6, 0, 6, 4, id="post"), Wall(6, 0, 6, 1, id="post")
+    things = {"wall": [floor, wall], "post": [floor, post], "ell": [shelf, post]}[end]
+    run = ran([Circle(5, 3, id="b")], things, "1/2", 12)
+    assert rests(run) == [("b", "on floor")]
+    assert run.settlings[0].time.text() == "3/5*sqrt(10)"
+
+
+def test_a_landing_is_told_where_what_lands_slides_to_an_end() -> None:
+    ledge = [Segment(-5, 0, 5, 0, id="ledge")]
+    run = ran([Circle(0, 3, vx=1, id="a")], ledge, 0, 12)
+    assert [tuple(map(tuple, event.impulses)) for event in run.events] == [(("a", "ledge"),)]
+    assert run.stop.reason is StopReason.REST
+    assert run.stop.message.endswith("a and ledge, a face, along which it slides: it would come to its end")
+    with pytest.raises(CertificateError, match="slides along a face, to its end"):
+        certificate_of(run)
+
+
+def test_runs_and_what_is_told_of_them_keep_both_walls() -> None:
+    run = ran([Circle(0, 6, id="a")], SQUARE, "1/2", 20)
+    again = run_of(saved_run(run))
+    assert again is not None
+    assert (rests(again), again.settlings[0].time.text()) == (rests(run), run.settlings[0].time.text())
+    assert again.at("28730/10000")["a"].y.digits(30) == run.at("28730/10000")["a"].y.digits(30)
+    with pytest.raises(CertificateError, match="a comes to rest between left and right"):
+        certificate_of(run)
+
+
+CROOKED = [Polygon([(-4, 4), (-4, -1), (4, -1), (4, 4), (0, 0)], id="block")]
+
+
+def test_a_polygon_holds_what_lies_in_its_corner() -> None:
+    run = ran([Circle(0, 6, id="a")], CROOKED, "1/2", 20)
+    assert rests(run) == [("a", "in a corner of block")]
+
+
+@pytest.mark.parametrize(
+    ("where", "name", "fault"),
+    [
+        (endings, "held_between", lambda *_: False),
+        (arc_meetings, "held_between", lambda *_: True),
+        (endings, "are_square", lambda *_: False),
+    ],
+    ids=["none held", "all held", "none square"],
+)
+def test_planted_faults_are_found(where: Any, name: str, fault: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def told() -> list[object]:
+        walls = [Wall(0, 0, 3, -4, id="steep"), Wall(0, 0, 4, -3, id="shallow")]
+        slides = ExactEngine().run(scene([Circle("5/7", "5/7", id="a")], walls, settle=False), until=1)
+        one_by_one = scene([Circle(0, 6, id="a")], SQUARE, "1/2").with_changes(tie_policy="sequential")
+        return [
+            rests(ran([LIES], FLAT)),
+            slides.stop.message,
+            rests(ExactEngine().run(one_by_one, until=9)),
+            borne(Sides(scene([LIES], FLAT)), 0, [0, 1]),
+        ]
+
+    true = told()
+    assert true[2] == [("a", "between left and right")]
+    monkeypatch.setattr(where, name, fault)
+    assert told() != true
+
+
+# -- mirror images, one of which is carried as the other is
+
+
+def mirrored(e: object) -> Scene:
+    """Two discs that lie, on which two others fall, as seen in a mirror."""
+    discs = [Circle(x, 1, id=f"lies{x}") for x in (-6, 6)] + [Circle(x, 8, id=f"falls{x}") for x in ("-11/2", "11/2")]
+    return scene(discs, [Wall(0, 0, 1, 0, id="floor")], e)
+
+
+def _image(name: str) -> str:
+    kind, sign, place = name.partition("-")
+    return kind + place if sign else name.replace("lies", "lies-").replace("falls", "falls-")
+
+
+@pytest.mark.parametrize("e", ["1/2", "1/5", 1])
+def test_mirror_images_meet_together_though_walls_have_carried_them(e: object) -> None:
+    run = ExactEngine().run(mirrored(e), until=6)
+    assert run.stop.reason is StopReason.HORIZON
+    assert len(run.events) > 3
+    for event in run.events:
+        images = {tuple(sorted(_image(name) for name in pair)) for pair in event.impulses}
+        assert images == {tuple(sorted(pair)) for pair in event.impulses}
+    if e == 1:
+        assert is_verified(run)
+
+
+def test_a_flaw_in_the_mirror_image_is_seen() -> None:
+    discs = [c if c.id != "falls11/2" else Circle("11/2 + 1/10**60", 8, id=c.id) for c in mirrored(1).circles]
+    run = ExactEngine().run(mirrored(1).with_changes(circles=discs), until=6)
+    assert len(run.events[0].impulses) * 2 == len(ExactEngine().run(mirrored(1), until=6).events[0].impulses)
+
+
+# -- what falls straight onto the middle of something round
+
+
+AXIS = [Circle(0, 9, id="ball"), Circle(0, 2, m="oo", id="peg")]
+
+
+def test_what_falls_onto_the_middle_of_a_peg_has_closed_numbers() -> None:
+    """1 later it bounces, and comes back after 2 more; a ball over a floor does the same, and one below a ceiling."""
+    floor = Wall(0, 0, 1, 0, id="floor")
+    run = ExactEngine().run(Scene([*AXIS, Circle(10, 6, id="other")], [floor], gravity=(0, -10)), until=20)
+    assert [event.time.text() for event in run.events] == [str(n) for n in range(1, 20, 2)]
+    assert all(len(event.impulses) == 2 for event in run.events)
+    assert is_verified(run)
+    grazed = Scene(AXIS, [Wall(0, 10, 1, 10, id="ceiling")], gravity=(0, -10))
+    run = ExactEngine().run(grazed, until=20)
+    assert [event.time.text() for event in run.events] == [str(n) for n in range(1, 20, 2)]
+    assert is_verified(run)
+    high = [Circle(0, "4 + 5*sqrt(2)", "1/2", id="a"), Circle(0, 4, "1/2", m="oo", id="p")]
+    high += [Circle(6, "5 + 5*sqrt(2)", "1/4", id="b"), Circle(6, "21/4", "3/4 - 1/4*0", m="oo", id="q")]
+    moved = [*high[:2], Circle(6, "4 + 5*sqrt(2)", "1/4", id="b"), Circle(6, 4, "3/4", m="oo", id="q")]
+    run = ExactEngine().run(Scene(moved, gravity=(0, -10)), events=6)
+    assert all(len(event.impulses) == 2 for event in run.events)
+
+
+def test_from_below_and_aslant_they_are_closed_too() -> None:
+    """A ball thrown up against the middle of a peg, and gravity along (3, 4)."""
+    up = [Circle(0, 0, "1/2", vy=9, id="ball"), Circle(0, 3, "1/2", m="oo", id="peg")]
+    first = ExactEngine().run(Scene(up, gravity=(0, -10)), events=1).events[0].time
+    assert first.text() == "-1/10*sqrt(41) + 9/10"
+    slant = [Circle(0, 0, id="ball"), Circle(6, 8, m="oo", id="peg")]
+    first = ExactEngine().run(Scene(slant, gravity=(3, 4)), events=1).events[0].time
+    assert first.text() == "4/5*sqrt(5)"
+
+
+def test_a_disc_that_lies_is_struck_straight_at_restitution_1_again_and_again() -> None:
+    run = ran([Circle(0, 1, id="low"), Circle(0, 8, id="x")], [Wall(0, 0, 1, 0, id="floor")], 1, 20)
+    assert [event.time.text() for event in run.events] == [str(n) for n in range(1, 20, 2)]
+    assert is_verified(run)
