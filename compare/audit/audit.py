@@ -341,7 +341,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     if broken and broken[0].step < step:
         reason = f"at step {broken[0].step:.3g} it flies {broken[0].size:.3g} into what it does not collide with"
     kinds = {"impulse"} if law else {d.kind for d in broken}
-    violations = _step_violations(measures, laws.scene.ids, kinds, step) if kept is False else []
+    violations = _step_violations(measures, laws, kinds, step, law) if kept is False else []
     counts = Counter(violation.kind for violation in violations)
     with ball.precision(AUDIT_BITS):
         fit = description_of(fits if law else _described_steps(laws, measures, kinds), counts)
@@ -409,13 +409,17 @@ def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[
     return measures, {key: count for key, count in declared.items() if count}
 
 
-def _step_violations(measures: Measures, ids: tuple[str, ...], kinds: set[str], step: float) -> list[Violation]:
-    """Every step of an engine of steps that misses a law by what is not of the step, in order of time."""
-    found: list[Violation] = []
+def _step_violations(measures: Measures, laws: Laws, kinds: set[str], step: float, law: bool) -> list[Violation]:
+    """Every step of an engine of steps that misses a law by what is not of the step, in order of time.
+
+    What is far smaller than the most may be of the step, unless one `law` describes all impulses.
+    """
+    impulses, found, ids = list[Violation](), list[Violation](), laws.scene.ids
+    worst, e = 0.0 if law else max((s.defect for s in measures.samples), default=0.0), laws.restitution or 1.0
     for s in measures.samples:
         pair = tuple(ids[k] for k in s.pair)
-        if "impulse" in kinds and s.defect > NEAR * s.room:
-            found.append(Violation("impulse", s.event, s.time, pair, s.defect * s.speed, s.room * s.speed))
+        if "impulse" in kinds and s.defect > max(NEAR * s.room, worst / 2):
+            impulses.append(Violation("impulse", s.event, s.time, pair, s.off, s.room * s.speed * e))
         if "lateness" in kinds and abs(s.sunk) > s.loose:
             found.append(Violation("gap", s.event, s.time, pair, abs(s.sunk), s.loose))
     if "correction" in kinds:
@@ -432,8 +436,8 @@ def _step_violations(measures: Measures, ids: tuple[str, ...], kinds: set[str], 
             Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
             for p in lasting(measures, measures.passages, step)
         ]
-    most = {v.kind: v.size for v in sorted(found, key=lambda v: v.size)}  # what is far smaller may be of the step
-    found = [v for v in found if 2 * v.size >= most[v.kind]]
+    most = {v.kind: v.size for v in sorted(found, key=lambda v: v.size)}
+    found = impulses + [v for v in found if 2 * v.size >= most[v.kind]]
     return sorted(found, key=lambda violation: (violation.time, violation.event))
 
 
@@ -461,10 +465,6 @@ LATE = 2.0
 
 LASTING_UNITS = 64
 """Units in the last place of the greatest speeds of two that a contact that lasts may leave, at restitution 0."""
-
-
-def _themselves(bodies: tuple[int, ...]) -> list[tuple[int, ...]]:
-    return [bodies]
 
 
 @dataclass
@@ -497,7 +497,7 @@ class Measures:
     behind: float = 0.0
     end: float = math.inf
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
-    wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = _themselves
+    wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = lambda bodies: [bodies]
 
 
 @dataclass(frozen=True)
@@ -631,10 +631,10 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     known = {k for k, size in found.items() if k == "integrator" or (k == "lateness" and size <= LATE * step)}
     seen: list[Defect] = []
     if not found.keys() - known:
-        return [Defect(kind, size, 1.0, size, step, True) for kind, size in found.items()]
+        return [Defect(kind, size, None, size, step, True) for kind, size in found.items()]
     if through and not run.scene.gravity:  # it has not seen what its own steps end in
         seen.append(Defect("missed", found.pop("missed"), None, through, step, False))
-    integrator = [Defect("integrator", b, 1.0, b, step, True) for b in [found.pop("integrator", 0.0)] if b]
+    integrator = [Defect("integrator", b, None, b, step, True) for b in [found.pop("integrator", 0.0)] if b]
     until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
     if until * (2 ** (HALVINGS + 1) - 2) > most * step:
         until = _until(run, measures, FEW_IMPACTS)

@@ -54,8 +54,8 @@ class Sample(NamedTuple):
         loose: what it may make of the gap.
         slide: how fast they pass each other across the line of centres.
         reach: from centre to centre as they touch; infinite for a wall, below zero within an arc.
-        inherited: the gap, below 0, that there is already as the later of their flights begins; looked at under
-            gravity, where circles come to rest on what they have sunk into before.
+        inherited: the gap, below 0, that there is already as the later of their flights begins, under gravity alone.
+        off: how far a velocity after it is from the law's.
     """
 
     event: int
@@ -73,6 +73,7 @@ class Sample(NamedTuple):
     slide: float = 0.0
     reach: float = math.inf
     inherited: float = 0.0
+    off: float = 0.0
 
     @property
     def sunk(self) -> float:
@@ -309,34 +310,33 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: ReportedInstant, events:
     after = float((nx * ux + ny * uy).mid())
     across, then = float((nx * vy - ny * vx).mid()), float((nx * uy - ny * ux).mid())
     wa, wb = laws.things[i].share, 0.0 if wall else laws.things[j].share
-    free = laws.moving[i] and not wall and laws.moving[j]
     kick = (1 + laws.restitution) * abs(float(opening.mid())) / (1.0 if wall else wa + wb)
     if not kick:
         return
-    share = 1.0 if wall else wa
-    pushed = [(ax, ay, share, a.speed + la.speed)] if laws.moving[i] else []
+    pushed = [(ax, ay, 1.0 if wall else wa, a.speed + la.speed)] if laws.moving[i] else []
     if not wall and laws.moving[j]:
         pushed.append((bx, by, wb, b.speed + lb.speed))
+    both = zip((1, -1)[not laws.moving[i] :], pushed, strict=False)  # the law pushes the first back
+    off = [length_of(x + sign * kick * w * nx, y + sign * kick * w * ny) for sign, (x, y, w, _) in both]
     aside = max((float(length_of(nx * y - ny * x, 0 * x)) / (kick * w) for x, y, w, _ in pushed), default=0.0)
     masses, lost = math.nan, 0.0
     # a heavy circle's velocity hardly changes: its last bit is more of the change than of the speed
     heavy = NEAR * 64 * laws.unit * max((fast / w for _, _, w, fast in pushed), default=0.0) / kick
-    if free:
+    if laws.moving[i] and not wall and laws.moving[j]:
         one = -float((nx * ax + ny * ay).mid())
         other = float((nx * bx + ny * by).mid())
         masses = (other / wb) / (one / wa) if one and wa and wb else math.nan
         lost = math.hypot(float((ax / wa + bx / wb).mid()), float((ay / wa + by / wb).mid())) / kick
         lost, masses = (lost if lost > heavy else 0.0), (1.0 if abs(masses - 1) <= heavy else masses)
-    aside = aside if aside > heavy else 0.0
     speeds = a.speed + a.fallen + la.speed + (0.0 if wall else instant.before[j].speed + instant.before[j].fallen)
     closer = abs(closing) * (laws.restitution or 1.0)
     room = (64 * laws.unit * speeds + met.bent + met.grazed) / closer if closer else math.inf
     e, slid = laws.restitution, then / across if across else math.nan
     ratio = -after / closing / e if e else 1 - after / closing
     yield Sample(
-        instant.events[0] if instant.events else events, instant.time, pair, -closing, ratio, slid, aside,
-        masses, lost, float(met.gap.mid()), room, met.room, abs(across),
-        laws.reach(pair), min(0.0, _began(laws, pair, instant)),
+        instant.events[0] if instant.events else events, instant.time, pair, -closing, ratio, slid,
+        aside if aside > heavy else 0.0, masses, lost, float(met.gap.mid()), room, met.room, abs(across),
+        laws.reach(pair), min(0.0, _began(laws, pair, instant)), max(off, default=0.0),
     )  # fmt: skip
 
 

@@ -446,6 +446,8 @@ class Laws:
     def faint(self, instant: ReportedInstant, events: int) -> list[tuple[int, float, float]]:
         """The impulses of an instant that are below rounding: place in `impulses`, speed of approach, speed of the two.
 
+        The approach is below 0 of two that part by more than rounding, and that nothing pushes at all.
+
         The impulses are carried out one after the other, from the engine's own state before; none where that does not
         lead to the velocities that it reports.
         """
@@ -465,7 +467,8 @@ class Laws:
             bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
             room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + self.least
             if ball.sign_of(opening) == 1 or 2 * abs(float(opening.mid())) <= room:
-                found.append((place, max(0.0, -float(opening.mid())), speed))
+                parts = 2 * abs(float(opening.mid())) > room and not any(_changes(instant, k) for k in ends)
+                found.append((place, -float(opening.mid()) if parts else max(0.0, -float(opening.mid())), speed))
             for k, sign in ((i, 1), (j, -1)):
                 if k in moving and k < self.count and self.moving[k]:
                     granted[k] += 2 * room
@@ -561,6 +564,12 @@ def _curve(laws: Laws, speed: float, near: float, nx: arb, ny: arb, falls: bool)
         return 0.0
     pull = 0.0 if laws.fall is None or not falls else abs(float((nx * laws.fall.gx + ny * laws.fall.gy).mid()))
     return speed**2 / near + pull
+
+
+def _changes(instant: ReportedInstant, k: int) -> bool:
+    """Whether an instant changes the velocity of a circle at all."""
+    before, after = instant.before.get(k), instant.after.get(k)
+    return before is not None and after is not None and (before.vx, before.vy) != (after.vx, after.vy)
 
 
 def _missed(

@@ -49,6 +49,9 @@ CAUSES: dict[str, Cause] = {
     "TUNNELLING": Cause("tunnelling", "other_settings:tunnelling", FACT_RANK, head=TUNNELS),
     "ITERATIONS": Cause("solver iterations", "other_settings:iterations", head=SOLVER_HEAD, settings=True),
     "PHANTOM": Cause("phantom contact", "evidence:phantom", FACT_RANK, rounding=True),
+    "PARTING": Cause(
+        "contact without effect", rank=FACT_RANK, head="A contact of two that part, without effect, was reported"
+    ),
     "TIE": Cause("tie", "evidence:tie", FACT_RANK, head="A tie was resolved differently"),
     "INPUT": Cause("input rounding", "evidence:shares", SHARE_RANK, rounding=True),
     "FLIGHTS": Cause("arithmetic in flights", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),

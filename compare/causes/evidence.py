@@ -117,8 +117,11 @@ def phantom(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     rest = f"{others} nothing else differs" if found.verdict == "agree" else f"{others} the two agree for longer"
     meet = f"approach by {approach:.3g}" if approach else "do not approach"
     told = f"{pair.first} and {pair.second} {meet} there; rounding of speeds of {speed:.3g} comes to more"
+    if approach < 0.0:
+        told = f"{pair.first} and {pair.second} part there, by {-approach:.3g}, and nothing pushes them"
     finer = any(row.suffices and row.cause is CauseName["STEP"] for row in rows)  # that comes before it
-    return [Experiment(CauseName["PHANTOM"], f"{told}; {rest}", None, None if finer else True)]
+    cause = CauseName["PARTING" if approach < 0.0 else "PHANTOM"]
+    return [Experiment(cause, f"{told}; {rest}", None, None if finer else True)]
 
 
 def _faint(lab: Laboratory) -> dict[tuple[int, int], tuple[float, float]]:
@@ -450,7 +453,13 @@ def _exact(value: Any) -> Quantity:
 
 def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     """The account of the displacement: what rounding the input, and each kind of error of the engine's own, add."""
-    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["ARITHMETIC"], CauseName["FLIGHTS"])
+    shown = (
+        CauseName["PHANTOM"],
+        CauseName["PARTING"],
+        CauseName["INPUT"],
+        CauseName["ARITHMETIC"],
+        CauseName["FLIGHTS"],
+    )
     if any(row.suffices and row.cause in shown for row in rows):
         return []
     if lab.engine.bits is None and lab.engine.step is None:
@@ -551,6 +560,11 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             flips = None if any(_alone(lab, other, account.along) is None for other in rest) else True
         if part is account.own:
             whole = "both" if lab.engine.step is None else "all"
+            if itself is not None and lab.engine.step is not None:
+                told = (
+                    f"{_what(lab, part.cause)} adds {part.size + itself:.3g} to the margin, {itself:.3g} of it in its"
+                )
+                told, flips = f"{told} answer alone; that changes the decision", True
             found.append(Experiment(part.cause, f"{whole} together: {told}", None, flips))
             continue
         if part.cause is CauseName["OWN"]:
@@ -570,7 +584,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         if lab.engine.step is not None:  # of two meetings within one step it has both at the end of it
             cause = CauseName["LATENESS" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
             meet = lab.decision is not None and answer(lab.decision, lab.got) == -1
-            told += ", as it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
+            told += ", and it looks at the ends of steps only" if meet or cause is CauseName["LATENESS"] else ""
         size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
         found = [row for row in found if row.cause is not cause or row.share is None]
         little = abs(total - size) <= abs(size) / 100  # it is what the others leave to zero

@@ -511,7 +511,7 @@ def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
     divergence = lab.divergence
     gap = distance = speed = None
     ulps: float | None = None
-    if found.name is CauseName["PHANTOM"]:
+    if found.name in (CauseName["PHANTOM"], CauseName["PARTING"]):
         pass
     elif lab.decision is not None and lab.margin is not None:
         if lab.decision.kind == "hit" and decides_by_speed(lab.truth, lab.decision.first):

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 # -- Engines of steps.
 
 MOST_HALVINGS = 8
-"""A time step is halved up to so many times, as far as `series_steps` allow."""
+"""A time step is halved up to so many times, as far as `series_steps` allow; once more where only the last agrees."""
 
 
 def by_finer_steps(lab: Laboratory, told: str) -> Diagnosis:
@@ -65,10 +65,12 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return []
     until, told = lab.until(lab.engine.step), list[str]()
     agrees: list[bool] = []
-    for halvings in range(1, MOST_HALVINGS + 1):
-        finer = finer_by(lab.engine, halvings)
-        if finer is None or finer.step is None or until > series_steps(finer) * finer.step:
+    for halvings in range(1, MOST_HALVINGS + 2):
+        finer, alone = finer_by(lab.engine, halvings), agrees[-2:] in ([True], [False, True])
+        if finer is None or finer.step is None:
             break
+        if not alone and (halvings > MOST_HALVINGS or until > series_steps(finer) * finer.step):
+            break  # one that agrees is not enough: it may do so by chance
         run = lab.run(finer, lab.study.scene, until)
         agrees.append(gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
@@ -80,7 +82,8 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         why = f"a finer step takes more than {series_steps(lab.engine):,} steps"
         return [Experiment(CauseName["STEP"], f"not tried: {why}")]
     first = agrees.index(True) if True in agrees else len(agrees)
-    enough = agrees[-1] and (all(agrees[first:]) or not _by_chance(lab))
+    twice = agrees[-2:] == [True, True] or (agrees[-1] and finer_by(lab.engine, len(agrees) + 1) is None)
+    enough = twice and (all(agrees[first:]) or not _by_chance(lab))
     runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     if first > 1 and all(agrees[first:]):
         runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]

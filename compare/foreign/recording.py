@@ -616,9 +616,13 @@ class Recording:
             links, left = self._impacts.inferred(places, before, room, now, None if self.step else way)
             if links and left <= UNEXPLAINED:
                 return self._impacts.named(links, before)
-        changed = self.scene.ids[max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))]
-        told = "has changed, and no contact near it explains how; report the contacts by hit(time, a, b)"
-        raise EngineError(f"{self.where}: at time {now!r} the velocity of {changed!r} {told}")
+        k = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
+        (ux, uy), (vx, vy), falls = rows[k][2:], before[k][2:], self.scene.gravity is not None
+        remedy = "report the contacts by hit(time, a, b)" + (", or mend how it falls" if falls else "")
+        raise EngineError(
+            f"{self.where}: at time {now!r} the velocity of {self.scene.ids[k]!r} is ({ux:.6g}, {uy:.6g}), where its "
+            f"flight has ({vx:.6g}, {vy:.6g}), and no contact near it explains how; {remedy}"
+        )
 
     def _turn_before(self, now: float) -> None:
         """The scene's reversal at a set time, if it is due before a report; and the clock goes on."""

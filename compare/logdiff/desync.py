@@ -248,12 +248,20 @@ class Desync:
         shown = list(self.around())
         if shown:
             yield ""
-            yield f"  around the first difference{self.numbers()}"
+            yield f"  {self.where_shown()} the first difference{self.numbers()}"
             for place, what, one, other in shown:
                 mark = " " if one == other else "|"
                 yield f"  {mark} {place}: {what}: {one}" + ("" if one == other else f"  <>  {other}")
         for note in verdict.notes:
             yield f"  {note}"
+
+    def where_shown(self) -> str:
+        """Whether the records that are shown begin before a first meeting with another partner, or after it."""
+        meeting, lines = self.found.meeting, [min((r.line for r in log), default=0) for log in self.found.context]
+        past = meeting is not None and all(
+            line is not None and first > line for line, first in zip(meeting.lines, lines, strict=True)
+        )
+        return "after" if past else "around"
 
     def facts(self) -> Iterator[tuple[str, str]]:
         """What is known, by label."""

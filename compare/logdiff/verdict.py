@@ -234,8 +234,8 @@ def _partners_alone(found: Found) -> Answer:
         )  # fmt: skip
     if not found.compared["states"] and found.grid:
         return Finding.OPEN, k, f"{told}; times of steps do not show how far apart the runs were by then: log states"
-    if meeting.number < 2 or found.pairs < 4:
-        return Finding.OPEN, k, f"{told}, and there is nothing before it to show whether the start was the same"
+    if found.pairs < 2 or (not found.compared["states"] and (meeting.number < 2 or found.pairs < 4)):
+        return Finding.OPEN, k, f"{told}, and there is too little before it to show whether the start was the same"
     if found.explained:
         return Finding.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
     return Finding.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"

@@ -254,8 +254,9 @@ def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None 
         return f"{'' if _at_its_end(candidate) else 'Not looked into. '}{_capital(candidate.trajectory.stop.message)}."
     if candidate.verdict != "diverged":
         return f"{_capital(str(found))}: {found.finding}."
+    told = [_share_words(candidate), _margin_words(candidate)]
     grown = _growth_words(candidate) or growth_phrase(comparison, candidate, foreseen)
-    return " ".join(filter(None, [_share_words(candidate), _margin_words(candidate), grown]))
+    return " ".join(filter(None, told if found.name.name == "PARTING" else [*told, grown]))
 
 
 def _share_words(candidate: Candidate) -> str:
@@ -269,10 +270,7 @@ def _share_words(candidate: Candidate) -> str:
     if not found.closed or not found.displacement or not pushes:
         return f"{cause}: {found.finding}."
     against = [e.cause.value for e in large if (e.share or 0.0) < 0]
-
-    def summed(causes: list[str]) -> str:
-        return listed([f"{cause} {adds[cause]}" for cause in causes])
-
+    summed = lambda causes: listed([f"{cause} {adds[cause]}" for cause in causes])  # noqa: E731
     back = f", against it {summed(against)}" if against else ""
     if found.name.entry.rank < SHARE_RANK:
         return f"{cause}: {found.finding}. Shifts of the margin: {summed(pushes)}{back}."

@@ -492,7 +492,7 @@ def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     raise AssertionError("a polynomial has more zeros than its degree: a defect")
 
 
-QUARTIC = "the time at which a circle falls onto something round, which is a zero of a quartic"
+QUARTIC = "the time at which a circle falls onto something round, a zero of a quartic"
 """What has no closed form, in words."""
 
 # -- The same in a state: which contacts it concerns, and where the two are.
@@ -697,4 +697,4 @@ class RoundFalls(Generic[N]):
             raise LeavesField
         if isinstance(self.zero, Element):
             raise TowerLimit(QUARTIC)
-        raise NoClosedForm(f"{QUARTIC}, and none of square roots: ask for `digits` or `ball`")
+        raise NoClosedForm(f"{QUARTIC}, has no closed form in square roots: ask for `digits` or `ball`")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from truebreak.compare import compare
+from truebreak.compare.causes import other_settings
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Candidate
 from truebreak.compare.foreign.log_engine import LogEngine
@@ -185,3 +186,90 @@ def test_energy_that_is_lost_where_several_meet_is_no_tie() -> None:
     found = only(Scene(discs, until=8), Soft())
     assert found.laws is not None and found.laws.kept is False
     assert found.diagnosis is not None and str(found.diagnosis) == "law not kept"
+
+
+def test_a_contact_that_is_told_twice_is_no_rounding() -> None:
+    """Nothing pushes two that part: that no rounding plays a part in it is said of the second line."""
+    scene = catalogue.build("gas:n=4")
+    whole = DoubleEngine().run(scene, events=12)
+    recording = Recording(scene)
+    for event in whole.events:
+        states = {c.id: (c.x, c.y, c.vx, c.vy) for c in whole.after(event.index).circles}
+        for _ in range(1 + (event.index == 4)):
+            recording.hits(float(event.time), [tuple(c) for c in event.impulses], states)  # pyright: ignore
+    recording.end(float(whole.final_time))
+    comparison = compare(scene, [LogEngine(recording)], events=11)
+    found = comparison.candidates[0]
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["PARTING"]
+    assert head_phrase(found).startswith("A contact of two that part, without effect, was reported")
+    assert "chaos" not in why(comparison, found)
+
+
+def test_one_finer_step_that_agrees_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may agree by chance: a finer one is run then, however many steps that takes, and has to agree as well."""
+    scene = catalogue.build("gas:n=4")
+    engine = PymunkEngine(dt=1 / 64)
+
+    @dataclass
+    class Lab:
+        answers: list[bool]
+        accounted: str = "none"
+        margin: None = None
+
+        def __post_init__(self) -> None:
+            self.engine, self.study, self.name = engine, self, "pymunk"
+            self.scene, self.took = scene, 0
+
+        def until(self, step: float) -> float:
+            return 1.0
+
+        def run(self, finer: PymunkEngine, scene: Scene, until: float) -> PymunkEngine:
+            self.took += 1
+            return finer
+
+    monkeypatch.setattr(other_settings, "gone", lambda lab, run, step: lab.answers[lab.took - 1])
+    monkeypatch.setattr(other_settings, "series_steps", lambda engine: 300)  # to two halvings of 1/64
+    for answers, enough, runs in (
+        ([False, True, False], False, 3),
+        ([False, True, True], True, 3),
+        ([True, True], True, 2),
+        ([False, False], False, 2),
+    ):
+        lab = Lab(answers)
+        (row,) = other_settings.step(lab, [])  # pyright: ignore[reportArgumentType]
+        assert (row.suffices, lab.took) == (enough, runs), answers
+
+
+def test_what_an_impulse_of_steps_leaves_off_is_the_velocity_that_it_is() -> None:
+    """Masses taken for each other: three pairs head on; every one is told, and by how much it is off."""
+    pairs = [(3, 1, 2), (2, 1, 1), (1, 1, 3)]
+    circles = [
+        Circle(x, 8 * k, 1, vx=vx, m=m, id=f"{name}{k}")
+        for k, (one, speed, other) in enumerate(pairs)
+        for name, x, vx, m in (("a", 0, speed, one), ("b", 4, -speed, other))
+    ]
+    scene, recording = Scene(circles, []), Recording(Scene(circles, []), step=1 / 8)
+    rows = {str(c.id): [float(v) for v in (c.x, c.y, c.vx, c.vy)] for c in circles}
+    off = []
+    for n in range(1, 33):
+        time = n / 8
+        for row in rows.values():
+            row[0] += row[2] / 8
+        if time == 1.0:
+            for k, (one, speed, other) in enumerate(pairs):
+                true = [speed - 4 * speed * other / (one + other), -speed + 4 * speed * one / (one + other)]
+                made = [speed - 4 * speed * one / (one + other), -speed + 4 * speed * other / (one + other)]
+                rows[f"a{k}"][2], rows[f"b{k}"][2] = made
+                off.append(max(abs(a - b) for a, b in zip(true, made, strict=True)))
+        states: dict[str, tuple[float, ...]] = {name: (*row,) for name, row in rows.items()}
+        if time == 1.0:
+            for k in range(3):
+                recording.hit(time, f"a{k}", f"b{k}", states)  # pyright: ignore[reportArgumentType]
+        else:
+            recording.state(time, states)  # pyright: ignore[reportArgumentType]
+    recording.end(4.0)
+    found = only(scene, LogEngine(recording), until=4)
+    assert found.laws is not None and found.laws.kept is False
+    (first,) = found.laws.violations
+    assert first.size == pytest.approx(off[0])
+    assert found.laws.counts == {"impulse": 3}

@@ -13,7 +13,7 @@ import pytest
 from truebreak.compare import compare, engine
 from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import stops
+from truebreak.compare.causes import other_settings
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.cli.progress import of_comparison
 from truebreak.compare.foreign.guard import wider_of
@@ -251,7 +251,7 @@ def test_how_many_bits_lead_to_the_end_is_read_off_a_wide_run_and_confirmed_by_a
 
 def test_at_a_proved_tie_wider_numbers_are_tried_once(monkeypatch: pytest.MonkeyPatch) -> None:
     tried: list[object] = []
-    monkeypatch.setattr(stops, "wider_of", lambda engine: tried.append(engine.bits) or wider_of(engine))
+    monkeypatch.setattr(other_settings, "wider_of", lambda engine: tried.append(engine.bits) or wider_of(engine))
     found = compare(catalogue.build("rack:rows=3"), ["interval"]).candidates[0]
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.TIE
@@ -276,7 +276,7 @@ def test_at_a_proved_zero_one_much_wider_run_is_all_that_is_tried(monkeypatch: p
 def test_a_zero_that_is_there_is_not_blamed_for_what_wider_numbers_decide() -> None:
     """Two fly along a wall, which is exactly zero, and one of them misses a third by less than 106 bits can tell."""
     scene = Scene([Circle(0, 0, vx=1), Circle(4, "2 + 1/2**150")], [Wall(0, -5, 1, -5)], until=20)
-    assert stops.exact_zero(engine("exact").run(scene), 0) is not None
+    assert other_settings.exact_zero(engine("exact").run(scene), 0) is not None
     found = compare(scene, ["interval"]).candidates[0]
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.WIDTH

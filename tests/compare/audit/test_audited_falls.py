@@ -168,7 +168,7 @@ def test_what_is_of_the_integrator_is_half_a_step_of_the_fall() -> None:
         [late] = [defect for defect in found.defects if defect.kind == "integrator"]
         time = float(chosen.run(scene, events=1).events[0].time)
         assert late.size == pytest.approx(10 * dt * time / 2, rel=1e-9)
-        assert (found.kept, late.order, late.of_step) == (True, 1.0, True)
+        assert (found.kept, late.order, late.of_step) == (True, None, True)
         sizes.append(late.size)
     assert sizes[0] / sizes[1] == pytest.approx(2, rel=0.05)
 

@@ -31,6 +31,8 @@ from truebreak.compare.logdiff.verdict import Finding
 from truebreak.compare.report.desync_page import desync_html
 from truebreak.compare.report.schema import schema
 from truebreak.compare.validation import EngineError
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import catalogue
 
 Lines = list[dict[str, Any]]
 FAULTS = {
@@ -426,3 +428,26 @@ def test_one_time_that_differs_is_no_other_start_of_a_clock(times: tuple[float, 
     ends = [[*lines, {"end": end}] for lines in (one, later) for end in (5.0, 5.5)]
     assert compared(ends[0], ends[3]).verdict.name is Finding.IDENTICAL
     assert compared(ends[0], ends[2]).verdict.name is not Finding.IDENTICAL  # both end at one time: so is their start
+
+
+def test_a_contact_that_is_left_out_early_is_a_change_where_all_before_is_the_same_to_the_last_bit(
+    compared: Any,
+) -> None:
+    """Of the wall it is the second meeting; the bodies have the same states at three events before it."""
+    whole, other = (DoubleEngine().run(catalogue.build(f"gas:n=3,seed={k}"), events=14) for k in (1, 2))
+
+    def logged(run: Any, begin: int, end: int) -> Lines:
+        return [
+            {
+                "time": float(event.time),
+                "contact": [*map(str, event.impulses[0])],
+                "states": {c.id: [c.x, c.y, c.vx, c.vy] for c in run.after(event.index).circles},
+            }
+            for event in run.events[begin:end]
+        ]
+
+    for k in (3, 4, 5):
+        late = [line for line in logged(other, 0, 14) if line["time"] > float(whole.events[k].time)]
+        late = [line for line in late if line["contact"] != [*map(str, whole.events[k].impulses[0])]]
+        pair = compared(logged(whole, 0, 14), [*logged(whole, 0, k), *late])
+        assert pair.verdict.name is Finding.CHANGED, (k, pair.verdict.line)
