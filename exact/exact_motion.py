@@ -33,6 +33,7 @@ from .numbers.ball import Known, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, fallen_pairs, pair_of
 from .numbers.system import N, Undecided
 from .replay.contact import Link
+from .replay.landings import Unsharp
 from .replay.state import Constant, ReplayState, Velocity
 from .simulation.decider import Formula, Knot, Mark, RunLog
 from .simulation.loop import Tape
@@ -117,10 +118,13 @@ class ExactValue:
         allowed = VALUE_WORK + MORE_WORK * log.units(working, upto)
         with ball.precision(working):
             while True:
-                state = log.in_balls(working, upto)
-                ball.use_bits(working)
-                value = self.formula(state)
-                if enough(value):
+                try:
+                    state = log.in_balls(working, upto)
+                    ball.use_bits(working)
+                    value = self.formula(state)
+                except Unsharp:  # fewer bits than what was proved exactly needs in balls
+                    value = arb.nan()
+                if value.is_finite() and enough(value):
                     return value
                 working *= 2
                 allowed -= log.units(working, upto)

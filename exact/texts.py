@@ -13,7 +13,7 @@ from ..scenarios.numbers.quantity import Quantity
 from .numbers import ball
 from .numbers.system import Undecided
 from .replay.contact import Round
-from .replay.landings import gap_of
+from .replay.landings import Unsharp, gap_of
 from .replay.round_falls import horner_slope
 from .replay.state import ReplayState, causal_past, replay
 
@@ -128,9 +128,13 @@ class _Replay(ReplayState[_Text]):
         while places <= MOST_PLACES:
             bits *= 2
             with ball.precision(bits):
-                state = log.in_balls(bits, self._done)
-                ball.use_bits(bits)
-                base, wait = state.round_hit(link)
+                try:
+                    state = log.in_balls(bits, self._done)
+                    ball.use_bits(bits)
+                    base, wait = state.round_hit(link)
+                except Unsharp:
+                    places *= 2
+                    continue
                 wait = base + wait - state.faller(link).flight.instant
                 gap = gap_of(link, state.peg_fall(link), state.stood(link))
                 low, high = wait.lower().fmpq(), wait.upper().fmpq()

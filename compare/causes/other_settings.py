@@ -22,6 +22,7 @@ from ..audit.passages import passes_between
 from ..deadline import NO_TIME
 from ..foreign.guard import finer_of, firmer_of, wider_of
 from ..study import finer_by, series_steps
+from ..validation import EngineError
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from .free_flights import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 from .laboratory import decisions
@@ -65,13 +66,18 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         return []
     until, told = lab.until(lab.engine.step), list[str]()
     agrees: list[bool] = []
+    why = f"a finer step takes more than {series_steps(lab.engine):,} steps"
     for halvings in range(1, MOST_HALVINGS + 2):
         finer, alone = finer_by(lab.engine, halvings), agrees[-2:] in ([True], [False, True])
         if finer is None or finer.step is None:
             break
         if not alone and (halvings > MOST_HALVINGS or until > series_steps(finer) * finer.step):
             break  # one that agrees is not enough: it may do so by chance
-        run = lab.run(finer, lab.study.scene, until)
+        try:
+            run = lab.run(finer, lab.study.scene, until)
+        except EngineError as refused:  # that is evidence of nothing
+            why = f"a step of {finer.step:.3g} cannot be judged: {refused}"
+            break
         agrees.append(gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
         if agrees[-2:] == [True, True] and not _by_chance(lab):
@@ -79,7 +85,6 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if not agrees and finer_of(lab.engine) is None:
         return [Experiment(CauseName["STEP"], f"not tried: {lab.name} has no finer step to offer")]
     if not agrees:
-        why = f"a finer step takes more than {series_steps(lab.engine):,} steps"
         return [Experiment(CauseName["STEP"], f"not tried: {why}")]
     first = agrees.index(True) if True in agrees else len(agrees)
     twice = agrees[-2:] == [True, True] or (agrees[-1] and finer_by(lab.engine, len(agrees) + 1) is None)
@@ -115,7 +120,10 @@ def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     told, agrees = list[str](), False
     for times in ("four", "sixteen"):
         more = firmer_of(firmer_of(more) or more) or more if told else firmer_of(more) or more
-        agrees = gone(lab, lab.run(more, lab.study.scene, until), more.step)
+        try:
+            agrees = gone(lab, lab.run(more, lab.study.scene, until), more.step)
+        except EngineError as refused:
+            return [Experiment(cause, f"not tried: with {times} times as many it cannot be judged: {refused}")]
         told.append(f"with {times} times as many it {'agrees' if agrees else 'differs too'}")
         if agrees:
             break

@@ -149,21 +149,24 @@ class Carrier:
     def settle(self, standing: Mapping[Link, int]) -> list[AtWall]:
         """Has walls carry the circles that neither approach them nor part, where they can; the contacts that last so.
 
-        One that lies still does not leave any wall at which it stands.
+        It does not leave any other wall either at which it stands, neither approaching nor parting: it lies still, or
+        slides along that, too.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
         """
         flat = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link))
         found = [link for link in flat if self.carries(link)]
-        still = {link.circle for link in found if not self.carry(link)}
+        for link in found:
+            self.carry(link)
+        begun = {link.circle for link in found}
         for one, other in combinations(flat, 2):
             i = one.circle
             free = i not in self.walls and i not in self.away and i not in self._scene.pegs
             if free and i == other.circle and held_between(self._sides, i, one.wall, other.wall):
                 self._hold(i, one.wall, other.wall)
-                still.add(i)
-        return found + [link for link in flat if link.circle in still and link not in found]
+                begun.add(i)
+        return [link for link in flat if link.circle in begun]
 
     def slide(
         self, standing: Mapping[Link, int], fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]
@@ -227,8 +230,8 @@ class Carrier:
         self.walls[i] = wall
         self._changed.add(i)
 
-    def carry(self, link: AtWall, *, bounces: bool = False) -> bool:
-        """Has a wall carry a circle, perhaps after infinitely many bounces; whether it may slide along it."""
+    def carry(self, link: AtWall, *, bounces: bool = False) -> None:
+        """Has a wall carry a circle, perhaps after infinitely many bounces."""
         if link.wall in self._scene.faces:
             slides = self._ask(Slide(link)) != 0
             self.leaving += [link] if slides else []
@@ -237,7 +240,6 @@ class Carrier:
         self._do(Settle(link.circle, link.wall, slides, bounces))
         self.walls[link.circle] = link.wall
         self._changed.add(link.circle)
-        return slides
 
 
 class Endings:

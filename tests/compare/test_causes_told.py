@@ -273,3 +273,31 @@ def test_what_an_impulse_of_steps_leaves_off_is_the_velocity_that_it_is() -> Non
     (first,) = found.laws.violations
     assert first.size == pytest.approx(off[0])
     assert found.laws.counts == {"impulse": 3}
+
+
+@dataclass
+class FailsAtFinerSteps(RecordedEngine):
+    """Pymunk's states step by step; at a finer step one of them cannot be."""
+
+    name: str = "mine"
+    step: float | None = 1 / 64
+
+    def finer(self) -> FailsAtFinerSteps:
+        assert self.step is not None
+        return FailsAtFinerSteps(step=self.step / 2)
+
+    def play(self, scene: Scene, rec: Recording) -> None:
+        assert self.step is not None
+        run = PymunkEngine(dt=self.step).run(scene, until=rec.until)
+        for k in range(1, int(float(run.final_time) / self.step) + 1):
+            row = {c.id: (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.at(k * self.step).circles}
+            faster = 1.0 if self.step < 1 / 64 and k == 20 else 0.0
+            rec.state(k * self.step, {name: (x, y, vx + faster, vy) for name, (x, y, vx, vy) in row.items()})
+
+
+def test_a_finer_step_that_cannot_be_judged_is_evidence_of_nothing() -> None:
+    found = only(catalogue.build("gas:n=4"), FailsAtFinerSteps(), events=20)
+    assert found.alignment.verdict == "diverged" and found.diagnosis is not None
+    (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName["STEP"]]
+    assert row.suffices is None
+    assert row.result.startswith("not tried: a step of 0.00781 cannot be judged: engine 'mine': at time 0.15625")

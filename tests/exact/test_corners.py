@@ -290,3 +290,31 @@ def test_a_disc_that_lies_is_struck_straight_at_restitution_1_again_and_again() 
     run = ran([Circle(0, 1, id="low"), Circle(0, 8, id="x")], [Wall(0, 0, 1, 0, id="floor")], 1, 20)
     assert [event.time.text() for event in run.events] == [str(n) for n in range(1, 20, 2)]
     assert is_verified(run)
+
+
+# -- what an attack found
+
+
+@pytest.mark.parametrize("vx", [0, 1])
+@pytest.mark.parametrize("kind", ["wall", "face"])
+@pytest.mark.parametrize("e", ["1/2", 1])
+def test_what_slides_under_a_ceiling_that_it_touches_is_pushed_against_that_too(vx: int, kind: str, e: object) -> None:
+    """There is no room for it to move up: a push from below at an angle is taken against both, or has no end."""
+    floor, ceiling = Wall(0, 0, 1, 0, id="floor"), Segment(-9, 2, 9, 2, id="ceiling")
+    things = [floor, Wall(0, 2, 1, 2, id="ceiling") if kind == "wall" else ceiling]
+    struck = [Circle(0, 1, vx=vx, id="a"), Circle(6, "1/2", "1/2", vx=-3, id="s")]
+    run = ran(struck, things, e, 2)
+    assert all(("a", "ceiling") in map(tuple, event.contacts) for event in run.events)
+    assert float(run.at(run.final_time)["a"].y) == 1
+    out = ran([Circle(0, 1, vx=1, id="a"), Circle(9, "1/2", "1/2", vx=-3, id="s")],
+              [floor, Segment(-9, 2, 1, 2, id="ceiling")], e, 2)  # fmt: skip
+    assert [tuple(pair) for pair in out.events[0].contacts] == [("a", "s"), ("s", "floor")]
+
+
+def test_times_that_were_proved_exactly_are_told_in_as_many_bits_as_they_need() -> None:
+    """No bits are lost on the way of exact numbers, so that too few are tried first."""
+    run = ran([Circle(0, "1/2", "1/2", id="p"), Circle(0, "1/2 + 19/3", "1/3", vy="-1/2", id="a")],
+              [Wall(0, 0, 1, 0, id="floor")], "1/2", 9)  # fmt: skip
+    assert run.events[0].time.digits(30)
+    assert run.settlings
+    assert run.at("3/2")["a"].y.digits(20)
