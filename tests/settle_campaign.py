@@ -3,6 +3,7 @@
 python tests/settle_campaign.py --scenes 2000 --first 0      # counts, and every scene that differs
 python tests/settle_campaign.py --scenes 2000 --engines      # engines of finite precision against the certified run
 python tests/settle_campaign.py --scenes 2000 --guises       # mirrored, in another order, seen from another frame
+python tests/settle_campaign.py --scenes 2000 --corners      # in corners of two slopes at right angles; for the first
 python tests/settle_campaign.py --scenes 2000 --bounces      # with bounces that come to an end; for each of these
 """
 
@@ -76,6 +77,31 @@ def drawn(seed: int) -> Scene | None:
         return None
 
 
+def cornered(seed: int) -> Scene | None:
+    """Discs that lie in a corner of two slopes at right angles, or fall into it, and others that come to them."""
+    rng = Random(f"cornered {seed}")
+    p, q, size = rng.choice(((3, 4, 5), (4, 3, 5), (5, 12, 13), (1, 1, 0), (8, 15, 17), (12, 5, 13)))
+    length = f"{size}" if size else "sqrt(2)"
+    r = Quantity.of(rng.choice(("1/2", "1", "3/4")))
+    middle = [Quantity.of(f"({part})/{length}") * r for part in (q - p, p + q)]
+    circles = [Circle(*middle, r, id="low")] if rng.random() < 0.6 else []
+    if not circles or rng.random() < 0.5:
+        over = Quantity.of(f"{rng.randint(0, 40)}/100") if circles or rng.random() < 0.5 else Quantity.of(0)
+        high = 3 + len(circles) * 2 + Quantity.of(f"{rng.randint(0, 300)}/100")
+        circles.append(Circle(middle[0] + over, middle[1] + high, r, 0, 0, rng.choice(("1", "2", "1/3")), id="falls"))
+    if rng.random() < 0.4:
+        side = f"{rng.randint(-200, 200)}/100"
+        circles.append(Circle(side, f"{rng.randint(900, 1400)}/100", "1/2", "1/3", -1, id="other"))
+    walls = [Wall(0, 0, -p, q, id="left"), Wall(0, 0, q, p, id="right")]
+    if rng.random() < 0.5:
+        circles = circles[::-1]
+    e = rng.choice(("0", "1/2", "1/2", "1/5", "3/10", "1"))
+    try:
+        return Scene(circles, walls[:: rng.choice((1, -1))], gravity=("0", "-10"), restitution=e, settle=True)
+    except SceneError:
+        return None
+
+
 def bouncing(seed: int) -> Scene | None:
     """The same with a restitution at which bounces come to an end soon."""
     scene = drawn(seed)
@@ -103,17 +129,18 @@ def differs(run: Trajectory, scene: Scene) -> str:
         pushes = [{tuple(sorted(link)) for link in event.impulses} for event in run.events]
         mine = [row for row in zip(times[1:], pushes, strict=True) if row[0] <= end + AFTER]
         untold = [  # from midway between two bounces
-            (since + (rest - since) * (1 - e) / 2, rest + NEAR, tuple(sorted((s.circle, s.wall))))
+            (since + (rest - since) * (1 - e) / 2, rest + NEAR, tuple(sorted((s.circle, wall))))
             for since, rest, s in rests
+            for wall in {s.wall, s.other or s.wall}
         ]
         for i, who in enumerate(
             str(circle.id) for circle in scene.circles
         ):  # bounces that are not listed, and go on as the run ends
             met = [(time, link) for time, links in mine for link in links if who in link]
             if met and not fine and run.motion.carries(i, run.final_time):
-                time, both = met[-1]
+                time, _ = met[-1]
                 if not any(s.circle == who and rest > time - NEAR for _, rest, s in rests):
-                    untold.append((time + NEAR, end + 1, both))
+                    untold += [(time + NEAR, end + 1, both) for then, both in met if then == time]
         theirs = [
             (time, found)
             for time, links in did.hits
@@ -311,6 +338,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--engines", action="store_true", help="engines of finite precision, too")
     parser.add_argument("--guises", action="store_true", help="scenes in other guises")
+    parser.add_argument("--corners", action="store_true", help="in corners of two slopes")
     parser.add_argument("--bounces", action="store_true", help="with bounces that come to an end")
     parser.add_argument(
         "--early", action="store_true", help="and settle as soon as it is proved that nothing else comes"
@@ -319,8 +347,8 @@ def main() -> int:
     look = engines_differ if given.engines else guises_differ if given.guises else examined
     if given.early:
         endings.SHRUNK = 2
-    if given.bounces:
-        look = partial(look, draw=bouncing)
+    if given.bounces or given.corners:
+        look = partial(look, draw=cornered if given.corners else bouncing)
     counts, bad = Counter[str](), 0
     for seed in range(given.first, given.first + given.scenes):
         found = look(seed, counts)

@@ -3,8 +3,9 @@
 Every disc has an acceleration: that of gravity, none while a wall carries it, none where it is fixed. The squared
 distance of two is a polynomial of the time, made anew by sampling it, and a meeting is one of its zeros at which it
 falls; at an instant all contacts at gap zero are looked at, those that approach push, one after the other where they
-share no disc, until none approaches. What then neither approaches nor parts, at a wall across gravity that it is pulled
-to, is carried. Bounces that come to an end are followed until what is left of them is beyond all digits looked at.
+share no disc but at walls at right angles, until none approaches. What then neither approaches nor parts, at a wall
+across gravity that it is pulled to, or at two that hold it between them, is carried. Bounces that come to an end are
+followed until what is left of them is beyond all digits looked at.
 """
 
 from __future__ import annotations
@@ -186,12 +187,14 @@ class SettleReferee:
             coming = [row for row in contacts if self.closing(row[1], row[2]) < -FAINT]
             if not coming:
                 break
-            taken: set[int] = set()
-            for _, discs, _ in coming:
-                movers = {i for i in discs if self.bodies[i].m != mpf("inf")}
-                if not taken.isdisjoint(movers):
-                    raise NotForThis("two that share a disc push at once")
-                taken |= movers
+            taken: dict[int, list[int]] = {}
+            for _, discs, wall in coming:
+                for i in discs:
+                    if self.bodies[i].m != mpf("inf"):
+                        others = taken.setdefault(i, [])
+                        if any(min(wall, other) < 0 or abs(self._cosine(wall, other)) > FAINT for other in others):
+                            raise NotForThis("two that share a disc push at once")
+                        others.append(wall)
             for name, discs, wall in coming:
                 pushed.add(name)
                 self.push(discs, wall)
@@ -215,14 +218,37 @@ class SettleReferee:
                 continue
             s, (_, _, _, nx, ny) = self.sides[i][k], self.walls[k]
             pull, along = s * (self.g[0] * nx + self.g[1] * ny), self.g[0] * ny - self.g[1] * nx
-            if abs(self.closing(discs, k)) < FAINT and pull < 0 and i not in self.carried:
-                if along != 0:
+            if abs(self.closing(discs, k)) < FAINT and i not in self.carried:
+                still = [w for _, ds, w in contacts if ds[0] == i and w > k and abs(self.closing(ds, w)) < FAINT]
+                held = next((w for w in still if self._hold(i, k, w)), None)
+                if held is None and pull >= 0:
+                    continue
+                if held is None and along != 0:
+                    if any(self._hold(i, w, v) for w in (k, *still) for v in still):
+                        continue
                     raise NotForThis("at rest on a slope")
+                if held is not None:
+                    self.bodies[i].vx = self.bodies[i].vy = mpf(0)
                 self.carried[i] = k
                 b, speed = self.bodies[i], self.closing(discs, k) * s
                 b.vx, b.vy = b.vx - speed * nx, b.vy - speed * ny
                 if before is None or before.get(i) != k:
                     did.settled.append((self.now, who, other))
+
+    def _cosine(self, one: int, other: int) -> mpf:
+        """Of the angle between two walls' normals."""
+        return self.walls[one][3] * self.walls[other][3] + self.walls[one][4] * self.walls[other][4]
+
+    def _hold(self, i: int, one: int, other: int) -> bool:
+        """Whether two walls hold a disc: the forces p and q along their normals that balance gravity both push."""
+        (ax, ay), (bx, by) = (
+            (self.sides[i][k] * self.walls[k][3], self.sides[i][k] * self.walls[k][4]) for k in (one, other)
+        )
+        turn = ax * by - ay * bx
+        if abs(turn) < FAINT:
+            return False
+        p, q = (bx * self.g[1] - by * self.g[0]) / turn, (ay * self.g[0] - ax * self.g[1]) / turn
+        return p > FAINT and q > FAINT
 
     def _moves_as_one(self, discs: tuple[int, ...]) -> bool:
         a, b = (self.bodies[i] for i in discs)

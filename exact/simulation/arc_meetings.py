@@ -414,13 +414,9 @@ def held_between(sides: Sides, i: int, one: int, other: int) -> bool:
     Gravity is then -p a - q b with p, q > 0, for their normals a and b to the circle's side.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
-    >>> walls = [Wall(0, 0, -4, 3), Wall(0, 0, 4, 3), Wall(0, 0, 0, 1)]
-    >>> sides = Sides(Scene([Circle(0, "5/4")], walls[:2], gravity=(0, -10)))
-    >>> held_between(sides, 0, 0, 1)
-    True
-    >>> sides = Sides(Scene([Circle(1, 2)], walls[1:], gravity=(0, -10)))
-    >>> held_between(sides, 0, 0, 1)
-    False
+    >>> valley, ridge = [Wall(0, 0, -4, 3), Wall(0, 0, 4, 3)], [Wall(0, 0, 3, -4), Wall(0, 0, 4, -3)]
+    >>> [held_between(Sides(Scene([Circle(1, 9)], two, gravity=(0, -10))), 0, 0, 1) for two in (valley, ridge)]
+    [True, False]
     """
     (ax, ay), (bx, by) = (sides.scene.walls[k].normal for k in (one, other))
     gx, gy = sides.scene.gravity or (ZERO, ZERO)

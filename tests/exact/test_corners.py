@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+from collections import Counter
 from typing import Any
 
 import pytest
+from settle_campaign import cornered, examined
 
 from truebreak.compare import compare
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
@@ -42,7 +45,11 @@ def ran(circles: list[Circle], things: list[Any], e: object = 0, until: object =
 
 def is_verified(run: Trajectory) -> bool:
     """Whether the checker proves it."""
-    return weighed(certificate_json(certificate_of(run)).encode())[0] == 0
+    digits = sys.get_int_max_str_digits()
+    try:
+        return weighed(certificate_json(certificate_of(run)).encode())[0] == 0
+    finally:
+        sys.set_int_max_str_digits(digits)
 
 
 def rests(run: Trajectory) -> list[tuple[str, str]]:
@@ -318,3 +325,13 @@ def test_times_that_were_proved_exactly_are_told_in_as_many_bits_as_they_need() 
     assert run.events[0].time.digits(30)
     assert run.settlings
     assert run.at("3/2")["a"].y.digits(20)
+
+
+def test_runs_in_corners_are_those_of_a_referee_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`python tests/settle_campaign.py --corners` has more; without the second wall it would find that at once."""
+    counts = Counter[str]()
+    assert [told for seed in range(20) if (told := examined(seed, counts, cornered))] == []
+    assert counts["compared"] >= 15
+    assert counts["settlings"] >= 8
+    monkeypatch.setattr(endings, "held_between", lambda *_: False)
+    assert any(examined(seed, Counter(), cornered) for seed in range(8))
