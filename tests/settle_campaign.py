@@ -3,7 +3,7 @@
 python tests/settle_campaign.py --scenes 2000 --first 0      # counts, and every scene that differs
 python tests/settle_campaign.py --scenes 2000 --engines      # engines of finite precision against the certified run
 python tests/settle_campaign.py --scenes 2000 --guises       # mirrored, in another order, seen from another frame
-python tests/settle_campaign.py --scenes 2000 --corners      # in corners of two slopes at right angles; for the first
+python tests/settle_campaign.py --scenes 2000 --corners      # in corners of two slopes at right angles
 python tests/settle_campaign.py --scenes 2000 --bounces      # with bounces that come to an end; for each of these
 """
 

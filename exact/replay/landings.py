@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import copysign, frexp, inf, isfinite, ldexp, sqrt
 from typing import NamedTuple, TypeAlias
 
-from flint import arb, arb_poly, fmpq, fmpq_poly
+from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle, Wall
@@ -152,8 +152,7 @@ def landing(state: Flights[arb], link: Round, end: float, at_clock: RoundFall[ar
             return found
         first, last = (arb(fmpq(*end.as_integer_ratio())) if isinstance(end, float) else arb(end) for end in found)
         low, high = (first, last) if late is None else (first + late, last + late)
-        wait = _at_once(gap, first.union(last).mid(), late or arb(0), (low, high), value, slope)
-        wait = sharpened(low, high, value, slope) if wait is None else wait
+        wait = sharpened(low, high, value, slope)
         if stood and (wait is None or 2 * wait.rel_accuracy_bits() < bits_in_use()):  # all but at the zero left out
             since = sharpened(first, last, lambda s: horner(gap, s), lambda s: horner_slope(gap, s))
             again = since if since is None or late is None else late + since
@@ -164,39 +163,6 @@ def landing(state: Flights[arb], link: Round, end: float, at_clock: RoundFall[ar
         if within:
             return wait
     return None
-
-
-def _at_once(
-    gap: Sequence[arb],
-    near: arb,
-    late: arb,
-    ends: tuple[arb, arb],
-    value: Callable[[arb], arb],
-    slope: Callable[[arb], arb],
-) -> arb | None:
-    """As `sharpened` between ends, by one step of interval Newton about where that of points ends; None: not told so.
-
-    The points come of the polynomial, `late` after the clock, from beside its zero on, and prove nothing. If N = m -
-    f(m) / f'(X) lies in X, which has m, and X between the ends, then X has one zero, in N: the one between these.
-    """
-    poly = arb_poly([*gap])
-    slopes, step = poly.derivative(), near
-    for _ in range((bits_in_use() // FEW_BITS).bit_length()):
-        step = poly(near) / slopes(near)
-        near = (near - step).mid()
-    at = arb(near, 2 * step.rad() + abs(step.mid()) * FAINT) + late
-    middle, fall = at.mid(), slope(at)
-    if not (fall < 0 and ends[0] < at < ends[1]):
-        return None
-    found = middle - value(middle) / fall
-    return found if at.contains(found) and 2 * found.rel_accuracy_bits() > bits_in_use() else None
-
-
-FEW_BITS = 40
-"""Bits to which doubles tell a zero: each step of Newton's rule has twice as many."""
-
-FAINT = arb(2) ** -30
-"""More than by what share of the last step of Newton's rule the next one is."""
 
 
 def _is_within(state: Flights[arb], link: Round, place: RoundFall[arb]) -> bool | None:

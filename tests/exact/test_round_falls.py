@@ -27,7 +27,7 @@ from quartic_referee import Poly, first_fall, value
 
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay import round_falls
-from truebreak.exact.replay.landings import _at_once, told_falling_zero
+from truebreak.exact.replay.landings import told_falling_zero
 from truebreak.exact.replay.round_falls import (
     ExactZero,
     Isolated,
@@ -37,8 +37,6 @@ from truebreak.exact.replay.round_falls import (
     falling_zero_exactly,
     falling_zero_in_balls,
     gap_quartic,
-    horner,
-    horner_slope,
     sharpened,
 )
 
@@ -162,36 +160,3 @@ def test_no_bound_on_rounding_is_idle(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(round_falls, "UNIT", 0.0)
     mids = [float(x) for x in c]
     assert not isinstance(falling_zero(mids, [0.0] * 5), Unclear) or value(c, Fraction(1)) < 0
-
-
-def test_one_step_of_newton_encloses_the_zero_between_its_ends_or_tells_nothing() -> None:
-    """Of quartics, ordinary and with zeros close together: signs at the ends of what it gives, in fractions, tell."""
-    told = 0
-    for _, c in polynomials(900, 7):
-        found = in_balls(c, 200)
-        if not isinstance(found, Isolated):
-            continue
-        low, high = (arb(fmpq(*Fraction(end).as_integer_ratio())) for end in map(_fraction, (found.low, found.high)))
-        with ball.precision(600):
-            b = [arb(fmpq(x.numerator, x.denominator)) for x in map(Fraction, c)]
-            args = low.union(high).mid(), arb(0), (low, high)
-            zero = _at_once(b, *args, lambda t, b=b: horner(b, t), lambda t, b=b: horner_slope(b, t))
-            if zero is None:
-                continue
-            told += 1
-            ends = [
-                Fraction(*map(int, (end.mid().fmpq().p, end.mid().fmpq().q))) for end in (zero.lower(), zero.upper())
-            ]
-            assert low < zero < high
-            signs = [sum(Fraction(x) * end**k for k, x in enumerate(c)) for end in ends]
-            assert signs[0] >= 0 >= signs[1]
-            assert zero.rel_accuracy_bits() > 100
-            wide = high - low
-            aside: Callable[[arb], arb] = lambda t, b=b, w=wide: horner(b, t) - horner_slope(b, t) * w  # noqa: E731
-            wrong = _at_once(b, *args, aside, lambda t, b=b: horner_slope(b, t))
-            assert wrong is None
-    assert told > 300
-
-
-def _fraction(end: Any) -> Fraction:
-    return Fraction(int(end.p), int(end.q)) if isinstance(end, fmpq) else Fraction(end)
