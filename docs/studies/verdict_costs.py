@@ -265,7 +265,7 @@ SUBJECTS: dict[str, Callable[[], Subject]] = {
 
 IMPORTED = [
     f"truebreak.compare.{name}"
-    for name in ("comparison", "outcomes.permitted", "causes.laboratory", "causes.stops", "report.terminal")
+    for name in ("comparison", "outcomes.permitted", "causes.laboratory", "causes.other_settings", "report.terminal")
 ]
 """What the command `compare` loads before its first line."""
 

@@ -224,7 +224,12 @@ def test_a_campaign_of_settled_scenes(tmp_path: Path) -> None:
 
 def test_a_run_that_ends_undecided_has_a_certificate_of_few_bits(tmp_path: Path) -> None:
     """What could not be decided took a hundred thousand bits; what came before takes a few hundred."""
-    places = [("d", 0, 1, 1), ("k", "1/2", 9, 1), ("h", 20, 1, 2), ("n", "41/2", 9, 2)]  # the same, of other masses
+    places = [
+        ("d", 0, 1, 1),
+        ("k", "sqrt(2)/2", 9, 1),
+        ("h", 20, 1, 2),
+        ("n", "20 + sqrt(2)/2", 9, 2),
+    ]  # the same, of other masses
     discs = [Circle(x, y, m=m, id=name) for name, x, y, m in places]
     scene = Scene(discs, [Wall(0, 0, 1, 0, id="w")], gravity=(0, -2), restitution="1/2", settle=True)
     run = ExactEngine(work=200_000).run(scene, until=8)
