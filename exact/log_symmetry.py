@@ -271,7 +271,8 @@ class Retrace:
 #    and fixed circle to its image. So it maps the first flights.
 # 2. A block's time follows from the flights before it: each of its contacts approaches at the block's instant, at
 #    gap zero. The gap of two straight flights is a convex quadratic in time (of a wall, linear), and has one zero at
-#    which it falls. So the times of a block and of its image are equal, whatever the log says of clocks.
+#    which it falls; under gravity it is the first such zero since both flights began, as one before would be a block.
+#    So the times of a block and of its image are equal, whatever the log says of clocks.
 # 3. The velocities after a block follow from the flights at its time and from `among`, by laws that know no direction.
 #    Circles that share no movable circle do not couple, so a block is one connected part of a round; a fixed circle
 #    has data and no past, and a stranger that hits it changes nothing.

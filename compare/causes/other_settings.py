@@ -68,10 +68,10 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     agrees: list[bool] = []
     why = f"a finer step takes more than {series_steps(lab.engine):,} steps"
     for halvings in range(1, MOST_HALVINGS + 2):
-        finer, alone = finer_by(lab.engine, halvings), agrees[-2:] in ([True], [False, True])
+        finer, once = finer_by(lab.engine, halvings), agrees[-2:] in ([True], [False, True])
         if finer is None or finer.step is None:
             break
-        if not alone and (halvings > MOST_HALVINGS or until > series_steps(finer) * finer.step):
+        if not once and (halvings > MOST_HALVINGS or until > series_steps(finer) * finer.step):
             break  # one that agrees is not enough: it may do so by chance
         try:
             run = lab.run(finer, lab.study.scene, until)

@@ -276,10 +276,9 @@ def test_what_falls_onto_the_middle_of_a_peg_has_closed_numbers() -> None:
     run = ExactEngine().run(grazed, until=20)
     assert [event.time.text() for event in run.events] == [str(n) for n in range(1, 20, 2)]
     assert is_verified(run)
-    high = [Circle(0, "4 + 5*sqrt(2)", "1/2", id="a"), Circle(0, 4, "1/2", m="oo", id="p")]
-    high += [Circle(6, "5 + 5*sqrt(2)", "1/4", id="b"), Circle(6, "21/4", "3/4 - 1/4*0", m="oo", id="q")]
-    moved = [*high[:2], Circle(6, "4 + 5*sqrt(2)", "1/4", id="b"), Circle(6, 4, "3/4", m="oo", id="q")]
-    run = ExactEngine().run(Scene(moved, gravity=(0, -10)), events=6)
+    two = [Circle(0, "4 + 5*sqrt(2)", "1/2", id="a"), Circle(0, 4, "1/2", m="oo", id="p")]
+    two += [Circle(6, "4 + 5*sqrt(2)", "1/4", id="b"), Circle(6, 4, "3/4", m="oo", id="q")]
+    run = ExactEngine().run(Scene(two, gravity=(0, -10)), events=6)
     assert all(len(event.impulses) == 2 for event in run.events)
 
 
