@@ -557,7 +557,8 @@ class ExactMotion:
         if (i, k) not in self.ends:
             return None
         (start, end), begins = self.ends[i, k], self._own(time) == self.knots[i][k][6]
-        if time is end or not (begins or self._after(end, time)):
+        last = time is self.end and any(time is other for _, other in self.ends.values())  # none is known to be later
+        if last or time is end or not (begins or self._after(end, time)):
             return None
 
         def is_later(number: int) -> bool:

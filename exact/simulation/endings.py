@@ -17,8 +17,8 @@ from ...scenarios.things import Squeeze
 from ..laws.formulas import face_along
 from ..numbers import ball
 from ..numbers.system import Undecided
-from ..question import Question, Slide
-from ..replay.contact import AtWall, Link, Sides, Touch, is_arc, is_flat, is_pair, name_of
+from ..question import Question, RelativeSpeed, Slide
+from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_arc, is_flat, is_pair, name_of
 from ..replay.state import Constant, Go, Lift, Settle, Step
 from ..replay.wall_flights import Rows
 from .arc_meetings import Incline, borne, held_between
@@ -146,27 +146,35 @@ class Carrier:
                 self._do(Lift(i))
                 self._changed.add(i)
 
-    def settle(self, standing: Mapping[Link, int]) -> list[AtWall]:
+    def settle(self, standing: Mapping[Link, int]) -> list[Touch]:
         """Has walls carry the circles that neither approach them nor part, where they can; the contacts that last so.
 
         It does not leave any other wall either at which it stands, neither approaching nor parting: it lies still, or
-        slides along that, too.
+        slides along that, too. If it lies still, that holds of what is round and stands as well.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
         """
         flat = sorted(link for link, sign in standing.items() if sign == 0 and is_flat(link))
-        found = [link for link in flat if self.carries(link)]
-        for link in found:
-            self.carry(link)
-        begun = {link.circle for link in found}
+        begun: set[int] = set()
+        for link in flat:
+            if self.carries(link):  # of two surfaces on one line the first
+                self.carry(link)
+                begun.add(link.circle)
         for one, other in combinations(flat, 2):
             i = one.circle
             free = i not in self.walls and i not in self.away and i not in self._scene.pegs
             if free and i == other.circle and held_between(self._sides, i, one.wall, other.wall):
                 self._hold(i, one.wall, other.wall)
                 begun.add(i)
-        return [link for link in flat if link.circle in begun]
+        beside = [link for link, sign in standing.items() if sign == 0 and is_pair(link) and self._stays(link)]
+        return [*(link for link in flat if link.circle in begun), *sorted(beside)]
+
+    def _stays(self, pair: Pair) -> bool:
+        """Whether a circle that is carried lies still beside one that is fixed."""
+        pegs = self._scene.pegs
+        lies = (pair.a in self.walls and pair.b in pegs) or (pair.b in self.walls and pair.a in pegs)
+        return lies and self._ask(RelativeSpeed(pair)) == 0
 
     def slide(
         self, standing: Mapping[Link, int], fallen: Callable[[int], tuple[arb, Rows]], steps: Sequence[Step]

@@ -335,3 +335,38 @@ def test_runs_in_corners_are_those_of_a_referee_of_their_own(monkeypatch: pytest
     assert counts["settlings"] >= 8
     monkeypatch.setattr(endings, "held_between", lambda *_: False)
     assert any(examined(seed, Counter(), cornered) for seed in range(8))
+
+
+def test_of_two_surfaces_on_one_line_one_carries() -> None:
+    """What settled on both fell through them, by the fall of the frame once more."""
+    box = Polygon([(-2, 0), (-2, -3), (2, -3), (2, 0)], id="box")
+    run = ran([Circle(0, 6, id="d")], [Wall(0, 0, 1, 0, id="floor"), box], 0, 5)
+    assert [(rest.circle, rest.wall) for rest in run.settlings] == [("d", "floor")]
+    assert run.final["d"].y.text() == "1"
+    two = [Wall(0, 0, 1, 0, id="floor"), Wall(2, 0, 3, 0, id="again")]
+    run = ran([Circle(0, 6, id="d"), Circle(-6, 1, vx=1, id="b")], two, 0, 20)
+    assert [tuple(event.contacts[0]) for event in run.events][1:] == [("d", "b")]
+    assert is_verified(run)
+
+
+BESIDE = {
+    "a fixed circle": Circle("3/4", 2, "1/4", m="oo", id="peg"),
+    "an end": Segment("3/5", "9/5", 5, 9, id="peg"),
+    "a corner": Polygon([("3/5", "9/5"), (4, 3), (3, 4)], id="peg"),
+}
+
+
+@pytest.mark.parametrize("beside", BESIDE)
+def test_what_lies_beside_something_round_is_pushed_against_that_too(beside: str) -> None:
+    """As seen without gravity, of which nothing acts within an instant."""
+    peg = BESIDE[beside]
+    discs = [Circle(0, 1, id="b"), Circle(6, 1, vx=-2, id="e"), Circle(-2, 1, m=100, id="c")]
+    discs += [peg] if isinstance(peg, Circle) else []
+    things = [Wall(0, 0, 1, 0, id="floor"), *([] if isinstance(peg, Circle) else [peg])]
+    run = ran(discs, things, "9/10", 3)
+    assert ("b", "peg") in map(tuple, run.events[0].contacts)
+    light = scene(discs, things, "9/10").with_changes(gravity=(0, 0), settle=False)
+    free = ExactEngine().run(light, until=3)
+    assert [list(map(tuple, run.events[0].contacts))] == [list(map(tuple, free.events[0].contacts))]
+    assert run.events[0].impulses == free.events[0].impulses
+    assert is_verified(run)
