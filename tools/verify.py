@@ -3,12 +3,10 @@
 docs/certificates.md defines the format, and says why this suffices. There is no search and no
 queue: what is stated is proved again, or refused. The laws stand once, in `Space`, and run in two:
 of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Sum`)."""
-import copy, hashlib, json, math, operator, random, re, sys
-from collections import defaultdict, namedtuple
-from fractions import Fraction
-from functools import cache, cached_property
-from itertools import product
-from pathlib import Path
+import collections, copy, fractions, hashlib, json, math, operator, pathlib, random, re, sys
+from functools import cache, cached_property, reduce
+from itertools import accumulate, combinations, product
+Fraction, Path, Counter = fractions.Fraction, pathlib.Path, collections.Counter
 
 FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
 PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 128
@@ -17,12 +15,12 @@ ROW, COUNT, ANY = rf"\d{{1,{DIGITS}}}+", r"[1-9]\d{0,14}", '".*"'
 CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'
 POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
-QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
+QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse|rest)"', r'(?:"back"|\d{1,15})'
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length vx vy", "pockets": "x y r",
           "segments": "x0 y0 x1 y1 length r vx vy", "arcs": "x y r x0 y0 x1 y1"}
 OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "segments",
             "restitution", "gravity", "arcs", "vx", "vy", "x0", "y0", "x1", "y1", "settle",
-            "met", "exact", "turn", "rounds", "enter", "zeros", "until", "limit"}
+            "met", "exact", "turn", "rounds", "enter", "bounces", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
 def spelt(roots):  # how a number is spelt that uses so many roots
     name = "|".join(f"r{k}" for k in range(roots, 0, -1)) or "none"
@@ -40,8 +38,8 @@ def shape(own, all):  # what the parts of a certificate are, and how they are sp
             "scene": scene | {"tie_policy": POLICY},
             "isometries": {"matrix": each(any, "{4}"), "shift": each(any, "{2}"), "map": map},
             "instants": {"time": DECIMAL, "met": pushes, "exact": any, "turn": "true",
-                         "rounds": each(rounds), "enter": each(CONTACT), "settle": each(CONTACT),
-                         "zeros": zeros},
+                         **dict.fromkeys(("enter", "settle", "bounces"), each(CONTACT)),
+                         "rounds": each(rounds), "zeros": zeros},
             "end": {"reason": REASON, "limit": COUNT, "until": any, "zeros": zeros},
             "final": {"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}}
 def dense(x): return json.dumps(x, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
@@ -51,7 +49,7 @@ def fits(value, shape):  # refuses a part, or a list of parts, of another shape
             if isinstance(shape[key], dict): fits(part[key], shape[key])
             elif not re.fullmatch(shape[key], dense(part[key]), re.ASCII):
                 raise Malformed(f"its {key} is not of its shape")
-Flight = namedtuple("Flight", "x y vx vy age seen")  # at (x, y) at `age`; `seen`: where else it was
+Flight = collections.namedtuple("Flight", "x y vx vy age seen")  # at (x, y) at `age`, and elsewhere
 class Malformed(ValueError): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Unsettled(Exception): code, word = 4, "not decided"  # intervals too wide, or nothing shows it
@@ -77,7 +75,7 @@ class Sum(dict):  # an exact number: a sum of terms {roots: factor}, zero if non
     def __mul__(self, o):
         if None in self or None in o: return UNTOLD if self and o else NONE
         refuse(len(self) * len(o) > Sum.most, "a product has too many terms", Declined)
-        parts = defaultdict(lambda: defaultdict(int))  # by roots of both, whose squares are told
+        parts = collections.defaultdict(Counter)  # by roots of both
         for (j, x), (k, y) in product(self.items(), o.items()):
             charge(20_000 + 2 * spent(size(x) + size(y) + size(parts[j & k][j ^ k])))
             parts[j & k][j ^ k] += x * y
@@ -118,6 +116,7 @@ class Ball:  # the reals within r of m, in units of 2**-bits; two that meet have
     def sign(self): return (self.m > self.r) - (self.m < -self.r) or (None if self.r else 0)
 def shifted(m, r, drop, bits):  # by so many bits less, rounded outward; what is exact stays so
     return Ball(m >> drop, (r >> drop) + 2 if r or m & ((1 << drop) - 1) else 0, bits)
+def top(x): return Ball(math.isqrt((abs(x.m) + x.r) << x.bits) + 1, 0, x.bits)  # over its root
 def whole(n): return Ball(n << Ball.bits, 0, Ball.bits)
 def enclosed(form):  # as a ball
     return sum((math.prod((Ball.roots[n] for n in ks), start=whole(x.numerator))
@@ -135,7 +134,7 @@ def number(text):  # reads a sum of terms such as 3/4*r1*r2
         total += math.prod((Sum({k: 1}) for k in roots), start=Sum({frozenset(): Fraction(x)}))
     return total
 class Nearing:  # of two; at s later the gap is gap + 2 closing s + speed s^2; `arms`: the rows of J
-    hollow, bow = 0, ()  # whether its speed is negative; of an arc
+    hollow, bow, bend = 0, (), ()  # whether its speed is negative; of an arc; half of what pulls
     once = cached_property(lambda m: -m.closing / m.speed)  # until both zeros, if they are one
     def __init__(self, d, v, reach, arms): self.d, self.v, self.reach, self.arms = d, v, reach, arms
     def wait(m, again):  # until the gap falls through zero; perhaps it is zero now
@@ -158,7 +157,6 @@ class Facing(Nearing):  # of a circle and a wall; of a face: where the foot of t
         signs = {foot.sign(), (m.square - foot).sign()}
         return -1 if -1 in signs else None if None in signs else min(signs)
 class Dropping(Nearing):  # of one that falls and a fixed one: further terms of the gap, s^3 and s^4
-    bend = ()  # half of how fast v changes
     speed = cached_property(lambda m: Nearing.speed.func(m) + m.along(m.d))
     row = cached_property(lambda m: [m.gap, m.closing + m.closing, m.speed, m.along(m.v), m.last])
     last = cached_property(lambda m: m.bend[0] * m.bend[0] + m.bend[1] * m.bend[1])
@@ -187,15 +185,12 @@ class Arching(Bowing, Ringing):  # of one that falls and a side of an arc, where
         ways = [(m.bow[0] * x + m.bow[1] * y) * m.bow[2] for x, y in (m.v, m.bend)]
         return [*Ringing.tests(m, row), [-m.foot, *ways]]
 def shift(row):  # of whole numbers: the polynomial from 1 on
-    row = [*row]
-    for k in range(len(row) - 1):
-        for j in range(len(row) - 2, k - 1, -1): row[j] += row[j + 1]
+    for k in range(len(row) - 1): row = row[:k] + [*accumulate(row[k:][::-1])][::-1]
     return row
 def twice(row): return [x << n for n, x in enumerate(row)]  # of whole numbers: at 2 x
 def keeps(wait, *rows):  # whether at all times of [0, wait], or for ever, one of them is positive
     def scaled(row):  # to whole numbers, with [0, 1] for [0, wait]
-        for k in range(1, len(row)) if wait else ():
-            row = [*row[:k], *(x * wait for x in row[k:])]
+        for k in range(1, len(row)) if wait else (): row = row[:k] + [x * wait for x in row[k:]]
         return [x.m - x.r for x in row], [x.m + x.r for x in row]  # the least, and the most
     parts = [([*map(scaled, rows)], wait is None, 0)]
     def rises(row, ever):  # is it positive? All its terms; or, of 1 / (1 + x), times (1 + x)^n
@@ -217,13 +212,8 @@ def keeps(wait, *rows):  # whether at all times of [0, wait], or for ever, one o
         parts.append((sides, ever, depth + 1))
     return 1
 def divided(row, x):  # a polynomial over x - s, where it is zero at x
-    rest = [-row[-1]]
-    for term in row[-2:0:-1]: rest = [x * rest[0] - term, *rest]
-    return rest
-def value(row, x):
-    total = row[-1]
-    for term in row[-2::-1]: total = total * x + term
-    return total
+    return [*accumulate(row[-2:0:-1], lambda y, term: x * y - term, initial=-row[-1])][::-1]
+def value(row, x): return reduce(lambda total, term: total * x + term, row[::-1])
 def slope_of(row): return [Ball(k * x.m, k * x.r, x.bits) for k, x in enumerate(row)][1:]
 def falling(row, low, high):  # the one zero of a polynomial that lies between, where it falls
     slope = slope_of(row)
@@ -231,11 +221,9 @@ def falling(row, low, high):  # the one zero of a polynomial that lies between, 
     demand(value(slope, x).sign(), [-1], "whether a gap falls all the time that is said", Unsettled)
     for end, sign in ((low, 1), (high, -1)):
         demand(value(row, end).sign(), [sign], "a gap does not fall through zero where it is said")
-    while True:  # Newton
-        mid = Ball(x.m, 0, x.bits)
-        next = mid - value(row, mid) / value(slope, x)
-        if next.r >= x.r: return x
-        x = next
+    def newton(x): return (mid := Ball(x.m, 0, x.bits)) - value(row, mid) / value(slope, x)
+    while (next := newton(x)).r < x.r: x = next
+    return x
 class Space:
     """The laws of flight, meeting and impulse, in numbers of one kind. Number j is a circle (ends
     come last), wall j - n (faces come last), side of an arc (after these), or pocket -1 - j."""
@@ -243,18 +231,17 @@ class Space:
         self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
         e, pull, drift, self.bows, self.slopes = world  # restitution, half the gravity, walls that
         # move, the first side of an arc, and how faces pull: the sign of their speeds
-        self.loss, self.pull = of(e), [*map(of, pull)]
+        self.loss, self.lost, self.pull = of(e), of(ONE - e), [*map(of, pull)]
         self.drift = {k: [*map(of, v)] for k, v in drift.items()}
         self.fixed = {k for k in range(n) if pull and not things[k][5]}
-        self.pegs = {*self.fixed}  # where others fall: these, and what is carried
+        self.pegs, self.bounces = {*self.fixed}, {}  # where others fall: these, and what is carried
         self.things = {k: [*map(of, row)] for k, row in things.items()}
         self.flights = {k: Flight(*row[:4], 0, {}) for k, row in self.things.items()}
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
     def put(self, i, age):  # a flight, told from where it is at an instant
         if (found := (flight := self.flights[i]).seen.get((age, self.bits))) is None:
-            if age == flight.age: x, y, vx, vy = self.at(*flight[:4])
-            else:
-                (x, y, vx, vy, *_), wait = self.put(i, flight.age), self.wait(flight.age, age)
+            x, y, vx, vy = self.at(*flight[:4])
+            if wait := age != flight.age and self.wait(flight.age, age):
                 x, y = x + vx * wait, y + vy * wait
             if len(flight.seen) > 9 + 9_999 // self.n: flight.seen.clear()
             found = flight.seen[age, self.bits] = Flight(x, y, vx, vy, age, {})
@@ -313,13 +300,6 @@ class Space:
             wall.speed = d[0] * (p + p) + d[1] * (q + q)
             wall.disc = wall.disc - wall.speed * wall.gap
         return wall
-    def rough(self, k, age):  # a flight or a wall in whole numbers; how large, and how far off
-        kept, key = self.flights[k].seen, (age if k < self.n else 0, self.bits, 0)
-        if key not in kept:
-            x, y, vx, vy, r = row = self.at(*self.put(k, key[0])[:4], self.things[k][4])
-            far, fast = abs(x.m) + abs(y.m) + abs(r.m), abs(vx.m) + abs(vy.m)
-            kept[key] = *(z.m for z in row), far, x.r + y.r + r.r, fast, vx.r + vy.r
-        return kept[key]
     def hit(self, c, again, near):  # when the gap of two falls through zero, perhaps from zero
         if self.read is Sum: return UNTOLD
         if self.drops(c): return self.drop(c, again, near)
@@ -332,21 +312,6 @@ class Space:
         low, high = (((at + side) / one).at(self.bits) for side in (whole(-1), whole(1)))
         first = self.times[start].at(self.bits)
         return first + falling(self.meeting(c, start).row[order:], low - first, high - first)
-    def aside(self, c, start, age):  # whether all of a flight is beside a fixed circle
-        i, j = c if c[1] in self.pegs else c[::-1]
-        u, v, *way = self.put(j, start)[:4]
-        if age is None or any(z.m or z.r for z in way): return False
-        kept, key = self.flights[i].seen, (start, age, self.bits, 0)
-        if key not in kept:  # a box round the flight: that of its ends, and where tangents meet
-            (x, y, vx, vy), wait = self.true(i, start), self.wait(start, age)
-            way = [z * wait for z in (vx, vy)]
-            to = zip((x, y), way, self.true(i, age), strict=False)
-            spots = [(z + z, z + z + w, e + e) for z, w, e in to]
-            kept[key] = [(min(z.m - z.r for z in s), max(z.m + z.r for z in s)) for s in spots]
-        r, s = self.at(*(self.things[k][4] for k in c))
-        room, _ = 2 * (r.m + r.r + s.m + s.r), charge(5_000)
-        return any(2 * (z.m + z.r) + room < low or high < 2 * (z.m - z.r) - room
-                   for z, (low, high) in zip((u, v), kept[key], strict=True))
     def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
         for k in range(len(rows)):  # all rows lose their first number
             top = [x / rows[k][0] for x in rows[k][1:]]
@@ -360,8 +325,7 @@ class Space:
         def effect(a, b):  # an entry of G
             both = ((self.things[i][5].at(self.bits), *a[i], *b[i]) for i in a if i in b)
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none.at(self.bits))
-        if s: s = [*map(self.of, s)]
-        elif self.read is Sum: s = [UNTOLD] * len(push)
+        if s or self.read is Sum: s = [*map(self.of, s)] or [UNTOLD] * len(push)
         else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
                                -(met[c].closing + self.before[c])] for c in push])
         for c, j in zip(push, s, strict=True):
@@ -370,8 +334,21 @@ class Space:
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
                 self.flights[i] = Flight(u, v, vx + w * x, vy + w * y, age, {})
         return s
+    def bounce(self, c, age):  # from now on, without a speed across the wall: what is kept of that
+        m, (x, y, vx, vy, *_) = self.meeting(c, age), self.put(c[0], age)
+        q, (p, r) = UNTOLD, m.arms[c[0]]
+        if self.read is not Sum: q = m.closing / (p * p + r * r)
+        self.flights[c[0]] = Flight(x, y, vx - q * p, vy - q * r, age, {})
+        fall = m.speed * self.lost.at(self.bits)
+        self.bounces[c[0]] = m.closing + m.closing, fall, self.times[age]
+    def stilled(self, i):  # when its bounces have come to their end
+        rise, fall, start = self.at(*self.bounces[i])
+        return UNTOLD if self.read is Sum else start - rise / fall
     def ask(self, question, c, age):  # the number that a witness may show to be zero
         if question in self.limits: return self.less(self.limits[question], self.times[age])
+        if question == "rest":  # until when it bounces
+            rise, fall, start = self.at(*self.bounces[c[0]])
+            return rise + fall * self.less(self.times[age], start)
         if question == "slack": return self.before[c] + self.meeting(c, age).closing  # e u + u'
         return getattr(self.meeting(c, age), question)
     def turn(self, circles, age):  # their velocities are reversed
@@ -382,12 +359,10 @@ class Space:
             self.flights[i] = Flight(x, y, -vx, -vy, age, {})
     def stand(self, i, age, known):  # from now on in the frame of the scene, with what is known
         row = [self.of(known[k]) if k in known else x for k, x in enumerate(self.true(i, age))]
-        self.flights[i] = Flight(*row, age, {})
-        self.pegs.add(i)
+        self.flights[i], _ = Flight(*row, age, {}), self.pegs.add(i)
     def lift(self, i, age):  # it falls from now on
         row = map(operator.sub, self.put(i, age)[:4], self.fallen(age))
-        self.flights[i] = Flight(*row, age, {})
-        self.pegs.remove(i)
+        self.flights[i], _ = Flight(*row, age, {}), self.pegs.remove(i)
 def ends_of(segments, arcs):  # as circles; those at one place that move alike are the largest one
     found = {}
     rows = [(x, y, u, v, r, *way) for x, y, u, v, _, r, *way in segments]
@@ -398,15 +373,13 @@ def ends_of(segments, arcs):  # as circles; those at one place that move alike a
             demand(sign, [-1, 0, 1], "which of two ends at one place is the larger")
             if sign == 1: found[key] = [*place, *way, r, NONE]
     return [*found.values()]
-class KeptApart:
-    """How a checker proves that two kept apart on their flights."""
+class KeptApart:  # how a checker proves that two kept apart on their flights
     def points(self, i, j): return not (self.things[i][4] or self.things[j][4])
     def other(self, c):  # with the other face of the segment, or the other side of the arc
-        first = self.arcs.start if c[1] in self.arcs else self.faces.start
-        return c[0], first + ((c[1] - first) ^ 1)
+        k = (self.arcs if c[1] in self.arcs else self.faces).start % 2
+        return c[0], ((c[1] - k) ^ 1) + k
     def hollow(self, c):  # whether a gap of an arc or a face is concave: from within, or pulled to
-        bow = c[1] in self.arcs and (c[1] - self.arcs.start) % 2
-        return bow or self.slope(c) == -1
+        return (c[1] in self.arcs and (c[1] - self.arcs.start) % 2) or self.slope(c) == -1
     def slope(self, c): return 0 if c[0] in self.carried else self.slopes.get(c[1], 0)
     def drops(self, c): return self.ball.drops(c)
     def within(self, c): return all(self.sign(x, c) > 0 for x in RANGE)  # now
@@ -417,40 +390,21 @@ class KeptApart:
         inside = signs == {1} and (gap == 0 or self.zero("gap", c, start))
         demand(0 if inside else None, [1], f"{c} touch as the flight ends")
     def outside(self, c):  # at time 0: proves that a circle is not in a segment, seen from a face
-        gap, height, foot, far = (self.ball.ask(x, c, 0).sign()
-                                  for x in ("gap", "height", "foot", "far"))
+        gap, height, foot, far = (self.ball.ask(x, c, 0).sign() for x in ("gap", "height", *RANGE))
         if gap == 1 or height == -1 or {foot, far} & {-1, 0}: return
         if any(self.zero(x, c, 0) for x in RANGE): return
         inside = gap in (-1, 0) and foot == far == 1 and height in (0, 1)
         refuse(inside, f"{c}: it starts in a segment")
         raise Unsettled(f"whether {c[0]} starts in a segment")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
-        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
-        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
-        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
-        if c in self.bends:
-            m = world.meeting(c, at)
-            closing = m.closing if turn > 0 else -m.closing
-            gap, rise, sign = m.gap.sign(), closing.sign(), m.disc.sign()
-            safe = rise in (0, 1) or sign == -1
-            if gap == 1 and not safe and span[1:]:
-                safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
-            return gap, safe, rise == -1 and sign == 1
-        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
-        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
-        if wall := c[1] >= self.n:
-            side, off, slip = world.sides[c], off + slip, by
-            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
-        else:
-            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
-            gap, rise = x * x + y * y - size, x * vx + y * vy
-        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
-        if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
-            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
-        if safe or wall: return sign, safe, rise < -slip
-        cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
-        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
-        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
+        charge(9_000)
+        m = world.meeting(c, at)
+        closing = m.closing if turn > 0 else -m.closing
+        gap, rise, disc = m.gap.sign(), closing.sign(), m.disc.sign()
+        safe = rise in (0, 1) or disc == -1
+        if gap == 1 and not safe and span[1:]:  # the tangent
+            safe = (m.gap + (closing + closing) * world.wait(*span)).sign() == 1
+        return gap, safe, rise == -1 and disc == 1
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if self.falls(c): return self.rises(c, age)
         if self.drops(c): return self.flies(c, age)
@@ -479,7 +433,6 @@ class KeptApart:
         if self.parted.get(twin, (-1,))[0] == start: order = self.parted[twin][1]
         if twin in self.met: ends = 2 - abs(self.met[twin])
         for world in (self.few, self.ball):
-            if 0 <= c[1] < self.n and not (order or ends) and world.aside(c, start, age): return
             row = (m := world.meeting(c, start)).row[order:]
             wait = None if age is None else world.wait(start, age)
             for _ in range(ends): row = divided(row, wait)
@@ -544,9 +497,8 @@ class KeptApart:
         if any(self.zero("foot", x, 0) and self.zero("gap", x, 0) for x in sides): return
         demand(None if None in gaps or within != 1 else 0, [1], f"{c} overlap at time 0")
 class Checker(KeptApart):
-    """Follows a certificate. Of the flights of now it keeps `parted`, what was at gap zero on them,
-    and `lasting`, what stays so; of the way out `out`, its instants that are not undone; of an
-    instant `met`, what is listed, and `known`, all at gap zero, with the signs of closing."""
+    """Follows a certificate. On the flights of now `parted` was at gap zero, `lasting` stays so; of
+    the way out, `out` is not undone; at an instant `met` is listed, `known` all, with its sign."""
     clock = property(lambda self: next(iter(self.met), None))
     def __init__(self, told, factor):  # takes up a certificate and its scene
         self.told, self.end, scene, maps = told, told["end"], told["scene"], told["isometries"]
@@ -560,7 +512,7 @@ class Checker(KeptApart):
         ids = {thing["id"] for thing in things}
         hows = {zero[2] for part in parts for zero in part.get("zeros", ())} - {"back"}
         large = n > CIRCLES or area > PAIRS or bits > min(BITS, SIZE // area)
-        timed = all({"met", "exact", "turn"} & part.keys() for part in told["instants"][1:])
+        timed = all({"met", "exact", "turn", "settle"} & x.keys() for x in told["instants"][1:])
         refuse(large, "it has too many circles, walls, pockets or bits", Malformed)
         refuse(len(ids) < len(things), "an id comes twice", Malformed)
         refuse(not (timed and told["instants"]), "no instant, or one without a time", Malformed)
@@ -589,14 +541,13 @@ class Checker(KeptApart):
         refuse(turns and (drift or loss != ONE or stands), "what cannot turn back does", Malformed)
         refuse(settle and (not pull or drift or arcs or pockets or turns), "none settle", Malformed)
         for x in loss, ONE - loss: demand(sign_of(x), [0, 1], "no such restitution", Malformed)
-        self.bounced = 1 if loss else 0  # the sign of what has pushed
         sides, circles = ((0, 1, 2, 3, 4, 5), (2, 3, 0, 1, 4, 5)), circles + ends_of(segments, arcs)
         faces = [[row[k] for k in side] for row, side in product(segments, sides)]
         lines = [[x, y, y - v, u - x, length, (*thick, NONE)[0]]
                  for x, y, u, v, length, *thick in [row[:5] for row in walls] + faces]
         first, n, level = n, len(circles), set()  # the first end, if there is one; what is level
         self.n, self.carried, self.faces = n, {}, range(n + len(walls), n + len(lines))
-        self.pull, self.drift = pull, {n + k: v for k, v in drift.items()}
+        self.pull, self.drift, self.bounced = pull, {n + k: v for k, v in drift.items()}, bool(loss)
         bows, sizes = [], [row[2] for row in arcs]
         for x, y, r, *ends in arcs:  # it lies beyond its chord: the normal of that, and how far
             ends = [z - o for z, o in zip(ends, (x, y, x, y), strict=False)]
@@ -612,8 +563,7 @@ class Checker(KeptApart):
         self.movable = {i for i, row in enumerate(circles) if row[5]}
         limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": limits["until"] = number(self.end["until"])
-        for *_, p, q, size, _ in lines:
-            demand(sign_of(p * p + q * q - size * size), [0], "a length", Malformed)
+        for *_, p, q, z, _ in lines: demand(sign_of(p * p + q * q - z * z), [0], "size", Malformed)
         for *_, u, v, _, w in circles[:first]:
             refuse((u or v) and not w, "what is fixed moves", Malformed)
         sizes += [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
@@ -624,7 +574,7 @@ class Checker(KeptApart):
             room = sign_of(self.things[c[1]][4] - self.things[c[0]][4]) if self.hollow(c) else 1
             return demand(room, [-1, 0, 1], f"whether {c} fit") == 1
         self.meets = {c for c in self.meets if roomy(c)}
-        self.of = defaultdict(list)  # the contacts of each
+        self.of = collections.defaultdict(list)  # the contacts of each
         for c, i in ((d, i) for d in self.meets for i in d): self.of[i].append(c)
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
                  for i in self.movable for k, (x, y, p, q, *_) in enumerate(lines[:len(walls)], n)}
@@ -698,6 +648,7 @@ class Checker(KeptApart):
             return back and other in self.met and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept, first = self.mapped(g), question == "closing" and not self.rows
+        if question == "rest": return self.image(images, c) in self.calm and i in kept
         alike = other in self.met and self.image(images, c) == other
         if alike and (question == "gap" or first > abs(self.met[other])):
             return all(k in kept for k in c if 0 <= k < self.n)
@@ -717,6 +668,7 @@ class Checker(KeptApart):
         raise Unsettled(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
     def take(self, entry, where):  # takes up an entry
         Checker.where, self.zeros, self.met, self.rows = where, entry.get("zeros", ()), {}, {}
+        self.calm = set()  # what has bounced up to now
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
         self.age, turn, met = self.age + 1, "turn" in entry, [*map(tuple, entry.get("met", ()))]
         age, told = self.age, [number(text) for key, text in entry.items() if key == "exact"]
@@ -726,9 +678,11 @@ class Checker(KeptApart):
         refuse(self.due != turn or self.count == self.last, "the reversal, or the end, is due")
         refuse(told and (turn or not age), "it has a time already")
         refuse(len({*met} & self.meets) < len(met) * (1 + turn), f"{met} cannot meet")
+        calm = sorted({i for i, _ in entry.get("settle", ()) if i in self.ball.bounces})
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(told[0]) if told
-                           else w.hit(met[0], self.again(met[0]), entry["time"]))
+                           else w.hit(met[0], self.again(met[0]), entry["time"]) if met
+                           else w.stilled(calm[0]))
         self.said(self.ball.times[age], entry["time"])
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
@@ -749,6 +703,10 @@ class Checker(KeptApart):
                 away = 0 if self.slope(c) == -1 else 1  # what rises to it, or from it
                 refuse(age and self.met[c] >= away, f"{c}: it comes from behind")
             if age and self.met[c] > 0: self.clear(c, last=True)  # a rim is left from within
+        for by in (self.carried[i] for i in calm):  # its bounces have come to their end
+            if self.calm or met or told: refuse(self.sign("rest", by[0]) == 1, f"{by} bounces")
+            self.calm |= {*by}
+        for w, i in product(self.worlds, calm): del w.bounces[i]
         self.lasting = {c: 0 for c in self.lasting if c[1] not in self.faces or self.within(c)}
         turned, self.way = {c: -sign for c, sign in self.known.items()}, self.way or turn
         self.known = turned if turn else self.lasting | self.met
@@ -765,7 +723,7 @@ class Checker(KeptApart):
         signs = {name: self.sign(name, self.clock) for name in self.ball.limits}
         refuse(-1 in signs.values(), "the end, or the reversal, comes before it")
         self.due = signs.get("reverse") == 0
-        refuse(not (met or turn or self.due or age == 0), "nothing falls on it")
+        refuse(not (met or calm or turn or self.due or age == 0), "nothing falls on it")
         self.resolve([*entry.get("rounds", ())], entry, {*self.movable} if turn else set())
         self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
         sharp = (x.bits - x.r.bit_length() for i in self.movable for x in self.ball.flights[i][:4])
@@ -807,15 +765,22 @@ class Checker(KeptApart):
             for w, i in product(self.worlds, taken): w.stand(i, self.age, {2: NONE, 3: NONE})
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = known = {c: sign for c, sign in known.items() if c in self.meets}
-        bears = {c[0]: c for c in sorted(known, reverse=True) if c in self.bears and not known[c]}
-        begun = {c for c in bears.values() if c[0] not in self.carried}
-        refuse(sorted(begun) != sorted(map(tuple, entry.get("settle", ()))), f"{begun} settle")
+        bounces = [*map(tuple, entry.get("bounces", ()))]
+        for i in {i for i, _ in bounces}: self.bounce(*(c for c in bounces if c[0] == i), pushes)
+        known |= dict.fromkeys(bounces, 0)
+        flat = sorted(c for c in known if self.n <= c[1] < self.arcs.start and not known[c])
+        charge(500 * len(flat) ** 2 * (settles := "settle" in self.told["scene"]))
+        bears = {c[0]: (c, o) for c, o in combinations(flat, 2) if settles and self.holds(c, o)}
+        bears |= {c[0]: (c,) for c in flat[::-1] if c in self.bears}
+        begun = {c for by in bears.values() for c in by if c[0] not in self.carried}
+        told = [*map(tuple, entry.get("settle", ()))]
+        refuse(sorted(begun | self.calm) != sorted(told + bounces), f"{begun} settle")
         self.settle({i for i, _ in begun} - moved)
         moved |= {i for i, _ in begun}
         for w, i in product(self.worlds, self.carried.keys() - bears.keys()): w.lift(i, self.age)
         for i in moved & bears.keys():
-            self.rows.setdefault(i, []).append({bears[i]})
-            for w in self.worlds: w.stand(i, self.age, self.along(*bears[i]))
+            self.rows.setdefault(i, []).append({*bears[i]})
+            for w in self.worlds: w.stand(i, self.age, self.along(i, *bears[i]))
         self.carried = bears
         self.lasting = {c: 0 for c in known if (c in self.lasting and not moved & {*c})
                         or not (known[c] or self.drops(c) or self.sign("speed", c))}
@@ -826,10 +791,44 @@ class Checker(KeptApart):
             self.out.append((pushes, {c for c in known if c[1] >= 0}))
         back = {i: rows[::-1] for i, rows in pushes.items()}
         if self.way and back: del self.out[-1 if [back] == [x for x, _ in self.out[-1:]] else 0:]
-    def along(self, i, j):  # what is known of the flight of what is carried, by place
-        *spot, p, q, _, thick = self.things[j]
-        known = dict.fromkeys((2, 3) if j in self.faces else (), NONE)
-        refuse(known and self.sign("slide", (i, j)), f"{i, j}: it slides, up to an end")
+    def holds(self, c, o, *more):  # whether two surfaces hold what gravity pulls to between them
+        if c[0] != o[0] or more or not self.pull: return False
+        one, other = ([-z if self.ball.sides[d] < 0 else z for z in self.things[d[1]][2:4]]
+                      for d in (c, o))
+        turns = (one, other), (self.pull, one), (other, self.pull)
+        signs = [sign_of(a[0] * b[1] - a[1] * b[0]) for a, b in turns]
+        return {demand(x, [-1, 0, 1], f"whether {c, o} hold it") for x in signs} in ({1}, {-1})
+    def bounce(self, c, *more):  # proves that it bounces out, and nothing comes near meanwhile
+        i, (*others, pushes), w, ones = c[0], more, self.ball, {c, *more[:-1]}
+        refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, f"{c} does not leave")
+        since = {self.parted.get(d, (d,))[0] for d in ones}  # both push it again, for the first
+        straight = len(since) == 1 and pushes.get(i) == [ones]  # time since: it flies straight up
+        refuse(others and not straight, f"{c} does not fly up as it is pulled down")
+        rows, own = [w.true(k, self.age) for k in range(self.n)], {o[1] for o in ones}
+        for v in self.worlds: v.bounce(c, self.age)
+        charge(30_000 * len(self.things) + 9 * w.bits * self.n)
+        wait, one = w.less(w.stilled(i), w.times[self.age]), whole(1).at(w.bits)
+        light = {k: w.at(w.things[k][5])[0] for k in self.movable}  # none has more energy than all
+        def square(x, y): return x * x + y * y
+        def most(parts): return top(sum(parts, one - one))
+        fall = top(square(*w.at(*w.pull))) * (wait + wait)
+        swing = most(square(*rows[k][2:]) / x for k, x in light.items())
+        swing = swing + fall * most(one / x for x in light.values())
+        way = (top(square(*rows[i][2:])) + fall) * wait
+        def beyond(k):  # whether more is between the two than they go
+            m, size = w.meeting((i, k) if i < k else (k, i), self.age), w.at(w.things[k][4])[0]
+            off = way + swing * top(light[k]) * wait if k in light else way
+            if k < self.n: return (m.gap - off * (m.reach + m.reach + off)).sign() == 1
+            aside = k in self.faces and -1 in {(x + way * size).sign() for x in (m.foot, m.far)}
+            return aside or (m.gap - (way + way) * size).sign() == 1
+        for k in {*range(self.arcs.start)} - own - {i}:
+            sides = {k, self.other((i, k))[1]} if k in self.faces else {k}
+            far = own & sides or any(map(beyond, sides))
+            refuse(not far, f"whether others come near {c}", Unsettled)
+    def along(self, i, by, *more):  # what is known of the flight of what is carried, by place
+        *spot, p, q, _, thick = self.things[j := by[1]]
+        known = dict.fromkeys((2, 3) if more or j in self.faces else (), NONE)
+        refuse(known and not more and self.sign("slide", by), f"{by}: it slides, up to an end")
         reach = self.things[i][4] + thick
         for k in (k for k in (0, 1) if not (q, p)[k]):  # the way up is along an axis
             down = demand(sign_of(self.pull[k]), [-1, 1], "which way is down")
@@ -852,6 +851,7 @@ class Checker(KeptApart):
         for w in self.worlds if "until" in limits else (): w.times.append(w.limits["until"])
         self.age += "until" in limits
         for c in self.meets: self.clear(c, None if reason == "quiet" else self.age, last=True)
+        for i in self.ball.bounces: refuse(self.sign("rest", self.carried[i][0]) > 0, f"{i} flies")
         self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in enumerate(self.told["final"]["circles"]):
             for x, text in zip(self.ball.true(i, self.age), row, strict=True): self.said(x, text)

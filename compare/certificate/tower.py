@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import isqrt
-from typing import Any, ClassVar, cast
+from operator import add, mul, neg, sub, truediv
+from typing import Any, ClassVar, TypeVar, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Arc, Circle, Pocket, Segment, Wall
 from ...tools.verify import Sum, Unsettled
 from .outlines import bars_of
+
+T = TypeVar("T")
 
 ROOTS = 24
 """Most roots that a run's numbers may take."""
@@ -20,6 +24,12 @@ SCENE_ROOTS = 12
 
 WORK = 1 << 37
 """Most work (see `Exact.work`): about two minutes."""
+
+DEEP_ROOTS = 7
+"""Roots beyond those at hand that an exact zero may take."""
+
+DEEP_WORK = 1 << 32
+"""Work that an exact zero may take (see `Exact.work`): some seconds."""
 
 
 class Exact:
@@ -235,3 +245,115 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     if Exact.roots:
         told["roots"] = [text_of(root) for root in Exact.roots]
     return told
+
+
+# -- Numbers that are computed when they are asked for.
+
+
+class Lazy:
+    """An exact number that is computed when it is asked for, from those that it comes about from.
+
+    A product of zero is zero, whatever the other factor is: the one that less goes into is computed first.
+    """
+
+    __slots__ = ("by", "depth", "told", "value")
+
+    def __init__(self, value: Exact | None, *by: Any) -> None:
+        self.value, self.by, self.told = value, by, False
+        self.depth: int = 1 + max((part.depth for part in by[1:] if isinstance(part, Lazy)), default=0)
+
+    def __neg__(self) -> Lazy:
+        return Lazy(None, neg, self)
+
+    def __add__(self, o: Lazy) -> Lazy:
+        return Lazy(None, add, self, o)
+
+    def __sub__(self, o: Lazy) -> Lazy:
+        return Lazy(None, sub, self, o)
+
+    def __mul__(self, o: Lazy) -> Lazy:
+        return Lazy(None, mul, self, o)
+
+    def __truediv__(self, o: Lazy) -> Lazy:
+        return Lazy(None, truediv, self, o)
+
+    def sqrt(self) -> Lazy:
+        return Lazy(None, Exact.sqrt, self)
+
+    def at(self, _: int) -> Lazy:
+        return self
+
+    def sign(self) -> None:
+        """Not known: whether it is zero is asked of `is_zero`."""
+
+    def tell(self) -> None:
+        """Marks it, and all that it comes about from, as what is to be told."""
+        todo = [self]
+        while todo:
+            now = todo.pop()
+            if not now.told:
+                now.told = True
+                parts: list[Lazy] = list(now.by[1:])
+                zeros = [part for part in parts if now.by[0] is mul and _is_known_zero(part)]
+                todo += zeros[:1] or parts
+
+
+def _is_known_zero(x: Lazy) -> bool:
+    """Whether a number is computed, and zero."""
+    return x.value is not None and not x.value
+
+
+def lazy_text(x: Lazy) -> str:
+    """A number as certificates spell it."""
+    Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
+    _compute(x, [])
+    return text_of(cast(Exact, x.value))
+
+
+def is_zero(value: Lazy) -> bool:
+    """Whether a number is zero exactly, within the roots and the work that it may take."""
+    if computed([value], lambda numbers: not numbers[0]):
+        value.tell()
+        return True
+    return False
+
+
+def computed(values: Sequence[Lazy], use: Callable[[Sequence[Exact]], T]) -> T | None:
+    """What is made of numbers, within roots and work that they may take; the roots are kept where it is something."""
+    before, spent = len(Exact.roots), Exact.work
+    Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
+    done: list[Lazy] = []
+    found = None
+    try:
+        for value in values:
+            _compute(value, done)
+        found = use([cast(Exact, value.value) for value in values])
+    except Unsettled:
+        Exact.work = spent
+    if found:
+        return found
+    for now in done:
+        if now.value is not None and now.value.k > before:
+            now.value = None
+    del Exact.roots[before:]
+    return None
+
+
+def _depth(x: Lazy) -> int:
+    return x.depth
+
+
+def _compute(value: Lazy, done: list[Lazy]) -> None:
+    """Computes a number; what was computed on the way is listed."""
+    todo = [value]
+    while todo:
+        now = todo[-1]
+        if now.value is None:
+            parts = sorted(now.by[1:], key=_depth) if now.by[0] is mul else now.by[1:]
+            zero = now.by[0] is mul and _is_known_zero(parts[0])
+            if missing := [] if zero else [part for part in parts if part.value is None]:
+                todo += missing[:1] if now.by[0] is mul else missing
+                continue
+            now.value = parts[0].value if zero else now.by[0](*(part.value for part in now.by[1:]))
+            done.append(now)
+        todo.pop()

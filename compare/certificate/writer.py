@@ -19,7 +19,7 @@ from ...exact.simulation.endings import ENDS
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, Real
-from ...scenarios.trajectory import Event, Pocketing, StopReason, Trajectory
+from ...scenarios.trajectory import Event, Pocketing, Settling, StopReason, Trajectory
 from ...tools.verify import BITS, CIRCLES, FORMAT, Malformed, Refuted, Unsettled, cost
 from .isometries import Contact
 from .outlines import numbers_of
@@ -53,6 +53,9 @@ LONG = 500
 PART = 16
 """Which part of it that is. (`gas` loses 1,125 bits in its first 1,000 events, and 4,931 in its first 4,500.)"""
 
+ORDER = 512
+"""Bits in which times are compared, to say which of two instants comes first, or that they are one."""
+
 MARGIN = 32
 """Bits that a certificate allows beyond those that its writer needed, so that a checker whose intervals are somewhat
 wider decides all the same."""
@@ -80,7 +83,7 @@ ContactData: TypeAlias = Annotated[tuple[Place, int], InSchema("contact")]
 
 ZeroData: TypeAlias = Annotated[
     tuple[
-        Literal["gap", "closing", "disc", "speed", "slack", "until", "reverse"],
+        Literal["gap", "closing", "disc", "speed", "slack", "until", "reverse", "rest"],
         ContactData,
         Literal["back"] | Place,
         ContactData,
@@ -194,6 +197,7 @@ class MomentData(TypedDict):
     rounds: NotRequired[list[Annotated[list[PushData], InSchema(minItems=1)]]]
     enter: NotRequired[list[ContactData]]
     settle: NotRequired[list[ContactData]]
+    bounces: NotRequired[list[ContactData]]
     zeros: NotRequired[list[ZeroData]]
 
 
@@ -326,12 +330,10 @@ def _check_certifiable(trajectory: Trajectory) -> None:
     if ENDS in trajectory.stop.message:
         raise CertificateError("a circle slides along a face, to its end: certificates do not tell that yet")
     for rest in trajectory.settlings:
-        if rest.other is not None:
-            raise CertificateError(f"{rest.circle} comes to rest {rest.where}: certificates do not tell that yet")
-        if rest.since is not None:
+        if rest.since is not None and rest.time.ball(ORDER) > trajectory.final_time.ball(ORDER):
             raise CertificateError(
-                f"{rest.circle} bounces on {rest.wall} infinitely often before it settles, and the run goes on: "
-                "certificates do not tell that yet"
+                f"{rest.circle} bounces on {rest.wall} infinitely often until {float(rest.time):.9g}, and the run ends "
+                "amid that: certificates do not tell where it is then"
             )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
@@ -476,7 +478,7 @@ class _Follow:
                 if (own[k] - exact) if k in own else not is_same(there, exact):
                     raise Unsettled("at which instant two graze")
             else:
-                entry = {"exact": graze[0], "rounds": [], "enter": [], "settle": [], "time": "0"}
+                entry = {"exact": graze[0], "rounds": [], "enter": [], "settle": [], "bounces": [], "time": "0"}
                 self.log.insert(k, entry)
                 self.contacts.insert(k, frozenset())
                 times.insert(k, near)
@@ -557,13 +559,21 @@ def instants(
     entries: dict[int, list[list[int]]] = {}
     steps: Sequence[Step] = ()
     times: dict[int, ExactValue] = {}
+    stilled: dict[tuple[int, int], ExactValue] = {}
     for happened in (*trajectory.events, *trajectory.pocketings, trajectory.reversal, *trajectory.settlings):
         if happened is None:
             continue
-        time, number = _instant(happened.time)
+        if isinstance(happened, Settling) and happened.since is not None:  # it bounces out from then on
+            assert isinstance(happened.time, ExactValue)
+            time, number = _instant(happened.since)
+            stilled[number, place[happened.circle]] = happened.time
+            upto = happened.time.upto
+        else:
+            time, number = _instant(happened.time)
+            upto = time.upto
         times[number] = time
         steps = time.log.steps if len(time.log.steps) > len(steps) else steps
-        ends[number] = max(time.upto, ends.get(number, 0))
+        ends[number] = max(upto, ends.get(number, 0))
         if isinstance(happened, Event):
             contacts[number] = {(place[a], part) for a, b in happened.contacts for part in parts[b]}
         elif isinstance(happened, Pocketing):
@@ -572,6 +582,7 @@ def instants(
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
     when: dict[int, ExactValue] = {}
+    calm: list[tuple[ExactValue, list[list[int]]]] = []
     done = 0
     for number in sorted(ends):
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
@@ -585,13 +596,32 @@ def instants(
         if number in times:
             when[len(found)] = times[number]
         settled = [step for step in steps[done : ends[number]] if isinstance(step, Settle) and step.body not in carried]
-        begun = [[step.body, number_of[places_of(scene, AtWall(step.body, step.wall))[1]]] for step in settled]
+        begun: list[list[int]] = []
+        bounces: list[list[int]] = []
+        for step in settled:
+            walls = (step.wall, step.other) if step.other >= 0 else (step.wall,)
+            on = [[step.body, number_of[places_of(scene, AtWall(step.body, wall))[1]]] for wall in sorted(walls)]
+            if step.bounces:
+                bounces += on
+                calm.append((stilled[number, step.body], on))
+            else:
+                begun += on
         for step in steps[done : ends[number]]:
             if isinstance(step, Settle | Lift):
                 (carried.add if isinstance(step, Settle) else carried.discard)(step.body)
-        found.append({**turn, **clocks, "rounds": rounds, "enter": enter, "settle": begun, "time": "0"})
+        lasts = {"settle": begun, "bounces": bounces}
+        found.append({**turn, **clocks, "rounds": rounds, "enter": enter, **lasts, "time": "0"})
         met.append(frozenset(pushed))
         done = max(done, ends[number])
+    for time, on in calm:  # an instant of its own, or of others like it; beside a meeting it is not told
+        sharp = time.ball(ORDER)
+        k = next((k for k, other in sorted(when.items()) if not other.ball(ORDER) < sharp), len(found))
+        if k == len(found) or not when[k].ball(ORDER).overlaps(sharp):
+            found.insert(k, {"rounds": [], "enter": [], "settle": [], "bounces": [], "time": "0"})
+            met.insert(k, frozenset())
+            when = {**_shifted(when, k), k: time}
+        if not (met[k] or found[k]["enter"]):
+            found[k]["settle"] += on
     return found, met, when
 
 

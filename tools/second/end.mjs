@@ -4,7 +4,7 @@ import { refute } from './base.mjs';
 /** @param {import('./run.mjs').Run} run */
 export function theEnd(run) {
   const { end, scene, final } = run.certificate, { reverseAt } = run.scene;
-  Object.assign(run, { met: [], rows: null, witnesses: end.zeros ?? [] });
+  Object.assign(run, { met: [], rows: null, witnesses: end.zeros ?? [], calm: [] });
   const last = end.reason === 'events';
   if (last && run.events !== end.limit) refute(`there are ${run.events} events`);
   if (run.due && !last) refute('the reversal is due and not told');
@@ -17,6 +17,7 @@ export function theEnd(run) {
   for (const i of run.flights.keys()) for (const c of run.contactsOf(i)) {
     if (c.i === i) run.apart(c, end.reason === 'quiet' ? 'ever' : 'end');
   }
+  for (const i of run.bounces.keys()) run.bouncesNoMore(i); // what was not told has come to its end
   run.place = 'the final state';
   run.decimal(run.now, final.time, 'the time');
   for (const [i, row] of final.circles.entries()) {

@@ -8,10 +8,11 @@ import { append, Rounds } from './rounds.mjs';
 import { ZERO } from './exact.mjs';
 import { witness } from './witness.mjs';
 import { theEnd } from './end.mjs';
+import { bounce, flatten, holds, rest, stilled } from './calm.mjs';
 import { divided, falling, horner, keeps, slope } from './quartic.mjs';
 
 /** @typedef {import('./scene.mjs').Contact} Contact */
-/** @typedef {{c: Contact, sign: number, lasted: boolean}} Known a contact at gap zero, and the sign of its closing speed */
+/** @typedef {{c: Contact, sign: number, lasted: boolean, from?: number}} Known a contact at gap zero, the sign of its closing speed, and when it was known before */
 
 export class Run {
   constructor(certificate, bits, work) {
@@ -41,6 +42,7 @@ export class Run {
       /** @type {Map<number, {k: number, t: object, order: number}>} of one that stands: when its gap was zero last, and of what order */
       this.zeroes = new Map();
       /** @type {Map<number, Known>} known at the last instant, as left */ this.left = new Map();
+      /** @type {Map<number, object>} what bounces infinitely often, by circles */ this.bounces = new Map();
       this.events = 0;
       this.turnTime = null;
       this.due = false;
@@ -372,7 +374,7 @@ export class Run {
 
   instant(e, k) {
     const { scene } = this, { end } = this.certificate;
-    Object.assign(this, { k, cache: [], met: [], rows: null, witnesses: e.zeros ?? [] });
+    Object.assign(this, { k, cache: [], met: [], rows: null, witnesses: e.zeros ?? [], calm: [] });
     const turn = Boolean(e.turn), before = this.now;
     if (k && this.due !== turn) refute(turn ? 'no reversal is due' : 'a reversal is due');
     if (k === 0 && turn) refute('the first instant is a reversal');
@@ -382,11 +384,14 @@ export class Run {
     // 1, 2: the time
     const met = (e.met ?? []).map(([i, j]) => this.meeting(scene.contact(i, j), i, j));
     if (new Set(met.map(c => c.key)).size !== met.length) refute('a contact meets twice');
+    const ended = [...new Set((e.settle ?? []).map(([i]) => i).filter(i => this.bounces.has(i)))].sort((a, b) => a - b);
     let told = false; // by the clock
     if (e.exact) this.now = scene.number(scene.exact.reduced(e.exact));
     if (k === 0 || turn) {
       if (e.exact) refute('it has a time already');
       this.now = before;
+    } else if (!e.exact && !met.length) {
+      this.now = ended.length ? stilled(this, ended[0]) : refute('it has no time');
     } else if (!e.exact) {
       this.now = met[0].drops ? this.drop(met[0], e.time) : this.clock(met[0]);
       told = true;
@@ -399,6 +404,12 @@ export class Run {
 
     // 3: what meets
     for (const c of met) this.meet(c, told && c === met[0]);
+    for (const i of ended) { // its bounces have come to their end
+      const { contacts } = this.bounces.get(i);
+      if (i !== ended[0] || met.length || e.exact) this.bouncesNoMore(i);
+      this.calm.push(...contacts);
+    }
+    for (const i of ended) this.bounces.delete(i);
 
     // 4: what is known; the time and the ends
     /** @type {Map<number, Known>} */ const known = new Map(this.met.map(x => [x.c.key, x]));
@@ -417,7 +428,7 @@ export class Run {
         this.turnedAt[i] = k;
       }
     }
-    this.due = this.ahead(e);
+    this.due = this.ahead(e, ended);
 
     // 5: groups and rounds
     const rounds = new Rounds(this, known, e.rounds ?? []);
@@ -434,7 +445,7 @@ export class Run {
     const caught = this.certificate.scene.capture ? new Set(entering.map(x => x.c.i)) : new Set();
     this.capture(caught, known, rounds.pushed);
 
-    this.settle(e.settle ?? [], known, rounds.pushed);
+    this.settle(e, known, rounds);
 
     // 7: what lasts
     for (const x of known.values()) {
@@ -464,27 +475,41 @@ export class Run {
     return x.map((y, w) => (fall ? worlds[w].sub(worlds[w].neg(y), fall[w]) : worlds[w].neg(y)));
   }
 
-  /** Step 7: what comes to rest on a level wall or face, or slides along such a wall, is carried; what was pushed off is not. */
-  settle(told, known, pushed) {
-    const { scene, k } = this, { worlds, carried } = scene, on = new Map();
-    for (const x of [...known.values()].sort((a, b) => a.c.key - b.c.key)) {
-      if (x.sign === 0 && scene.bears(x.c) && !on.has(x.c.i)) on.set(x.c.i, x.c);
+  /** Have the bounces of a circle come to their end by now? */
+  bouncesNoMore(i) {
+    const { contacts: [c] } = this.bounces.get(i);
+    if (this.signed(rest(this, i), 'rest', c, `whether ${c.name} bounces still`) > 0) refute(`${c.name} bounces still`);
+  }
+  /** Step 7: what comes to rest on a level wall or face, or between two, or slides along such a wall, is carried; what was pushed off is not. */
+  settle(e, known, { pushed, pushes }) {
+    const { scene, k } = this, { carried } = scene, on = new Map(), out = new Map(), flat = new Map();
+    const contacts = list => (list ?? []).map(([i, j]) => this.meeting(scene.contact(i, j), i, j)), bouncing = contacts(e.bounces);
+    for (const c of bouncing) append(out, c.i, c);
+    for (const list of out.values()) bounce(this, list, known, pushes);
+    for (const x of [...known.values()].sort((a, b) => a.c.key - b.c.key)) if (x.sign === 0 && x.c.kind === 'wall') append(flat, x.c.i, x.c);
+    for (const [i, list] of scene.settles ? flat : []) {
+      this.work.charge(300 * list.length ** 2);
+      const first = list.find(c => scene.bears(c)), pairs = first ? [] : list.flatMap((c, m) => list.slice(m + 1).map(o => [c, o]));
+      const by = first ? [first] : pairs.findLast(([c, o]) => holds(scene, c, o));
+      if (by) on.set(i, by);
     }
-    const begun = [...on.values()].filter(c => !carried.has(c.i)), keys = new Set(told.map(([i, j]) => this.meeting(scene.contact(i, j), i, j).key));
-    if (keys.size !== told.length || keys.size !== begun.length || begun.some(c => !keys.has(c.key))) refute('not these circles settle');
+    const told = [...contacts(e.settle), ...bouncing], keys = new Set(told.map(c => c.key));
+    const begun = [...on.values()].flat().filter(c => !carried.has(c.i)), due = new Set([...begun, ...this.calm].map(c => c.key));
+    if (keys.size !== told.length || keys.size !== due.size || [...due].some(key => !keys.has(key))) refute('not these circles settle');
     this.endFlights(begun.map(c => c.i).filter(i => !pushed.has(i)), known);
     for (const i of [...carried.keys()].filter(i => !on.has(i))) { // it falls from now on
       this.shift(i, -1);
       carried.delete(i);
     }
-    for (const [i, c] of on) {
+    for (const [i, by] of on) {
       if (carried.has(i) && !pushed.has(i)) continue;
       if (!carried.has(i)) this.shift(i, 1);
-      carried.set(i, c);
+      carried.set(i, by);
       this.turnedAt[i] = k;
       pushed.add(i);
-      append(this.rows, i, [c]); // an isometry maps that too
-      this.rest(c);
+      append(this.rows, i, by); // an isometry maps that too
+      if (out.has(i) && !by[1]) flatten(this, by[0]);
+      this.rest(...by);
     }
   }
   /** From the frame in which flights are straight to that of the scene, or (-1) back; the flight starts now. */
@@ -493,9 +518,13 @@ export class Run {
     const moved = (x, part, a) => worlds.map((A, w) => (side > 0 ? A.add(x[w], fall[w][part][a]) : A.sub(x[w], fall[w][part][a])));
     this.flights[i] = { ...f, p: f.p.map((x, a) => moved(x, 'by', a)), v: f.v.map((x, a) => moved(x, 'speed', a)) };
   }
-  /** What is known of a flight that a wall carries: it lies at gap zero, along the wall; and on a face at rest. */
-  rest(c) {
+  /** What is known of a flight that a wall carries: it lies at gap zero, along the wall; and on a face, or between two, at rest. */
+  rest(c, other) {
     const { scene } = this, { exact } = scene, f = this.flights[c.i], wall = scene.walls[c.j - scene.n], none = scene.number(ZERO);
+    if (other) {
+      f.v = [none, none];
+      return;
+    }
     if (c.face) {
       if (this.known((A, w) => this.laws(c, A, w).slide(), `whether ${c.name} slides`)) refute(`${c.name} slides along a face, which ends`);
       f.v = [none, none];
@@ -567,9 +596,10 @@ export class Run {
       if (other && !c.drops && this.parted(other)) refute(`${c.name} is on the other side`);
       if (c.face && this.k === 0 && this.known(law('height'), `whether the centre of ${c.name} is on it`) <= 0) refute(`${c.name} is not on this side`);
     }
+    const from = this.parted(c) ? this.knownAt.get(c.key) : undefined;
     if (tellsTime) { // the gap falls
       if (c.drops) this.stays(c, 'flight', 1);
-      this.met.push({ c, sign: -1, lasted: false });
+      this.met.push({ c, sign: -1, lasted: false, from });
       return;
     }
     if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
@@ -590,11 +620,11 @@ export class Run {
         refute(`${c.name} leaves without having entered`);
       }
     }
-    this.met.push({ c, sign, lasted: false });
+    this.met.push({ c, sign, lasted: false, from });
   }
 
   /** Step 4: the instant is not after the end, nor after the reversal. Is the reversal due? */
-  ahead(e) {
+  ahead(e, ended) {
     const { reverseAt } = this.scene, until = this.until();
     const less = (number, question, what) => {
       const s = this.signed((A, w) => A.sub(number[w], this.now[w]), question, null, what);
@@ -603,7 +633,7 @@ export class Run {
     };
     if (until) less(until, 'until', 'whether it comes before the end');
     const due = Boolean(reverseAt && !this.turnTime && less(reverseAt, 'reverse', 'whether it comes before the reversal') === 0);
-    if (this.k && !e.turn && !e.met && !due) refute('nothing meets');
+    if (this.k && !e.turn && !e.met && !ended.length && !due) refute('nothing meets');
     return due;
   }
   /** The end, if it is a time and known by now. */

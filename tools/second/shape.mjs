@@ -30,7 +30,7 @@ const listOf = (read, least = 0) => (v, where) =>
 /** [i, j], i from 0 on; what the two are is not asked here */
 const contact = (v, where) => { tuple(v, where, 2); return [whole(v[0], where, 0), whole(v[1], where)]; };
 
-const QUESTIONS = ['gap', 'closing', 'disc', 'speed', 'slack', 'until', 'reverse'];
+const QUESTIONS = ['gap', 'closing', 'disc', 'speed', 'slack', 'until', 'reverse', 'rest'];
 function zero(v, where) {
   if (list(v, where).length !== 4) tuple(v, where, 3);
   const [question, c, how, other] = v;
@@ -117,7 +117,8 @@ export function readCertificate(json, work) {
     bits: (v, where) => whole(v, where, 1),
     instants: listOf(of({
       time: decimal, 'exact?': number, 'met?': listOf(contact, 1), 'turn?': isTrue,
-      'rounds?': listOf(round), 'enter?': listOf(contact), 'settle?': listOf(contact), 'zeros?': listOf(zero),
+      'rounds?': listOf(round), 'enter?': listOf(contact), 'settle?': listOf(contact), 'bounces?': listOf(contact),
+      'zeros?': listOf(zero),
     }), 1),
     end: of({ reason, 'until?': number, 'limit?': (v, where) => whole(v, where, 1), 'zeros?': listOf(zero) }),
     final: of({ time: decimal, circles: listOf(four(decimal)) }),
@@ -142,7 +143,7 @@ export function readCertificate(json, work) {
   if (c.final.circles.length !== n) malformed('final tells of other circles than the scene');
   const ids = [...scene.circles, ...scene.walls, ...scene.pockets, ...scene.segments, ...scene.arcs].map(x => x.id);
   if (new Set(ids).size !== ids.length) malformed('an id comes twice');
-  if (c.instants.some((e, k) => k && !(e.met || e.exact || e.turn))) malformed('an instant with neither `met` nor `exact` nor `turn`');
+  if (c.instants.some((e, k) => k && !(e.met || e.exact || e.turn || e.settle))) malformed('an instant without a time');
   for (const { zeros = [] } of [...c.instants, end]) {
     for (const { how } of zeros) if (how !== 'back' && how >= c.isometries.length) malformed(`there is no isometry ${how}`);
   }

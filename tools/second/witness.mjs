@@ -24,6 +24,7 @@ export function witness(run, question, c, what, first = false) {
     const g = run.isometries[z.how];
     if (c === null) continue;
     const struck = run.rows?.size ? g.struckBy(run.rows) : g.struck;
+    if (question === 'rest' && g.maps(c, struck) && run.calm.some(x => x.key === g.contact(c)?.key)) return;
     const image = other && g.maps(c, struck) && g.contact(c)?.key === other.c.key;
     if (question === 'gap' && image) return;
     if (question === 'closing' && first && image && other.sign === 0) return;

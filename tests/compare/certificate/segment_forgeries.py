@@ -290,7 +290,7 @@ SEGMENT_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]
         ('demand(sign, [-1, 0, 1], "which', 'demand(0, [-1, 0, 1], "which'), ("if (larger === undefined) undecided(", "if (0) undecided("), the_larger_by_a_hair,
     ),
     "an end that moves comes along": (
-        (" or any(z.m or z.r for z in way)", ""), ("(own ? A.sub(x, own[k]) : x)", "x"), under_a_moving_end,
+        ("speeds = p - vx, q - vy", "speeds = (-vx, -vy) if c[1] in self.pegs else (p - vx, q - vy)"), ("(own ? A.sub(x, own[k]) : x)", "x"), under_a_moving_end,
     ),
     "a joint that parts has two ends": (
         ("for z in (*place, *way))", "for z in place)"), ("[x, y, vx, vy].map(v => this.spelled(v))", "[x, y].map(v => this.spelled(v))"), through_a_joint_that_parts,

@@ -36,7 +36,19 @@ def by_hand() -> dict[str, tuple[Scene, dict[str, Any]]]:
     hill = Polygon([(5, 0), (9, 0), (7, 3)], "hill")
     twins = [Circle(x, 4, vx=x, id=f"c{x}") for x in (-2, 2)]
     slope = Wall(0, 0, 4, 3, id="aslant")
+    square, flat = ([Wall(0, 0, -x, y, id="left"), Wall(0, 0, x, y, id="right")] for x, y in ((1, 1), (4, 3)))
+    notch = [Segment(-4, 3, 0, 0, "left"), Segment(0, 0, 4, 3, "right")]
+    half = {"restitution": "1/2", **law}
     return {
+        "bounces out": (Scene([Circle(0, 3, vx=1), Circle(9, 1)], [floor, side], **half), {"until": 12}),
+        "bounces out on a shelf": (Scene([Circle(1, 9), Circle(-9, 1, vx=1)], [floor], segments=[shelf], **half), {}),
+        "bounces out aslant": (
+            Scene([Circle(-6, 8, vx=4, vy=3, id="a")], [slope], gravity=("3", "-4"), restitution="1/2", settle=True), {},
+        ),
+        "twins bounce out": (Scene([Circle(0, 3, id="a"), Circle(5, "5/2", "1/2", id="b")], [floor], **half), {}),
+        "in a corner": (Scene([Circle(0, "5/4"), Circle("1/3", 9)], flat, **half), {"events": 3}),
+        "bounces out in a corner": (Scene([Circle(0, 6)], square, **half), {"until": 20}),
+        "bounces out in a notch": (Scene([Circle(0, 4)], segments=notch, **half), {}),
         "nothing else": (Scene([Circle(0, 6)], [floor], restitution=0, **law), {}),
         "slid into": (Scene([slider, lying], [floor], restitution=0, **law), {"until": 20}),
         "to and fro": (Scene([slider, Circle(20, 1)], [floor, side], **law), {"events": EVENTS}),
@@ -226,6 +238,59 @@ def no_image_of_what_is_carried() -> Told:
     return entries(cert, {"met": [[0, 2]], "settle": [[0, 2]]}, both)
 
 
+OUT = {"met": [[0, 2]], "rounds": [[[0, 2]]], "bounces": [[0, 2]]}
+
+
+def until(time: str) -> Told:
+    """The end of a run."""
+    return {"reason": "horizon", "until": time}
+
+
+def bounces_still() -> Told:
+    """A disc is said to lie before its bounces have come to their end, at 6."""
+    cert = lies((0, 3, 0, 0), (100, 9, 0, 0), restitution="1/2", end=until("5"))
+    hit = {"met": [[1, 2]], "rounds": [[[1, 2]]]}
+    return entries(cert, {}, OUT, hit)
+
+
+def lies_too_soon() -> Told:
+    """The same, at an instant at which another disc hits the floor."""
+    cert = bounces_still()
+    cert["instants"][-1]["settle"] = [[0, 2]]
+    return cert
+
+
+def struck_amid_bounces() -> Told:
+    """A disc passes over the place where another will lie, which is higher meanwhile."""
+    cert = lies((0, 3, 0, 0), (30, "17/10", -10, 2), restitution="1/2", end=until("13/2"))
+    return entries(cert, {}, OUT, {"met": [[1, 2]], "rounds": [[[1, 2]]]})
+
+
+def lies_from_afar() -> Told:
+    """A disc in the air is said to bounce on the floor."""
+    return entries(lies((0, 9, 0, 0), restitution="1/2", end=HORIZON), {"bounces": [[0, 1]]})
+
+
+def between(*row: Number, **scene: Any) -> Told:
+    """A disc between two slopes."""
+    walls = [{**wall(0, 0, -4, 3), "length": "5"}, {**wall(0, 0, 4, 3), "length": "5"}]
+    return lies(row, walls=walls, restitution="1/2", end=until("40"), **scene)
+
+
+BOTH = {"met": [[0, 1], [0, 2]], "bounces": [[0, 1], [0, 2]]}
+
+
+def bounces_aslant_in_a_corner() -> Told:
+    """A disc that comes to two slopes at once, at an angle, is said to bounce up and down there."""
+    return entries(between(1, "11/4", -1, -1), {}, {**BOTH, "rounds": [[[0, 1], [0, 2]]]})
+
+
+def bounces_one_by_one() -> Told:
+    """A disc that flies straight up and down between two slopes, which push it one after the other in the end, as well."""
+    cert = between(0, "5/4", 0, 1, tie_policy="sequential")
+    return entries(cert, {"met": BOTH["met"]}, {**BOTH, "rounds": [[[0, 1]], [[0, 2]]]})
+
+
 Changes = tuple[str, str] | list[tuple[str, str]]
 NONE_SETTLE = (
     ("refuse(settle and (not pull or drift or arcs or pockets or turns), ", "refuse(0, "),
@@ -233,11 +298,11 @@ NONE_SETTLE = (
 )
 SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
     "what settles is told": (
-        ('refuse(sorted(begun) != sorted(map(tuple, entry.get("settle", ()))), ', "refuse(0, "),
+        ('refuse(sorted(begun | self.calm) != sorted(told + bounces), ', "refuse(0, "),
         ("refute('not these circles settle')", "void 0"), nobody_settles,
     ),
     "what bounces does not settle": (
-        ("if c in self.bears and not known[c]}", "if c in self.bears}"), ("x.sign === 0 && scene.bears(x.c)", "scene.bears(x.c)"), settles_while_it_bounces,
+        ("c[1] < self.arcs.start and not known[c])", "c[1] < self.arcs.start)"), ("if (x.sign === 0 && x.c.kind === 'wall') append(flat", "if (x.c.kind === 'wall') append(flat"), settles_while_it_bounces,
     ),
     "nothing settles where it is not pulled to": (
         ("                      and self.bends.get(c, self.slopes.get(c[1])) < 0}", "                      }"), ("return level && pulls * (c.face ? 1 : side[c.i]) < 0;", "return level;"), settles_on_the_ceiling,
@@ -252,7 +317,25 @@ SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]]
         ('demand(sign_of(self.pull[k]), [-1, 1], "which way is down")', "(sign_of(self.pull[k]) or 1)"), ("undecided('which way is down')", "1"), hardly_down,
     ),
     "what slides along a face does not settle": (
-        ('refuse(known and self.sign("slide", (i, j)), ', "refuse(0, "), ("refute(`${c.name} slides along a face, which ends`)", "void 0"), slides_on_a_shelf,
+        ('refuse(known and not more and self.sign("slide", by), ', "refuse(0, "), ("refute(`${c.name} slides along a face, which ends`)", "void 0"), slides_on_a_shelf,
+    ),
+    "a disc lies once its bounces are over": (
+        ('if self.calm or met or told: refuse(self.sign("rest", by[0]) == 1, ', "if self.calm or met or told: refuse(0, "), ("refute(`${c.name} bounces still`)", "void 0"), lies_too_soon,
+    ),
+    "bounces are over at the end": (
+        ('refuse(self.sign("rest", self.carried[i][0]) > 0, ', "refuse(0, "), ("refute(`${c.name} bounces still`)", "void 0"), bounces_still,
+    ),
+    "nothing comes near what bounces": (
+        ("refuse(not far, ", "refuse(0, "), ("const close = () => undecided(", "const close = () => String("), struck_amid_bounces,
+    ),
+    "what bounces leaves what it bounces on": (
+        ("refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, ", "refuse(0, "), None, lies_from_afar,
+    ),
+    "what bounces on two has come from both": (
+        ("len(since) == 1 and ", ""), ("if (!both || !together) refute(", "if (!both) refute("), bounces_aslant_in_a_corner,
+    ),
+    "what bounces on two is pushed by both at once": (
+        (" and pushes.get(i) == [ones]", ""), ("if (!both || !together) refute(", "if (!together) refute("), bounces_one_by_one,
     ),
     "nothing settles where walls move": (*NONE_SETTLE, lambda: nowhere_to_settle(walls=[wall(0, 0, 1, 0, vy=1)])),
     "nothing settles where nothing falls": (*NONE_SETTLE, lambda: nowhere_to_settle(gravity=["0", "0"])),
@@ -260,7 +343,7 @@ SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]]
     "nothing settles beside an arc": (*NONE_SETTLE, lambda: nowhere_to_settle(arcs=[RING])),
     "nothing settles beside a pocket": (*NONE_SETTLE, lambda: nowhere_to_settle(pockets=[{"id": "p", "x": "90", "y": "9", "r": "1"}])),
     "an isometry maps what carries": (
-        ("            self.rows.setdefault(i, []).append({bears[i]})\n", ""), ("      append(this.rows, i, [c]); // an isometry maps that too\n", ""), no_image_of_what_is_carried,
+        ("            self.rows.setdefault(i, []).append({*bears[i]})\n", ""), ("      append(this.rows, i, by); // an isometry maps that too\n", ""), no_image_of_what_is_carried,
     ),
 }  # fmt: skip
 """Each with what each checker has instead of it, as in `test_conditions.CONDITIONS`."""

@@ -12,8 +12,9 @@ from typing import Any, cast
 
 import pytest
 
+from truebreak.compare.certificate.prover import Prover
 from truebreak.compare.certificate.tower import WORK, Exact, text_of
-from truebreak.tools.verify import UNTOLD, Ball, Checker, Declined, Sum, Unsettled, cost, enclosed, number
+from truebreak.tools.verify import UNTOLD, Ball, Declined, Sum, Unsettled, cost, enclosed, number
 
 
 @pytest.fixture(autouse=True)
@@ -192,7 +193,7 @@ class Drawn:
         self.duration = self.span.m + Fraction(draw.randrange(-8 * self.span.r, 8 * self.span.r + 1), 8)
 
     def rough(self, k: int, _: int) -> tuple[int, ...]:
-        """As `Space.rough`."""
+        """As `Remembering.rough`."""
         m, r = self.numbers[k], [self.told * x for x in self.radii[k]]
         far, fast = abs(m[0]) + abs(m[1]) + abs(m[4]), abs(m[2]) + abs(m[3])
         return (*m, far, r[0] + r[1] + r[4], fast, r[2] + r[3])
@@ -218,7 +219,7 @@ def belied(seed: str, told: int) -> int:
         wall, turn = draw.random() < 0.3, draw.choice([1, -1])
         drawn, checker.n = Drawn(draw, wall, told), 1 if wall else 2
         ends = [0, 1] if draw.random() < 0.7 else [0]
-        sign, safe, falls = Checker.look(cast(Any, checker), drawn, (0, 1), 0, turn, ends)
+        sign, safe, falls = Prover.look(cast(Any, checker), drawn, (0, 1), 0, turn, ends)
         gap, closing, speed = drawn.law(turn)
         until = drawn.duration if len(ends) == 2 else None
         lowest = gap if closing >= 0 or until == 0 else _lowest(gap, closing, speed, until)

@@ -180,7 +180,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (![b, d, A.sub(a, one), A.sub(e, one)].every(x => A.sign(x) === 0)) return false;", ""), forged.nearly_turned,
     ),
     "what is taken is met no more": (
-        [("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"), ("        self.pegs.add(i)\n", "")],
+        [("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"), ("Flight(*row, age, {}), self.pegs.add(i)", "Flight(*row, age, {}), 0")],
         ("if (!c || this.movers(c).some(x => this.captured[x])) refute(", "if (!c) refute("), forged.taken_and_yet_there,
     ),
     "an isometry's first column is of length 1": (
@@ -241,7 +241,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (this.inverse.size !== given.map.length) refute(", "if (0) refute("), forged.two_to_one,
     ),
     "a wall is as long as is said": (
-        ("demand(sign_of(p * p + q * q - size * size), ", "demand(0, "),
+        ("demand(sign_of(p * p + q * q - z * z), ", "demand(0, "),
         ("demand((A, w) => A.sub(A.add(A.square(wall.n[0][w])", "void ((A, w) => A.sub(A.add(A.square(wall.n[0][w])"),
         lambda: forged.with_data(0, "walls", length="2"),
     ),
@@ -266,7 +266,7 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (this.k && sign > 0) {", "if (0) {"), forged.an_overlap_that_ends,
     ),
     "something falls on an instant": (
-        ("refuse(not (met or turn or self.due or age == 0), ", "refuse(0, "), ("refute('nothing meets')", "void 0"),
+        ("refuse(not (met or calm or turn or self.due or age == 0), ", "refuse(0, "), ("refute('nothing meets')", "void 0"),
         lambda: of(Scene(PAIR), {"exact": "3"}, MEET),
     ),
     "a reversal that is due is told": (
@@ -309,14 +309,14 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         forged.through_a_third,
     ),
     "what approaches is not apart for that": (
-        (", rise >= slip\n", ", True\n"),
+        ("rise in (0, 1) or disc == -1", "True"),
         ("if (closing >= 0) return;", "if (closing >= -1) return;"), forged.nothing_told,
     ),
     "what has a positive discriminant is not apart for that": (
-        ("cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2", "(speed + by) * (size + off) > (cross - slip) ** 2"), ("if (disc < 0 || (", "if (disc > 0 || ("), forged.nothing_told,
+        ("rise in (0, 1) or disc == -1", "rise in (0, 1) or disc == 1"), ("if (disc < 0 || (", "if (disc > 0 || ("), forged.nothing_told,
     ),
     "the tangent is above zero": (
-        ("2 * (rise - slip) * (wait.m + wait.r) > 0", "2 * (rise - slip) * (wait.m + wait.r) < 0"),
+        ("(m.gap + (closing + closing) * world.wait(*span)).sign() == 1", "(m.gap + (closing + closing) * world.wait(*span)).sign() == -1"),
         ("if (this.sign((A, w) => atStart(A, w)) > 0) return;", "if (this.sign((A, w) => atStart(A, w)) < 0) return;"),
         forged.through_a_third,
     ),
@@ -532,6 +532,12 @@ ELSEWHERE = {
     "a gap does not fall through zero where it is said": "DECIMALS: what is found instead is not where it is said",
     # and of the second one
     "the scene has no thing": "test_agreement",
+    "refuse(others and not straight, ": "each of the two ways not to do so stands above",
+    "it has no time": "without it there is none",
+    "hold it": "a sign that is not known is none of those that are wanted",
+    "undecided('how ": "without a quotient there is none",
+    "undecided(`how fast": "without a quotient there is none",
+    "does not leave`)": "what is not known has no sign to change",
     "undecided(`${name}: whether ${what}`)": "each of the zeros stands above",
     "refute(`${name}: it is not so that ${what}`)": "each of the zeros stands above",
     "which is another kind": "there is no circle by that number then",
@@ -563,7 +569,7 @@ ELSEWHERE = {
 """What else either checker raises, and where that is tried."""
 
 RAISES = re.compile(r"\b(?:refuse|demand|refute|malformed|undecided|stuck)\(|\braise ")
-FOLLOWS = ("run", "rounds", "isometry", "back", "witness", "end", "scene", "quartic")
+FOLLOWS = ("run", "rounds", "isometry", "back", "witness", "end", "scene", "quartic", "calm")
 """Modules of the second checker that follow a run; what the others refuse is no certificate (test_bad_files)."""
 
 

@@ -24,8 +24,8 @@ from truebreak.tools import verify
 Told = dict[str, Any]
 SECONDS, A_MEGABYTE, MEGABYTES = 20, 40, 500
 
-WRITING = 1.1
-"""How many times the work of a check a certificate may cost to be written."""
+WRITING = 0.6
+"""How many times the work of a check a certificate may cost to be written: the writer looks at two in whole numbers."""
 
 MEASURED = """
 import resource, subprocess, sys

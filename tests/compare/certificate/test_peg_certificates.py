@@ -155,7 +155,7 @@ FAULTS = {
         [("for (let k = 0; k < order; k++) row = divided", "for (let k = 0; k < 0; k++) row = divided")],
     ),
     "it is divided out with the wrong sign": (
-        [("rest = [-row[-1]]", "rest = [row[-1]]")],
+        [("initial=-row[-1]", "initial=row[-1]")],
         [("const out = [A.neg(row.at(-1))];", "const out = [row.at(-1)];")],
     ),
     "the first half of a flight alone": (
@@ -175,7 +175,7 @@ FAULTS = {
         [("const fall = gravity && !run.scene.stands(i) && !run.captured[i] && worlds", "const fall = gravity && worlds")],
     ),
     "what a pocket takes falls on": (
-        [("        self.pegs.add(i)\n", "")],
+        [("Flight(*row, age, {}), self.pegs.add(i)", "Flight(*row, age, {}), 0")],
         [("!run.scene.stands(i) && !run.captured[i] && worlds", "!run.scene.stands(i) && worlds")],
     ),
     "what a pocket takes stands where the frame has it": (

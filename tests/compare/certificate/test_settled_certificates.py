@@ -33,17 +33,21 @@ def test_both_verify_runs_in_which_walls_carry(tmp_path: Path) -> None:
 
 def test_the_samples_hold_what_is_carried_and_what_becomes_of_it() -> None:
     """Each that settles is listed as the run has it; on walls, also aslant, and faces; and then more happens."""
-    settled, later, ends = set[str](), 0, set[str]()
+    settled, later, ends, places, out = set[str](), 0, set[str](), set[str](), 0
     for name, run in settled_runs().items():
         cert = settled_samples()[name]
-        listed = [pair for entry in cert["instants"] for pair in entry.get("settle", ())]
+        listed = [(i, k) for k, entry in enumerate(cert["instants"]) for i in {i for i, _ in entry.get("settle", ())}]
         assert len(listed) == len(run.settlings), name
         assert sorted(run.scene.ids[i] for i, _ in listed) == sorted(s.circle for s in run.settlings), name
         settled |= {s.wall for s in run.settlings}
         last = max((k for k, entry in enumerate(cert["instants"]) if "settle" in entry), default=0)
         later += any(entry.get("rounds") for entry in cert["instants"][last + 1 :])
         ends.add(cert["end"]["reason"])
+        places |= {s.where for s in run.settlings if s.other}
+        out += sum(s.since is not None for s in run.settlings)
     assert settled >= {"floor", "shelf", "aslant"}
+    assert places == {"between left and right"}
+    assert out > 6
     assert later > 20
     assert ends == {"quiet", "horizon", "events", "stopped"}
 
@@ -140,7 +144,7 @@ def test_a_forgery_is_refused_by_both(forge: Callable[[], Told], tmp_path: Path)
 # -- Faults planted in either checker: each is seen in what it says of honest certificates.
 
 FAULTS = {
-    "what is carried falls": ([("        self.pegs.add(i)\n", "")], [("falls = this.gravity && !this.carried.has(c.i)", "falls = this.gravity")]),
+    "what is carried falls": ([("Flight(*row, age, {}), self.pegs.add(i)", "Flight(*row, age, {}), 0")], [("falls = this.gravity && !this.carried.has(c.i)", "falls = this.gravity")]),
     "what is struck is carried on": (
         [("w.lift(i, self.age)", "pass"), ("        self.carried = bears\n", "        self.carried = self.carried | bears\n")],
         [("of [...carried.keys()].filter(i => !on.has(i))", "of []")],
@@ -150,7 +154,7 @@ FAULTS = {
         [("side > 0 ? A.add(x[w], fall[w][part][a]) : A.sub(", "side > 0 ? A.add(x[w], fall[w][part][a]) : A.add(")],
     ),
     "what slides stops": (
-        [("dict.fromkeys((2, 3) if j in self.faces else (), NONE)", "dict.fromkeys((2, 3), NONE)"), ("refuse(known and self.sign", "refuse(0 and self.sign")],
+        [("dict.fromkeys((2, 3) if more or j in self.faces else (), NONE)", "dict.fromkeys((2, 3), NONE)"), ("refuse(known and not more and self.sign", "refuse(0 and self.sign")],
         [("    if (c.face) {\n", "    {\n"), ("refute(`${c.name} slides along a face, which ends`)", "void 0")],
     ),
     "what falls onto what slides meets it where it was": (

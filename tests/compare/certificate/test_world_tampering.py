@@ -162,7 +162,7 @@ FAULTS = {
         [("way = minus(way, own);", "")],
     ),
     "the law of restitution 1": (
-        [("self.loss, self.pull = of(e),", "self.loss, self.pull = of(ONE),")],
+        [("self.loss, self.lost, self.pull = of(e),", "self.loss, self.lost, self.pull = of(ONE),")],
         [("A.add(A.of(one), this.restitution[w])", "A.add(A.of(one), A.of(one))")],
     ),
     "a restitution of e in place of 1 + e": (
@@ -170,7 +170,7 @@ FAULTS = {
         [("A.neg(A.mul(this.scene.factor[1], ", "A.neg(A.mul(this.scene.restitution[1], ")],
     ),
     "what has pushed parts, whatever e is": (
-        [("self.bounced = 1 if loss else 0", "self.bounced = 1")],
+        [("for k, v in drift.items()}, bool(loss)", "for k, v in drift.items()}, 1")],
         [("x.sign = this.scene.bounced;", "x.sign = 1;")],
     ),
     "a run turned back as without gravity": (
