@@ -14,8 +14,8 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..foreign.guard import allowances, finer_of, firmer_of, run_guarded
 from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
-from .passages import Passage, passages, passes_between
-from .residual import AUDIT_BITS, KINDS, Residual
+from .passages import passages, passes_between
+from .residual import AUDIT_BITS, KINDS, Defect, Passage, Residual, Violation, falls_through
 from .residuals import Laws
 from .transcript import Transcript
 
@@ -32,47 +32,6 @@ LEAST_UNIT = 2.0**-200
 
 FITTED = 20_000
 """Impacts, and flights, by which a description is found."""
-
-
-@dataclass(frozen=True)
-class Violation:
-    """A step that misses a law by more than rounding.
-
-    Attributes:
-        kind: one of `residual.KINDS`.
-        event: the event, by the engine's own count; of two that fly into each other, how many events came before.
-        time: when.
-        bodies: who takes part, by id.
-        size, room: what is missed, and what rounding may make of it: a length, or a speed.
-    """
-
-    kind: str
-    event: int
-    time: float
-    bodies: tuple[str, ...]
-    size: float
-    room: float
-
-    def __str__(self) -> str:
-        """What is wrong with the step, and by how much.
-
-        >>> print(Violation("gap", 3, 1.5, ("a", "b"), 1e-6, 1e-15))
-        event 3 (t = 1.5): a and b are 1e-06 from touching as they collide; rounding may make it 1e-15
-        """
-        who, size = " and ".join(self.bodies), f"{self.size:.3g}"
-        what = {
-            "start": f"{who} begins {size} from where, or as fast as, the scene says",
-            "flight": f"{who} is {size} from where it flew to",
-            "gap": f"{who} are {size} from touching as they collide",
-            "impulse": f"the impulse of {who} leaves a velocity {size} off the law's",
-            "energy": f"the energy of those that {who} collide with is {size} off the law's",
-            "bystander": f"the velocity of {who} changes by {size} without a contact",
-            "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
-            "depth": f"{who} fly {size} into each other, and do not collide",
-            "support": f"{who} are {size} from touching as the one is carried by the other",
-        }[self.kind]
-        when = f"event {self.event} (t = {self.time:.9g})" if self.kind != "depth" else f"at t = {self.time:.9g}"
-        return f"{when}: {what}; rounding may make it {self.room:.3g}"
 
 
 @dataclass(frozen=True)
@@ -373,18 +332,34 @@ def _iterated(engine: Engine, run: Trajectory, unit: float, until: float, kind: 
     """What is left of a kind of defect with up to 16 times the iterations of the solver; infinite without a run."""
     left, firmer, more = math.inf, firmer_of(engine), 4
     while more and left > most and firmer is not None and firmer.step is not None:
-        found = _defects_of(firmer, run, unit, until)
-        left, firmer, more = math.inf if found is None else found.get(kind, 0.0), firmer_of(firmer), more - 1
+        found = _defects_of(firmer, run, unit, until, {}, until)
+        left, firmer, more = math.inf if found is None else found[0].get(kind, 0.0), firmer_of(firmer), more - 1
     return left
 
 
-def _defects_of(engine: Engine, run: Trajectory, unit: float, until: float) -> dict[str, float] | None:
-    """The defects of another engine on a run's scene; None where it refuses it."""
-    try:
-        told = run_guarded(engine, run.scene, until=until, events=4 * len(run.events) + 64)
-        return defects(engine, measured(told, unit, engine.step or 0.0, engine.rounds_input))
-    except SceneError:
-        return None
+def _defects_of(
+    engine: Engine, run: Trajectory, unit: float, until: float, asked: Mapping[tuple[int, ...], int], most: float
+) -> tuple[dict[str, float], bool, float] | None:
+    """The defects of another engine on a run's scene, up to a time or, past it, as many impacts; None if it refuses.
+
+    `asked`: how many; `most`: for how long it may be run. Told besides: whether it has them, and for how long it ran.
+    """
+    flown, sizes = 0.0, dict[str, float]()
+    for end in (min(until * more, most) for more in WAITS):
+        if flown and flown + end > most:
+            break
+        try:
+            told = run_guarded(engine, run.scene, until=end, events=4 * len(run.events) + 64)
+            found = measured(told, unit, engine.step or 0.0, engine.rounds_input)
+        except SceneError:
+            return (sizes, False, flown) if flown else None
+        reached = _reached(found, asked)
+        if not flown or reached < math.inf:
+            sizes |= _within(engine, found, reached if flown else math.inf)
+        flown += end
+        if reached < math.inf:
+            return sizes, True, flown
+    return sizes, False, flown
 
 
 def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[Measures, dict[str, int]]:
@@ -402,10 +377,10 @@ def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[
         else:
             kept.append(s)
     ways = [d for d in measures.drifts if d.size > length]
-    through = [p for p in measures.passages if p.residual.size > length]
+    through, falls = ([p for p in row if p.residual.size > length] for row in (measures.passages, measures.falls))
     key = "margin" if allows.get("margin", 0.0) >= allows.get("slop", 0.0) else "slop"
     declared[key] += len(measures.drifts) - len(ways) + len(measures.passages) - len(through)
-    measures.samples, measures.drifts, measures.passages = kept, ways, through
+    measures.samples, measures.drifts, measures.passages, measures.falls = kept, ways, through, falls
     return measures, {key: count for key, count in declared.items() if count}
 
 
@@ -434,7 +409,7 @@ def _step_violations(measures: Measures, laws: Laws, kinds: set[str], step: floa
     if "missed" in kinds:
         found += [
             Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
-            for p in lasting(measures, measures.passages, step)
+            for p in gone_through(measures, step) or lasting(measures, measures.passages, step)
         ]
     most = {v.kind: v.size for v in sorted(found, key=lambda v: v.size)}
     found = impulses + [v for v in found if 2 * v.size >= most[v.kind]]
@@ -460,6 +435,12 @@ SHARE = 4
 FEW_IMPACTS = 4
 """Impacts by which it is measured where more are not to be had at that price."""
 
+ONCE = {"impulse", "several", "bystander"}
+"""Defects of single impacts: that a finer run is without them says something where one has as many impacts."""
+
+WAITS = (1.0, 5 / 4, 2.0)
+"""How much longer than the coarse run a finer one is, until it has as many impacts."""
+
 LATE = 2.0
 """Steps by which an engine may be late that finds an overlap at the end of one and pushes in the next."""
 
@@ -477,6 +458,8 @@ class Measures:
         several: residuals of impacts of several contacts, and of circles that meet nothing.
         passages: depths in the run's own flights.
         tunnels: those of overlaps in which two come nearer between two ends of steps only.
+        falling: whether there is gravity.
+        falls: overlaps into which two then go on falling (`falls_through`).
         impacts, flights: how many contacts and flights there were; fastest: the greatest speed.
         back: how long before the end of a step impulses are applied.
         end: up to when its flights are known.
@@ -490,6 +473,8 @@ class Measures:
     several: list[tuple[int, float, Residual]] = field(default_factory=list[tuple[int, float, Residual]])
     passages: list[Passage] = field(default_factory=list[Passage])
     tunnels: list[Passage] = field(default_factory=list[Passage])
+    falling: bool = False
+    falls: list[Passage] = field(default_factory=list[Passage])
     impacts: int = 0
     flights: int = 0
     fastest: float = 0.0
@@ -498,28 +483,6 @@ class Measures:
     end: float = math.inf
     met: dict[tuple[int, ...], list[float]] = field(default_factory=dict[tuple[int, ...], list[float]])
     wholes: Callable[[tuple[int, ...]], list[tuple[int, ...]]] = lambda bodies: [bodies]
-
-
-@dataclass(frozen=True)
-class Defect:
-    """One kind of defect of an engine of steps.
-
-    Attributes:
-        kind: `impulse`, `integrator`, `lateness`, `correction`, `several`, `bystander`, `missed`, `tunnelling`,
-            `iterations`.
-        size: at the run's own step: a share of the impulse, a time, a length, or how many.
-        order: with which power of the step it falls; None where that is not known.
-        finest: its size at the finest step that was run.
-        step: that step.
-        of_step: whether it is of the step; None where that cannot be told.
-    """
-
-    kind: str
-    size: float
-    order: float | None = None
-    finest: float = math.nan
-    step: float = math.nan
-    of_step: bool | None = None
 
 
 def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures:
@@ -572,6 +535,9 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             base = turn if passage.time > turn else 0.0
             through = step > 0.0 and passes_between(passage.enter, passage.deepest, step, base)
             (found.tunnels if through else found.passages).append(passage)
+        if transcript.fall is not None:
+            late, deep = LATE * step, [*found.tunnels, *found.passages]
+            found.falling, found.falls = True, falls_through(deep, late, late * transcript.fall.size)
     found.wholes = laws.wholes
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
     found.samples = ways[found.back]
@@ -594,7 +560,7 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
         "several": gained or turned,  # impulses may be another policy's; energy is none's
         "bystander": float(sum(r.kind == "bystander" for r in several)),
         "missed": max((p.residual.size for p in lasting(measures, measures.passages, step)), default=0.0),
-        "through": max((p.residual.size for p in lasting(measures, measures.passages, step, True)), default=0.0),
+        "through": max((p.residual.size for p in gone_through(measures, step)), default=0.0),
         "tunnelling": max((p.residual.size for p in lasting(measures, measures.tunnels, step)), default=0.0),
     }  # fmt: skip
     return {kind: size for kind, size in sizes.items() if size}
@@ -603,7 +569,7 @@ def defects(engine: Engine, measures: Measures) -> dict[str, float]:
 def lasting(measures: Measures, found: Sequence[Passage], step: float, through: bool = False) -> list[Passage]:
     """Overlaps of pairs that do not meet within the steps that it takes to see them; the run may end before that.
 
-    `through`: only such as are over without a meeting, and in which more steps end than it takes to see one.
+    `through`: from where they begin to where they are over.
     """
     late = LATE * step
 
@@ -612,8 +578,15 @@ def lasting(measures: Measures, found: Sequence[Passage], step: float, through: 
         times = (time for whole in measures.wholes(p.residual.bodies) for time in measures.met.get(whole, ()))
         return any(begin - late <= time <= end + late for time in times)
 
-    left = [p for p in found if p.enter <= measures.end - late and not meets(p)]
-    return [p for p in left if late < p.over - p.enter < measures.end - p.enter] if through else left
+    return [p for p in found if p.enter <= measures.end - late and not meets(p)]
+
+
+def gone_through(measures: Measures, step: float) -> list[Passage]:
+    """Overlaps without a meeting that take more steps than it takes to see one: over, or gone on under gravity."""
+    if measures.falling:
+        return lasting(measures, measures.falls, step, True)
+    left = lasting(measures, measures.passages, step, True)
+    return [p for p in left if LATE * step < p.over - p.enter < measures.end - p.enter]
 
 
 def _middle_of(values: Sequence[float]) -> float:
@@ -630,36 +603,44 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     through = found.pop("through", 0.0)
     known = {k for k, size in found.items() if k == "integrator" or (k == "lateness" and size <= LATE * step)}
     seen: list[Defect] = []
-    if not found.keys() - known:
+    if not found.keys() - known and not through:
         return [Defect(kind, size, None, size, step, True) for kind, size in found.items()]
-    if through and not run.scene.gravity:  # it has not seen what its own steps end in
+    if through and not measures.falling:  # it has not seen what its own steps end in
         seen.append(Defect("missed", found.pop("missed"), None, through, step, False))
     integrator = [Defect("integrator", b, None, b, step, True) for b in [found.pop("integrator", 0.0)] if b]
-    until, most = _until(run, measures, IMPACTS), series_steps(engine) / SHARE
+    until, most = _until(run, measures, IMPACTS, step), series_steps(engine) / SHARE
     if until * (2 ** (HALVINGS + 1) - 2) > most * step:
-        until = _until(run, measures, FEW_IMPACTS)
+        until = _until(run, measures, FEW_IMPACTS, step)
+    asked = _asked(measures, until) if found.keys() & ONCE else {}
     at: list[tuple[float, dict[str, float]]] = [(step, _within(engine, measures, until))]
-    chosen: Engine | None = engine
-    for _ in range(HALVINGS):
-        chosen = None if chosen is None else finer_of(chosen)
-        if chosen is None or chosen.step is None or until > most * chosen.step:
+    chosen, without = finer_of(engine), set[str]()
+    while chosen is not None and chosen.step is not None and until <= most * chosen.step and len(at) <= HALVINGS:
+        told = _defects_of(chosen, run, unit, until, asked, most * chosen.step)
+        if told is None:
             break
-        most -= until / chosen.step
-        if (sizes := _defects_of(chosen, run, unit, until)) is None:
-            break
+        sizes, enough, flown = told
+        most -= flown / chosen.step
+        without |= found.keys() - sizes.keys() if enough else set()
         at.append((chosen.step, sizes))
-    if "tunnelling" in found and "missed" not in found and (unseen := at[-1][1].get("missed")):
-        through = None if run.scene.gravity else at[-1][1].get("through")
-        seen.append(Defect("missed", unseen, None, unseen, at[-1][0], False if through else None))
-    judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
+        chosen = finer_of(chosen)
+    finest, sizes = at[-1]
+    if measures.falling and through:
+        found.setdefault("missed", through)
+        if "through" not in at[0][1] or len(at) == 1:  # the series does not go as far
+            seen.append(Defect("missed", found.pop("missed"), None, math.nan, finest, None))
+        elif "through" in sizes:
+            seen.append(Defect("missed", found.pop("missed"), None, sizes["through"], finest, False))
+    if "tunnelling" in found and "missed" not in found and not seen and (unseen := sizes.get("missed")):
+        seen.append(Defect("missed", unseen, None, unseen, finest, False if sizes.get("through") else None))
+    judged = [_judged(kind, size, step, at, kind in known, kind in without) for kind, size in found.items()]
     for place, defect in enumerate(judged):
-        asked, half = defect.kind in ("several", "impulse") and not defect.of_step, defect.size / 2
-        if asked and (left := _iterated(engine, run, unit, until, defect.kind, half)) <= half:
+        asks, half = defect.kind in ("several", "impulse") and not defect.of_step, defect.size / 2
+        if asks and (left := _iterated(engine, run, unit, until, defect.kind, half)) <= half:
             judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
     return [*integrator, *judged, *seen]
 
 
-def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
+def _until(run: Trajectory, measures: Measures, impacts: int, step: float) -> float:
     """The time up to which a series is run: as far as there are enough impacts, and what is to be seen."""
     times = [float(event.time) for event in run.events]
     if not times:
@@ -667,6 +648,7 @@ def _until(run: Trajectory, measures: Measures, impacts: int) -> float:
     first = [s.time for s in measures.samples if s.defect > NEAR * s.room][:1]
     first += [time for _, time, told in measures.several if told.broken][:1]
     first += [p.time for p in (*measures.passages[:1], *measures.tunnels[:1]) if math.isfinite(p.time)]
+    first += [p.time + LATE * step for p in measures.falls[:1]]
     least = times[min(len(times), impacts) - 1]
     return max([least, *(time for time in first if time <= 4 * least)])
 
@@ -680,12 +662,30 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
         several=[told for told in measures.several if told[1] <= until],
         passages=[p for p in measures.passages if p.time <= until],
         tunnels=[p for p in measures.tunnels if p.time <= until],
+        falls=[p for p in measures.falls if p.time <= until],
     )
     return defects(engine, part)
 
 
-def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[str, float]]], known: bool) -> Defect:
-    """What a series says of one kind of defect."""
+def _asked(measures: Measures, until: float) -> dict[tuple[int, ...], int]:
+    """How many impacts a finer run is asked for: of each contact whose impulse is wrong, and, under (), in all."""
+    bad = {s.pair for s in measures.samples if s.defect > NEAR * s.room and s.time <= until}
+    counts = {whole: bisect_right(times, until) for whole, times in measures.met.items()}
+    wholes = {whole for pair in bad for whole in measures.wholes(pair)}
+    return {whole: counts.get(whole, 0) for whole in wholes} | {(): sum(counts.values())}
+
+
+def _reached(measures: Measures, asked: Mapping[tuple[int, ...], int]) -> float:
+    """When a run has as many impacts; infinite where it has not."""
+    met = {**measures.met, (): sorted(time for times in measures.met.values() for time in times)}
+    rows = [(met.get(whole, []), count) for whole, count in asked.items() if count]
+    return max([0.0, *(math.inf if len(times) < count else times[count - 1] for times, count in rows)])
+
+
+def _judged(
+    kind: str, size: float, step: float, at: Sequence[tuple[float, dict[str, float]]], known: bool, without: bool
+) -> Defect:
+    """What a series says of one kind of defect; `without`: a run that has as many impacts does not have it."""
     last, finest = at[-1][0], at[-1][1].get(kind, 0.0)
     if kind == "tunnelling":
         return Defect(kind, size, None, finest, last, True)
@@ -695,6 +695,6 @@ def _judged(kind: str, size: float, step: float, at: Sequence[tuple[float, dict[
     if len(at) == 1:
         return Defect(kind, size, None, size, step, True)
     if not finest:
-        return Defect(kind, size, math.inf, 0.0, last, True)
+        return Defect(kind, size, math.inf, 0.0, last, True if without or kind not in ONCE else None)
     order = math.log(first / finest) / math.log(step / last)
     return Defect(kind, size, order, finest, last, order >= FALLING or (known and finest <= LATE * last))

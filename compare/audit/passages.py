@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from heapq import heappop, heappush
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from flint import arb
 
 from ...exact.replay.landings import first_zero_after, told_falling_zero
 from ...exact.replay.round_falls import RoundFall
-from .residual import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, size_of, unsupported
+from .residual import FLIGHT_UNITS, LEAST, ROOT_UNITS, SAME_END, Passage, Residual, size_of, unsupported
 from .residuals import SideInBalls
 from .transcript import Leg, WallInBalls, legs_of
 
@@ -30,37 +30,6 @@ MOST_CELLS = 4096
 
 CLOSE = 2.0**-46
 """Share of all sizes by which doubles may be wrong about how near two come: what is nearer is enclosed."""
-
-
-class Passage(NamedTuple):
-    """A depth to which two come, and when.
-
-    Attributes:
-        time: when they are deepest; where that is never, when the run ends.
-        residual: of the kind `depth`: how much deeper than at the start of their flights.
-        began: when their flights began.
-        enter: when they begin to overlap, or when their flights begin, if they do then.
-        leave: when the overlap is over, where it begins and ends in these flights; infinite where it does not.
-    """
-
-    time: float
-    residual: Residual
-    began: float
-    enter: float = -math.inf
-    leave: float = math.inf
-
-    @property
-    def over(self) -> float:
-        """When the overlap is over, as far as is known."""
-        return self.leave if math.isfinite(self.leave) else self.time
-
-    @property
-    def deepest(self) -> float:
-        """Up to when they come nearer: from then on there is nothing to push at."""
-        return self.time if self.enter < self.time <= self.over else (self.enter + self.over) / 2
-
-
-SAME_END = 2.0**-20  # of a step: what is no farther before an end of one is at it
 
 
 def passes_between(enter: float, deepest: float, step: float, base: float) -> bool:
@@ -161,10 +130,7 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
     if leg.end < math.inf:
         times = [leg.end]
     elif pull > 0.0 or (pull == 0.0 < closing):  # for ever: at twice the time to the wall it is beyond it
-        gap = max(0.0, float(first.mid()))
-        root = math.sqrt(closing * closing + 2 * pull * gap)
-        wait = 2 * gap / (closing + root) if closing > 0.0 else (root - closing) / pull
-        times = [leg.start + 2 * wait + 1.0]
+        times = [leg.start + 2 * _wait(max(0.0, float(first.mid())), closing, pull) + 1.0]
     else:
         times = []
     if pull < 0.0 < closing:
@@ -186,8 +152,16 @@ def _fallen_across(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | Non
         room += leg.apart + leg.turned * (time - leg.t) if leg.apart else 0.0
         if size > room and (deepest is None or size > deepest.residual.size):
             residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
-            deepest = Passage(time, residual, leg.start)
+            gap = float(first.mid())
+            anew = leg.start + _wait(max(0.0, gap), closing, pull) if gap >= -room else math.inf
+            deepest = Passage(time, residual, leg.start, anew=anew)
     return deepest
+
+
+def _wait(gap: float, closing: float, pull: float) -> float:
+    """How long a fall takes to a line that it comes to."""
+    root = math.sqrt(max(0.0, closing * closing + 2 * pull * gap))
+    return 2 * gap / (closing + root) if closing > 0.0 else (root - closing) / pull if pull > 0.0 else 0.0
 
 
 def _as_fallen(leg: Leg, start: float, fall: Fall) -> tuple[float, float, float, float]:
@@ -239,7 +213,7 @@ def _fallen_onto(laws: Laws, leg: Leg, stands: Leg, fall: Fall) -> Passage | Non
         leave = math.inf if out is None or not start < enter or not start + since + out < end else start + since + out
         found = _fallen_deep(laws, leg, stands, fall, start, time)
         if found is not None:
-            return Passage(time, found, start, enter, leave)
+            return Passage(time, found, start, enter, leave, enter if begun.gap() >= -found.room else math.inf)
         if not start + since < end:
             return None
 
@@ -293,11 +267,9 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
     if gap <= 0.0 < closing:
         wait = 0.0
     else:  # the zero at which the gap falls
-        within = closing * closing + 2 * pull * gap
-        if within <= 0.0 or (closing <= 0.0 and pull <= 0.0):
+        if closing * closing + 2 * pull * gap <= 0.0 or (closing <= 0.0 and pull <= 0.0):
             return None
-        root = math.sqrt(within)
-        wait = 2 * gap / (closing + root) if closing > 0.0 else (root - closing) / pull
+        wait = _wait(gap, closing, pull)
     if not start + wait < end:
         return None
     foot, slide, bend = nx * -dy + ny * dx, nx * vy - ny * vx, (nx * gy - ny * gx) / 2
@@ -329,7 +301,8 @@ def _fallen_into(laws: Laws, leg: Leg, wall: int, fall: Fall) -> Passage | None:
         return None
     leave = start + (through if thick else wait)
     residual = Residual("depth", (leg.circle, laws.count + wall), size, room)
-    return Passage(time, residual, start, start + wait, leave if wait > 0.0 and leave < leg.end else math.inf)
+    leave = leave if wait > 0.0 and leave < leg.end else math.inf
+    return Passage(time, residual, start, start + wait, leave, start + wait if gap >= -room else math.inf)
 
 
 class _All:
@@ -459,7 +432,9 @@ def _enclosed(
     half = math.sqrt(max(0.0, (wide - beside) * (wide + beside))) / speed
     enter, leave = deepest - half, deepest + half
     whole = start < enter and leave < min(leg.end, other.end)
-    return Passage(time, Residual("depth", pair, size, room), start, max(start, enter), leave if whole else math.inf)
+    leave, enter = leave if whole else math.inf, max(start, enter)
+    anew = enter if float(first.mid()) >= -room else math.inf
+    return Passage(time, Residual("depth", pair, size, room), start, enter, leave, anew)
 
 
 def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
@@ -671,4 +646,7 @@ def _fallen_deep_in_side(
         return None
     out = told_falling_zero([-sign * value for value in now.polynomial(True)])
     leave = math.inf if out is None or since == 0.0 or not enter + out < end else enter + out
-    return Passage(time, Residual("depth", (leg.circle, laws.first_side + place), size, room), start, enter, leave)
+    anew = enter if since > 0.0 or float(gaps[0].mid()) >= -room else math.inf
+    return Passage(
+        time, Residual("depth", (leg.circle, laws.first_side + place), size, room), start, enter, leave, anew
+    )

@@ -1,4 +1,4 @@
-"""A residual: what a step misses the laws by, with its kinds and the units of rounding; and those of what walls carry.
+"""A residual: what a step misses the laws by, its kinds, the units of rounding; overlaps; what walls carry.
 
 The step's own numbers are taken as they are. Honest is mixed forward-backward (Higham, *Accuracy and Stability of
 Numerical Algorithms*, 2nd edition 2002, section 1.5): the step is exact for inputs and outputs that are off by a few
@@ -8,6 +8,7 @@ units, relatively. docs/audit.md derives the constants.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -70,6 +71,139 @@ KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal",
 """The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
 energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; a circle
 that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A step that misses a law by more than rounding.
+
+    Attributes:
+        kind: one of `residual.KINDS`.
+        event: the event, by the engine's own count; of two that fly into each other, how many events came before.
+        time: when.
+        bodies: who takes part, by id.
+        size, room: what is missed, and what rounding may make of it: a length, or a speed.
+    """
+
+    kind: str
+    event: int
+    time: float
+    bodies: tuple[str, ...]
+    size: float
+    room: float
+
+    def __str__(self) -> str:
+        """What is wrong with the step, and by how much.
+
+        >>> print(Violation("gap", 3, 1.5, ("a", "b"), 1e-6, 1e-15))
+        event 3 (t = 1.5): a and b are 1e-06 from touching as they collide; rounding may make it 1e-15
+        """
+        who, size = " and ".join(self.bodies), f"{self.size:.3g}"
+        what = {
+            "start": f"{who} begins {size} from where, or as fast as, the scene says",
+            "flight": f"{who} is {size} from where it flew to",
+            "gap": f"{who} are {size} from touching as they collide",
+            "impulse": f"the impulse of {who} leaves a velocity {size} off the law's",
+            "energy": f"the energy of those that {who} collide with is {size} off the law's",
+            "bystander": f"the velocity of {who} changes by {size} without a contact",
+            "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
+            "depth": f"{who} fly {size} into each other, and do not collide",
+            "support": f"{who} are {size} from touching as the one is carried by the other",
+        }[self.kind]
+        when = f"event {self.event} (t = {self.time:.9g})" if self.kind != "depth" else f"at t = {self.time:.9g}"
+        return f"{when}: {what}; rounding may make it {self.room:.3g}"
+
+
+@dataclass(frozen=True)
+class Defect:
+    """One kind of defect of an engine of steps.
+
+    Attributes:
+        kind: `impulse`, `integrator`, `lateness`, `correction`, `several`, `bystander`, `missed`, `tunnelling`,
+            `iterations`.
+        size: at the run's own step: a share of the impulse, a time, a length, or how many.
+        order: with which power of the step it falls; None where that is not known.
+        finest: its size at the finest step that was run.
+        step: that step.
+        of_step: whether it is of the step; None where that cannot be told.
+    """
+
+    kind: str
+    size: float
+    order: float | None = None
+    finest: float = math.nan
+    step: float = math.nan
+    of_step: bool | None = None
+
+
+SAME_END = 2.0**-20  # of a step: what is no farther before an end of one is at it
+
+
+class Passage(NamedTuple):
+    """A depth to which two come, and when.
+
+    Attributes:
+        time: when they are deepest; where that is never, when the run ends.
+        residual: of the kind `depth`: how much deeper than at the start of their flights.
+        began: when their flights began.
+        enter: when they begin to overlap, or when their flights begin, if they do then.
+        leave: when the overlap is over, where it begins and ends in these flights; infinite where it does not.
+        anew: under gravity, when they begin to overlap, where they did not before by more than rounding; else infinite.
+    """
+
+    time: float
+    residual: Residual
+    began: float
+    enter: float = -math.inf
+    leave: float = math.inf
+    anew: float = math.inf
+
+    @property
+    def over(self) -> float:
+        """When the overlap is over, as far as is known."""
+        return self.leave if math.isfinite(self.leave) else self.time
+
+    @property
+    def deepest(self) -> float:
+        """Up to when they come nearer: from then on there is nothing to push at."""
+        return self.time if self.enter < self.time <= self.over else (self.enter + self.over) / 2
+
+
+def falls_through(found: Sequence[Passage], late: float, slow: float) -> list[Passage]:
+    """Overlaps that go on, flight after flight, for longer than an engine of steps takes to see one.
+
+    Each flight may be one step, and the shorter that is, the less deep two come in it: what tells is how long they
+    fall. Two that overlap as it begins may rest in each other, and so may those that come nearer no faster than `slow`:
+    gravity adds as much to a speed before a push that comes late.
+
+    Args:
+        late: for how long an overlap may not be seen.
+
+    Returns:
+        For each, what is known as soon as it has gone on for that long, and when it is over.
+    """
+    lasted: dict[tuple[int, ...], tuple[Passage, float, int]] = {}
+    told: list[Passage] = []
+    for p in sorted(found, key=lambda passage: (passage.began, passage.time)):
+        bodies, begin = p.residual.bodies, max(p.began, p.enter)
+        last, fast, place = lasted.pop(bodies, (None, 0.0, -1))
+        if last is not None and p.began <= last.time + SAME_END * late:
+            depth = p.residual._replace(size=last.residual.size + p.residual.size)
+            whole = p._replace(residual=depth, enter=last.enter, leave=p.time)
+        elif math.isfinite(p.anew):
+            begin, fast, place = p.anew, 0.0, -1
+            whole = p._replace(enter=begin, leave=p.time)
+        else:
+            continue
+        if p.residual.size > slow * (p.time - begin):
+            fast += p.time - begin
+        if place >= 0:
+            told[place] = told[place]._replace(leave=p.time)
+        elif fast > late:
+            place = len(told)
+            told.append(whole)
+        lasted[bodies] = whole, fast, place
+    return told
 
 
 NEXT_TO = 4

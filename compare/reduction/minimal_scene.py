@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
-    from ..audit.audit import Violation
+    from ..audit.residual import Violation
     from ..candidate import Candidate
     from ..causes.diagnosis import CauseName
     from ..comparison import Comparison

@@ -57,9 +57,9 @@ FORMS = {
     "compare.audit.audit:Audit": "kept reason impacts flights sentence fit first violations counts defects declared "
     "phantoms horizon bounces?",
     "compare.audit.fits:BounceRatios": "asked mean low high count spread",
-    "compare.audit.audit:Violation": "kind event time bodies size bound=room",
+    "compare.audit.residual:Violation": "kind event time bodies size bound=room",
     "compare.audit.fits:Fit": "description=what kind value spread explained of",
-    "compare.audit.audit:Defect": "kind size order finest step of_step",
+    "compare.audit.residual:Defect": "kind size order finest step of_step",
     "compare.causes.diagnosis:Diagnosis": "names=causes displacement closed continuations=runs evidence=finding "
     "sufficient experiments",
     "compare.causes.diagnosis:Experiment": "cause suffices displacement share result",

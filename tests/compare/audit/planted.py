@@ -1,8 +1,9 @@
-"""An engine of events with the usual formulas, written for these tests, in which faults can be planted."""
+"""Engines of events and of steps with the usual formulas, written for these tests, in which faults can be planted."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 from truebreak.compare.foreign import Recording
@@ -138,3 +139,44 @@ class _World:
 
     def states(self, i: int, j: int) -> dict[str, tuple[float, float, float, float]]:
         return {self.ids[k]: (*self.x[k], *self.v[k]) for k in (i, j) if k < len(self.x)}  # pyright: ignore
+
+
+@dataclass(frozen=True)
+class PlantedSteps(RecordedEngine):
+    """Steps, g dt before each, states after each; it pushes at its end what overlaps and comes nearer.
+
+    Attributes:
+        blind: a wall that it does not see; discs that it does not see either, for "discs".
+        strong: a wall, and how many times too strong its impulses are.
+    """
+
+    step: float = 1 / 64
+    blind: str = ""
+    strong: tuple[str, float] = ("", 1.0)
+    name, scene_keys = "planted-steps", frozenset({"wall", "gravity"})
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """The whole run."""
+        world, count = _World(scene, Planted().fault), 0
+        pull = float(scene.gravity[1]) if scene.gravity else 0.0
+        n, bodies = len(world.x), [*world.ids, *(wall[4] for wall in world.walls)]
+        pairs = [(i, j) for i in range(n) for j in range(i + 1, n + len(world.walls))]
+        while recording.open:
+            count += 1
+            for (x, y), v, k in zip(list(map(tuple, world.x)), world.v, range(n), strict=True):
+                v[1] += pull * self.step
+                world.x[k] = [x + v[0] * self.step, y + v[1] * self.step]
+            hits: list[tuple[str, str]] = []
+            for i, j in pairs:
+                if self.blind == ("discs" if j < n else bodies[j]) or world.wait(i, j) != 0.0:
+                    continue
+                before = world.v[i][:]
+                world.bounce(i, j, 0)
+                if bodies[j] == self.strong[0]:
+                    world.v[i] = [u + self.strong[1] * (v - u) for u, v in zip(before, world.v[i], strict=True)]
+                hits.append((bodies[i], bodies[j]))
+            time, rows = count * self.step, [(*world.x[k], *world.v[k]) for k in range(n)]
+            if hits:
+                moved = {name for pair in hits for name in pair}
+                recording.hits(time, hits, {name: rows[k] for k, name in enumerate(world.ids) if name in moved})
+            recording.state(time, rows)

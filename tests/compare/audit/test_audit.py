@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 import truebreak
-from audit.planted import FAULTS, Planted
+from audit.planted import FAULTS, Planted, PlantedSteps
 from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.compare.audit.passages import FEW, passages
@@ -262,6 +262,19 @@ def test_a_restitution_of_an_engine_of_steps_is_no_matter_of_its_step(
     found = audited("pymunk", scene_from("gas"), events=25)
     assert found.kept is False
     assert f"restitution {elasticity} fits 25 of 25 impacts" in found.finding
+
+
+@pytest.mark.parametrize("step", [1 / 64, 1 / 60])
+@pytest.mark.parametrize("height", ["3/8", "3/4", "1", "11/8"])
+def test_an_impulse_that_is_too_strong_at_every_step_is_no_matter_of_the_step(height: str, step: float) -> None:
+    """The only one at that wall is the run's last, and comes a hair later in finer steps."""
+    scene = Scene([Circle(-2, 0, vx=1, id="a"), Circle(2, height, id="b")], [Wall(0, 6, 1, 6, id="top")])
+    for strong, kept in ((1.0, True), (1.1, False)):
+        chosen = PlantedSteps(step, strong=("top", strong))
+        found = audit_run(chosen.run(scene, until=30), chosen)
+        assert found.kept is kept, found.sentence
+    (defect,) = (defect for defect in found.defects if defect.kind == "impulse")
+    assert defect.size == pytest.approx(0.2) and defect.finest == pytest.approx(0.2) and defect.of_step is False
 
 
 def test_cells_find_the_passages_that_pairs_find() -> None:

@@ -12,6 +12,7 @@ import pytest
 from drawn_falls import pegged
 
 from audit.faulty import Faulty
+from audit.planted import PlantedSteps
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.exact import ExactEngine
@@ -393,3 +394,24 @@ def test_a_point_that_comes_to_a_thin_segment_from_below_falls_back(name: str) -
         run = engine(name).run(scene, until=5, events=6)
         assert run.events[0].impulses[0].second == "bar"
         assert audit_run(run, engine(name)).kept, k
+
+
+SHAFT = [FLOOR, Wall(-4, 0, -4, 1, id="left"), Wall(4, 0, 4, 1, id="right")]
+FALLING = {
+    "ground": Scene([Circle(0, 3, vx=1, id="a")], SHAFT, gravity=(0, -1), until=12),
+    "discs": Scene([Circle(-3, 3, vx=1, id="a"), Circle(3, "7/2", vx=-1, id="b")], [FLOOR], gravity=(0, -1), until=6),
+}
+
+
+@pytest.mark.parametrize("step", [1 / 64, 1 / 60, 1 / 256])
+@pytest.mark.parametrize("what", FALLING)
+def test_what_falls_through_another_step_by_step_misses_it_however_short_the_steps(what: str, step: float) -> None:
+    """A flight is one step there, and how much deeper two come in it falls with the step."""
+    scene, blind = FALLING[what], "floor" if what == "ground" else what
+    honest = audit_run(PlantedSteps(step).run(scene, until=scene.until), PlantedSteps(step))
+    assert honest.kept is True, honest.sentence
+    chosen = PlantedSteps(step, blind)
+    found = audit_run(chosen.run(scene, until=scene.until), chosen)
+    assert found.kept is False, found.sentence
+    assert {violation.kind for violation in found.violations} == {"depth"}
+    assert found.first is not None and "a" in found.first.bodies and "do not collide" in found.sentence
