@@ -77,7 +77,9 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if got is not None and got < (math.inf if parted.expected_time is None else parted.expected_time):
         latest = max(got, parted.time)  # what it has too much is there by then
     missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
-    times = [float(e.time) for e in lab.candidate.trajectory.events if any(missed & {*pair} for pair in e.contacts)]
+    met = {c for m, c in lab.candidate.alignment.walks[parted.body].pairs if m == parted.expected_event}
+    others = [e for k, e in enumerate(lab.candidate.trajectory.events) if k not in met]  # beside those of one instant
+    times = [float(e.time) for e in others if any(missed & {*pair} for pair in e.contacts)]
     deep = [found.time for found in laws.violations if found.kind == "depth" and {*found.bodies} == missed]
     elsewhere = all(any(latest < time < then for time in times) for then in deep)
     if elsewhere and laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):

@@ -176,9 +176,13 @@ def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
         return alignment.divergence is None or alignment.divergence.expected_event > lab.divergence.expected_event
     found = alignment.divergence
     if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
-        walked = alignment.walks[lab.divergence.body]
-        if lab.divergence.expected_event not in {m for m, _ in walked.pairs}:
-            return False
+        event = lab.divergence.expected_event
+        for name in {name for pair in lab.reference.events[event].contacts for name in pair} & alignment.walks.keys():
+            walked = alignment.walks[name]  # of several contacts of the instant, each has to be met
+            if event not in {m for m, _ in walked.pairs}:
+                return False
+            if walked.mismatch is not None and walked.mismatch.mine == event:
+                return False
     return found is None or found.event > lab.divergence.event
 
 

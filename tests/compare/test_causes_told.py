@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from audit.planted import PlantedSteps
 
 from truebreak.compare import compare
-from truebreak.compare.causes import other_settings
+from truebreak.compare.causes import evidence, other_settings
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Candidate
 from truebreak.compare.foreign.log_engine import LogEngine
@@ -301,3 +302,25 @@ def test_a_finer_step_that_cannot_be_judged_is_evidence_of_nothing() -> None:
     (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName["STEP"]]
     assert row.suffices is None
     assert row.result.startswith("not tried: a step of 0.00781 cannot be judged: engine 'mine': at time 0.15625")
+
+
+AT_ONCE = Scene(
+    [Circle(0, 3, vx=1, id="ball")],
+    [Wall(0, 0, 1, 0, id="ground"), Wall(-3, 0, -3, 1, id="left"), Wall(3, 0, 3, 1, id="right")],
+    gravity=(0, -1),
+)
+
+
+@pytest.mark.parametrize("step", [1 / 64, 1 / 128])
+def test_of_two_contacts_at_one_instant_the_one_that_is_met_does_not_stand_for_both(
+    step: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It falls through the ground at every step, and bounces off the wall beside it at the same instant."""
+    found = only(AT_ONCE, PlantedSteps(step, "ground"), until=12)
+    assert found.lawless and found.diagnosis is not None and found.diagnosis.name is CauseName["LAW"]
+    judged: list[bool] = []
+    gone = other_settings.gone
+    monkeypatch.setattr(other_settings, "gone", lambda *asked: judged.append(gone(*asked)) or judged[-1])
+    monkeypatch.setattr(evidence, "law", lambda lab, rows: [])
+    only(AT_ONCE, PlantedSteps(step, "ground"), until=12)
+    assert judged and not any(judged)
