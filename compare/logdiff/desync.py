@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypedDict
 
@@ -434,12 +434,20 @@ def diff(one: str | Path, other: str | Path, *, ignore: Iterable[str] = (), scen
     'changed at event 6 by more than rounding'
     """
     found = pair(one, other, frozenset(ignore))
-    lawful = None
+    verdict, lawful = decide(found), None
     if scene is not None:
         from .lawful import lawful_runs
 
-        lawful = lawful_runs(one, other, scene)
-    return Desync(found, decide(found), lawful)
+        begun = [(first.time,) * 2 for first in verdict.first[:1] if first.step is None]
+        begun += [found.meeting.times] if found.meeting is not None and found.meeting.step is None else []
+        lawful = lawful_runs(one, other, scene, verdict.name is Finding.GREW, *begun[:1])
+        if (
+            lawful.tie
+            and all(audit.kept for audit in lawful.audits)
+            and verdict.name in (Finding.START, Finding.CHANGED)
+        ):
+            verdict = replace(verdict, name=Finding.OPEN, why="contacts of one instant are resolved otherwise in each")
+    return Desync(found, verdict, lawful)
 
 
 def gravest(compared: Sequence[Desync]) -> Desync:

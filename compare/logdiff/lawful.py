@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
     from ..foreign.recording import Recording
 
 
@@ -62,12 +63,16 @@ class Lawful:
         events: of the certified run, over which growth was measured.
         growth: bits an event by which a difference grows there, as certified; None where that is not known.
         audits: of each run.
+        grew: whether they part by a difference that grew from rounding.
+        tie: the contacts of the instant at which they first differ, where that has several; "" elsewhere.
     """
 
     scene: str
     events: int
     growth: tuple[float, float] | None
     audits: tuple[Audited, ...]
+    grew: bool = False
+    tie: str = ""
 
     @property
     def sentence(self) -> str:
@@ -76,7 +81,9 @@ class Lawful:
         if broken:
             return "; ".join(f"{audit.log} does not keep the law: {audit.sentence}" for audit in broken)
         if all(audit.kept for audit in self.audits):
-            return "both keep the law; where they part, they part as runs do that round"
+            if self.tie:
+                return f"both keep the law; they first differ at {self.tie}: each may take these in its own order"
+            return "both keep the law" + ("; where they part, they part as runs do that round" if self.grew else "")
         return "; ".join(f"{audit.log}: {audit.sentence}" for audit in self.audits)
 
     def lines(self) -> Iterator[str]:
@@ -104,8 +111,14 @@ MOST_EVENTS = 200
 """Events over which growth is certified: beyond the horizon of doubles in most scenes of the catalogue."""
 
 
-def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
+def lawful_runs(
+    one: str | Path, other: str | Path, scene: Scene, grew: bool = False, begun: Sequence[float | None] = ()
+) -> Lawful:
     """Certified growth of a scene, and the audit of two logs of it.
+
+    Args:
+        grew: whether their difference grew from rounding, as far as the logs show.
+        begun: by the clock of each, the instant at which they first differ, where that is known.
 
     Raises:
         EngineError: for a log that is none of this scene.
@@ -125,7 +138,19 @@ def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
     except NoTangentMap:  # nearby runs part at an instant of several contacts, or at a graze
         found = None
     audits = tuple(audited(str(path), told) for path, told in zip((one, other), recordings, strict=True))
-    return Lawful(scene.name, events, None if found is None else (found.low, found.high), audits)
+    growth = None if found is None else (found.low, found.high)
+    return Lawful(scene.name, events, growth, audits, grew, "" if grew else _tie(runs, begun))
+
+
+def _tie(runs: Sequence[Trajectory], begun: Sequence[float | None]) -> str:
+    """The contacts of the instant at which two runs first differ, where several share a circle in one of them."""
+    moving = {str(circle.id) for circle in runs[0].scene.circles if not circle.fixed}
+    for run, time in zip(runs, begun, strict=False):
+        pairs = list(dict.fromkeys(pair for e in run.events if float(e.time) == time for pair in e.impulses))
+        met = [name for pair in pairs for name in {*map(str, pair)} & moving]
+        if len(met) > len({*met}):
+            return f"an instant of several contacts ({', '.join(' and '.join(map(str, pair)) for pair in pairs)})"
+    return ""
 
 
 def audited(log: str, recording: Recording) -> Audited:
@@ -134,5 +159,8 @@ def audited(log: str, recording: Recording) -> Audited:
     from ..foreign.log_engine import LogEngine
 
     found = audit_run(recording.trajectory(), LogEngine(recording, log))
-    since = "" if found.first is None else f", from event {found.first.event} on"
-    return Audited(log, found.kept, f"{found.finding}{since}" if found.kept is False else found.sentence)
+    told, total = found.finding, sum(found.counts.values())
+    if total > 1:
+        first = "" if found.fit is None or found.first is None else f", first at t = {found.first.time:.9g}"
+        told += f"; {total:,} steps miss it{first}"
+    return Audited(log, found.kept, told if found.kept is False else found.sentence)

@@ -314,6 +314,10 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: GrowthRate |
             f"{size}; times of steps do not show how far apart the runs were by then: log states",
         )
     start = _start(found, first, limits, size)
+    if start is not None and start[0] is Finding.START and _alone(found, first):
+        return Finding.OPEN, start[1], (
+            f"{size}, and from the next record on all states are the same to the last bit: was that logged right?"
+        )  # fmt: skip
     if start is not None:
         return start
     onset, gap = _onset(found, top)
@@ -348,6 +352,12 @@ def _size(d: Difference) -> str:
     ulps = 2.0**d.bits
     told = "less than one ulp" if ulps < 0.75 else "one ulp" if ulps < 1.5 else f"{ulps:.3g} ulps"
     return f"the first difference is {abs(d.a - d.b):.3g} in {d.name} of {d.body}, {told} of the largest such number"
+
+
+def _alone(found: Found, first: tuple[Difference, ...]) -> bool:
+    """Whether nothing differs but in one record, though each body of it is told again: no run has another start so."""
+    growing, number = found.growing, first[0].number
+    return not growing.off and not growing.sated and all(d.number == number for d in growing.early)
 
 
 def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size: str) -> Answer | None:

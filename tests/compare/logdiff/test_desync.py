@@ -30,7 +30,9 @@ from truebreak.compare.logdiff.desync import diff, report_json
 from truebreak.compare.logdiff.verdict import Finding
 from truebreak.compare.report.desync_page import desync_html
 from truebreak.compare.report.schema import schema
+from truebreak.compare.testing.golden import log_of
 from truebreak.compare.validation import EngineError
+from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import catalogue
 
@@ -451,3 +453,50 @@ def test_a_contact_that_is_left_out_early_is_a_change_where_all_before_is_the_sa
         late = [line for line in late if line["contact"] != [*map(str, whole.events[k].impulses[0])]]
         pair = compared(logged(whole, 0, 14), [*logged(whole, 0, k), *late])
         assert pair.verdict.name is Finding.CHANGED, (k, pair.verdict.line)
+
+
+@pytest.mark.parametrize("name", ["lee", "rack:rows=2"])
+def test_runs_that_part_at_a_tie_do_not_part_by_rounding(name: str, compared: Any) -> None:
+    """Both keep the law, and no rounding has a part in it: one takes the contacts at once, the other in an order."""
+    scene = catalogue.build(name)
+    policies = ("simultaneous", "sequential:order=scene")
+    runs = [DoubleEngine().run(scene.with_changes(tie_policy=policy), events=12) for policy in policies]
+    found = compared(*map(log_of, runs), scene=scene)
+    assert found.verdict.name is Finding.OPEN and "first states" not in str(found), found.line
+    told = found.lawful.sentence
+    assert told.startswith("both keep the law; they first differ at an instant of several contacts ("), told
+    assert compared(log_of(runs[0]), log_of(runs[0]), scene=scene).lawful.sentence == "both keep the law"
+
+
+def test_runs_that_part_by_rounding_are_said_to_do_so(compared: Any) -> None:
+    scene = catalogue.build("gas:n=5")
+    found = compared(
+        log_of(DoubleEngine().run(scene, events=30)), log_of(ExactEngine().run(scene, events=30)), scene=scene
+    )
+    assert found.verdict.name is Finding.GREW
+    assert found.lawful.sentence == "both keep the law; where they part, they part as runs do that round"
+
+
+@pytest.mark.parametrize("steps", [1, 2])
+def test_one_impulse_that_misses_the_law_is_not_said_to_miss_it_from_then_on(steps: int, compared: Any) -> None:
+    scene = catalogue.build("gas:n=5").with_changes(until=None)
+    run = DoubleEngine().run(scene, events=30)
+    lines = [json.loads(line) for line in log_of(run).splitlines()]
+    del lines[-1]  # what is pushed otherwise never comes to the contacts that are logged after it
+    at = [k for k, line in enumerate(lines) if k > 8 and len(line.get("states", ())) == 1][:steps]
+    lines = lines[: at[-1] + 1]
+    for k in at:
+        (row,) = lines[k]["states"].values()
+        row[3] += 1e-3
+    found = compared(log_of(run), lines, scene=scene).lawful.sentence
+    assert "does not keep the law" in found and "on" not in found.split()[-3:], found
+    assert ("2 steps miss it" in found) == (steps > 1), found
+
+
+def test_one_state_that_differs_and_nothing_after_it_is_no_other_start(compared: Any) -> None:
+    run = DoubleEngine().run(catalogue.build("gas:n=5"), events=60)
+    lines = [json.loads(line) for line in log_of(run).splitlines()]
+    first = next(iter(lines[1]["states"].values()))
+    first[0] += 1e-3
+    found = compared(log_of(run), lines)
+    assert found.verdict.name is Finding.OPEN and "from the next record on" in found.line, found.line
