@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from ..scenarios.numbers.precision import Double
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Pocketing
+from ..scenarios.trajectory import Pocketing, Trajectory
 from .knots import DoubleKnot, DoubleMotion, FallingMotion, SteppedFall
 
 
@@ -34,6 +34,25 @@ def last_entry(scene: Scene, motion: DoubleMotion, end: float) -> float:
     if isinstance(motion, SteppedFall):
         return end
     return max([end, *(float(entry.time) for entry in entries(scene, motion, math.inf))])
+
+
+def left_play(run: Trajectory, steps: bool, loose: float) -> dict[str, float]:
+    """When circles have left play, by the pockets that they have entered.
+
+    What meets something afterwards has not: of an engine of events, nothing is taken to have gone before its last
+    contact, and to go on after it. An engine of steps sees at the end of a step that a centre is in a pocket.
+
+    Args:
+        steps: whether the engine takes steps.
+        loose: the share of a time within which a contact may be of the instant of an entry.
+    """
+    last, found = dict[str, float](), dict[str, float]()
+    for event in () if steps else run.events:
+        last.update((str(name), float(event.time)) for pair in event.impulses for name in pair)
+    for entry in run.pocketings if run.scene.capture else ():
+        met, time = last.get(entry.circle, -math.inf), float(entry.time)
+        found.setdefault(entry.circle, time if met <= time + loose * time else math.nextafter(met, math.inf))
+    return found
 
 
 def _times(motion: DoubleMotion, place: int, x0: float, y0: float, r: float, end: float) -> Iterator[float]:

@@ -547,13 +547,12 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
 def defects(engine: Engine, measures: Measures) -> dict[str, float]:
     """The size of each kind of defect of a run that is not rounding."""
     step = engine.step or 0.0
-    bad = [s for s in measures.samples if s.defect > NEAR * s.room]
     several = [r for _, _, r in measures.several if r.broken]
     gained = max((r.size for r in several if r.kind == "energy"), default=0.0) / (measures.fastest or 1.0) ** 2
     turned = max((r.size / (r.room or 1.0) for r in several if r.kind == "impulse"), default=0.0)
     moved = [d.size for d in measures.drifts]  # the median; under gravity, where most are of rest, the most
     sizes = {
-        "impulse": _middle_of([s.defect for s in bad]) if bad else 0.0,
+        "impulse": _middle_of([s.defect for s in measures.samples if s.defect > NEAR * s.room]),
         "integrator": measures.behind,
         "lateness": max((abs(s.late) for s in measures.samples if abs(s.sunk) > s.loose), default=0.0),
         "correction": max([0.0, *moved]) if measures.behind else _middle_of(moved),

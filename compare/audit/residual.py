@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from flint import arb
 
+from ...exact.numbers import ball
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from ...scenarios.scene import Scene
     from .transcript import Fall, Leg, ReportedFlight, WallInBalls
@@ -67,10 +69,13 @@ class Residual(NamedTuple):
         return self.size > self.room
 
 
-KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "support", "phantom")
+KINDS = (
+    "start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "support", "capture", "phantom",
+)  # fmt: skip
 """The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
 energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; a circle
-that is carried where no wall can do so; a contact whose impulse is below rounding, which breaks no law."""
+that is carried where no wall can do so; a contact of a circle that a pocket has captured; a contact whose impulse is
+below rounding, which breaks no law."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,7 @@ class Violation:
             "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
             "depth": f"{who} fly {size} into each other, and do not collide",
             "support": f"{who} are {size} from touching as the one is carried by the other",
+            "capture": f"{who} has come {size} within the rim of a pocket that captures, and meets something still",
         }[self.kind]
         when = f"event {self.event} (t = {self.time:.9g})" if self.kind != "depth" else f"at t = {self.time:.9g}"
         return f"{when}: {what}; rounding may make it {self.room:.3g}"
@@ -224,6 +230,63 @@ def size_of(x: arb) -> float:
     """A lower bound of |x|; 0 where nothing is known."""
     size = abs(float(x.mid())) - float(x.rad())
     return size if size > 0.0 else 0.0
+
+
+# -- Pockets that capture.
+
+
+SAMPLES, ROUNDS = 32, 3
+"""Times of a fall at which it is looked whether it is in a pocket, on both sides of a middle, and how often this is
+done around the best: any time at which it is in the pocket shows that it has come there."""
+
+
+class PocketFlights(Protocol):
+    """Of the laws of a scene, those of flight: see `residuals.Laws`."""
+
+    scene: Scene
+    unit: float
+    fall: Fall | None
+
+    def flown_room(self, before: ReportedFlight, after: ReportedFlight, events: int, /) -> float: ...
+
+
+def uncaptured(
+    laws: PocketFlights, k: int, before: ReportedFlight, after: ReportedFlight, events: int
+) -> Iterator[Residual]:
+    """How far within the rim of a pocket a circle has been on a flight that ends at a contact.
+
+    A flight that begins within it is no entry. The smaller root of |d + v t| = R is one of a discriminant with terms
+    of |d|^2 v^2 and R^2 v^2: rounded by u, relatively, an engine may take a depth of u (|d|^2 + R^2) / R for none.
+    """
+    span, gx, gy = after.t - before.t, arb(0), arb(0)
+    x, y, vx, vy = before.x, before.y, before.vx, before.vy
+    if laws.fall is not None and not before.carried:  # from the straight flight to the same end, back to the fall
+        gx, gy, (way, gain) = laws.fall.gx, laws.fall.gy, laws.fall.fallen(span)
+        x, y, vx, vy = x - gx * (way - gain * span), y - gy * (way - gain * span), vx - gx * gain, vy - gy * gain
+    far = (before.speed + before.fallen + after.speed) * float(span.mid())
+    for pocket in laws.scene.pockets:
+        px, py, r = ball.constant(pocket.x), ball.constant(pocket.y), ball.constant(pocket.r)
+
+        def depth(t: arb, px: arb = px, py: arb = py, r: arb = r) -> arb:
+            dx, dy = x + (vx + gx * t / 2) * t - px, y + (vy + gy * t / 2) * t - py
+            return r - (dx * dx + dy * dy).sqrt()
+
+        radius, begin = float(r), float(depth(arb(0)).mid())
+        wide = abs(radius - begin) + far
+        room = laws.flown_room(before, after, events) + ROOT_UNITS * laws.unit * (wide * (wide / radius) + radius)
+        if laws.fall is None:
+            square = float((vx * vx + vy * vy).mid())
+            nearest = float(((px - x) * vx + (py - y) * vy).mid()) / square if square else 0.0
+            deepest = depth(arb(min(max(nearest, 0.0), float(span.mid()))))
+        else:
+            deepest, around, aside = depth(span), span / 2, span / 2
+            for _ in range(ROUNDS):
+                times = [around + aside * n / SAMPLES for n in range(-SAMPLES, SAMPLES + 1)]
+                times = [t for t in times if 0 <= t <= span]
+                around = max(times, key=lambda t: float(depth(t).mid()))
+                aside, deepest = aside / SAMPLES, depth(around)
+        if begin < -room:
+            yield Residual("capture", (k,), size_of(deepest.max(arb(0))), room)
 
 
 # -- What a wall carries, or two hold between them.

@@ -30,6 +30,7 @@ from .residual import (
     length_of,
     rested,
     size_of,
+    uncaptured,
 )
 from .transcript import WallInBalls, groups_of
 
@@ -247,6 +248,8 @@ class Laws:
             return
         groups, hit = groups_of(instant.impulses, self.moving, self.count), instant.circles(self.count)
         for k in hit:
+            if self.scene.capture and self.step is None and self.moving[k] and k in left:
+                yield from uncaptured(self, k, instant.before[k], left[k], events)
             _begin(self, k, instant.before[k], instant.time)
         for pairs in groups:
             if len(pairs) == 1:

@@ -17,6 +17,7 @@ from ...exact.numbers import ball
 from ...exact.replay.contact import places_of
 from ...exact.replay.parts import PartsNear
 from ...floating.knots import NEXT_TO, DoubleMotion, EventMotion, FallingMotion, SteppedFall
+from ...floating.pocket_entries import left_play
 from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.trajectory import StopReason
 
@@ -359,7 +360,8 @@ class Transcript:
         self._count = len(run.scene.circles)
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(run.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
-        self.gone: dict[int, float] = {}
+        left = left_play(run, step is not None, self._loose)
+        self.gone: dict[int, float] = {self._places[name]: time for name, time in left.items()}
         self._flown: list[list[ReportedFlight]] | None = None
         told = not run.scene.settle or isinstance(motion, FallingMotion)
         self.carries: Callable[[int, Any], bool] | None = (
@@ -372,9 +374,6 @@ class Transcript:
             by_steps = (motion.dt, motion.ahead, motion.early) if isinstance(motion, SteppedFall) else ()
             self.fall = Fall(gx, gy, size, *by_steps)
         self.end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
-        if self.scene.capture:
-            for entry in run.pocketings:
-                self.gone.setdefault(self._places[entry.circle], float(entry.time))
         self.carried: Mapping[int, Collection[int]] = {}
         self._carried: Mapping[int, Collection[int]] = {}
         ends: Mapping[tuple[int, int], tuple[Any, Any]] = getattr(motion, "ends", {})

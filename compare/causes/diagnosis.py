@@ -163,6 +163,12 @@ class Diagnosis:
         return " + ".join(cause.value for cause in self.causes)
 
     @property
+    def unexplained(self) -> bool:
+        """Whether nothing is named, and rounding is known not to have done it."""
+        rows = [e for e in self.experiments if e.cause is CauseName["ARITHMETIC"]]
+        return self.name is CauseName["UNKNOWN"] and any(e.suffices is False and e.share is None for e in rows)
+
+    @property
     def sufficient(self) -> tuple[CauseName, ...]:
         """Every kind that suffices by itself, the largest share first."""
         enough = [e for e in self.experiments if e.suffices]
@@ -251,7 +257,7 @@ def diagnosed(
     """
     closed = displacement is not None and any(e.share is not None for e in experiments)
     left = [row for row in experiments if row.cause is CauseName["UNKNOWN"] or "not determined" in row.result]
-    why = "; ".join(_why(row) for row in left if row.suffices is None) or NOTHING_TRIED
+    why = "; ".join(_why(row) for row in left if not row.suffices) or NOTHING_TRIED
     made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), why, displacement, closed, runs)
     enough = made.sufficient
     if enough and enough[0].entry.rank < SHARE_RANK:

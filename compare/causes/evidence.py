@@ -512,7 +512,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         itself = _rounded_away(lab)
         if itself is None:
             told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
-            return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}")]
+            return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}", suffices=False)]
         total += itself
     elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0 and not lab.comes_late:
         itself = -float(lab.got.mid())

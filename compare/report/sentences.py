@@ -115,6 +115,7 @@ def _is_rounding(candidate: Candidate) -> bool:
     found = candidate.diagnosis
     known = None if found is None else found.name.entry.rounding
     unseen = candidate.laws is not None and candidate.laws.kept is None  # another law may have done it
+    unseen = unseen or (found is not None and found.unexplained)
     return not (candidate.stepped or unseen) if known is None else known
 
 

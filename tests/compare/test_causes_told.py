@@ -11,6 +11,7 @@ import pytest
 from audit.planted import PlantedSteps
 
 from truebreak.compare import compare
+from truebreak.compare.audit import residuals
 from truebreak.compare.causes import evidence, other_settings
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Candidate
@@ -21,7 +22,7 @@ from truebreak.compare.report.answers import what_now, why
 from truebreak.compare.report.sentences import head_phrase, verdict_sentence
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
 
 
 def only(scene: Scene, engine: object, **limits: object) -> Candidate:
@@ -324,3 +325,25 @@ def test_of_two_contacts_at_one_instant_the_one_that_is_met_does_not_stand_for_b
     monkeypatch.setattr(evidence, "law", lambda lab, rows: [])
     only(AT_ONCE, PlantedSteps(step, "ground"), until=12)
     assert judged and not any(judged)
+
+
+def test_what_rounding_cannot_have_done_is_not_said_to_be_of_floating_point(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A log flies on past a pocket that captures: a broken law, and no known cause, where that is not seen."""
+    walls = [Wall(-7, 0, -7, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
+    hole = Pocket(3, "1/2", 1, id="hole")
+    scene = Scene([Circle(-3, 0, vx=1, id="a")], walls, pockets=[hole], capture=True)
+    rows = [(9.0, "right", 6.0, -1.0), (21.0, "left", -6.0, 1.0), (33.0, "right", 6.0, -1.0)]
+    told = [{"time": t, "contacts": [["a", wall]], "states": {"a": [x, 0.0, vx, 0.0]}} for t, wall, x, vx in rows]
+    log = tmp_path / "log.jsonl"
+    log.write_text("\n".join(map(json.dumps, told)))
+    chosen = LogEngine(LogEngine.of(log, scene).recording, lacks=frozenset())
+    broken = only(scene, chosen, until=30)
+    assert broken.laws is not None and broken.laws.kept is False and broken.laws.counts == {"capture": 2}
+    monkeypatch.setattr(residuals, "uncaptured", lambda *_: ())
+    found = only(scene, chosen, until=30)
+    assert found.laws is not None and found.laws.kept
+    assert found.diagnosis is not None and found.diagnosis.name is CauseName["UNKNOWN"]
+    assert "by more than rounding" in found.diagnosis.finding
+    assert head_phrase(found) == "The histories differ"

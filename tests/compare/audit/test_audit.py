@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 from dataclasses import replace
+from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ from truebreak.compare.scene_argument import scene_from
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall, catalogue
 
 SCENES = [
     "gas", "gas:n=10,mixed=yes", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin:n=3", "lee", "near-tie",
@@ -325,6 +326,27 @@ def test_a_circle_out_of_play_is_audited_no_more() -> None:
     scene = scene.with_changes(capture=True)
     found = audited("double", scene, events=150)
     assert found.kept is True, found.sentence
+
+
+@pytest.mark.parametrize("gravity", [None, (0, "-1/8")])
+@pytest.mark.parametrize("within", ["1/2", "-1/100", "1/100"])
+def test_what_meets_something_after_a_pocket_has_captured_it_breaks_a_law(within: str, gravity: Any) -> None:
+    """The engine knows no pocket; one that is passed outside its rim takes nothing, whoever flies on."""
+    ball = Circle(-3, 0, vx=1, vy=0 if gravity is None else "3/8", id="a")  # comes back to y = 0 at t = 6
+    walls = [Wall(-7, 0, -7, 1, id="left"), Wall(7, 0, 7, 1, id="right")]
+    x, high = (3, Fraction(0)) if gravity is None else (0, Fraction(9, 16))  # where the flight is highest
+    hole = Pocket(x, high + 1 - Fraction(within), 1, id="hole")
+    scene = Scene([ball], walls, pockets=[hole], capture=True, gravity=gravity)
+    for name in ("double", "single", "rounded:bits=30"):
+        run = engine(name).run(scene.with_changes(pockets=[], capture=False), until=30)
+        found = audit_run(replace(run, scene=scene), engine(name))
+        assert found.kept is (within == "-1/100"), (name, found.sentence)
+        if found.first is not None:
+            assert found.counts == {"capture": found.counts["capture"]}
+            assert found.first.kind == "capture"
+            assert found.first.size == pytest.approx(float(Fraction(within)), rel=1e-3)
+            assert "a has come" in found.sentence and "within the rim of a pocket" in found.sentence
+        assert audited(name, scene, until=30).kept is True
 
 
 def test_the_audit_of_a_record_goes_no_farther_than_it_was_asked_for() -> None:
