@@ -474,7 +474,9 @@ def proof_phrase(comparison: Comparison) -> str:
 
 
 def right_phrase(comparison: Comparison, candidate: Candidate) -> str:
-    """What an engine is that agrees to the end."""
+    """What an engine is that agrees to the end; of a record without states no place and no velocity is known."""
+    if comparison.certain and getattr(candidate.trajectory.motion, "reckoned", ()):
+        return f"{candidate.engine} has the right contacts in the right order, all that it tells: it has no states"
     if comparison.certain:
         return f"Nothing to change: {candidate.engine} is right to the end"
     return "Take exact as the reference to know which are right"

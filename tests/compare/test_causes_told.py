@@ -347,3 +347,20 @@ def test_what_rounding_cannot_have_done_is_not_said_to_be_of_floating_point(
     assert found.diagnosis is not None and found.diagnosis.name is CauseName["UNKNOWN"]
     assert "by more than rounding" in found.diagnosis.finding
     assert head_phrase(found) == "The histories differ"
+
+
+@pytest.mark.parametrize("late", [0.0, 1e-9])
+def test_of_a_log_without_states_no_velocity_is_compared(late: float, tmp_path: Path) -> None:
+    """Its velocities are computed from its times, by the laws: a time that is off moves them, and no outcome."""
+    scene = catalogue.build("gas:n=5").with_changes(until=None)
+    run = DoubleEngine().run(scene, events=12)
+    told = [{"time": float(e.time) + late * (e.index == 3), "contacts": [list(e.impulses[0])]} for e in run.events]
+    log = tmp_path / "log.jsonl"
+    log.write_text("\n".join(map(json.dumps, told)))
+    comparison = compare(scene, [LogEngine.of(log, scene)], events=8)
+    found = comparison.candidates[0]
+    assert found.alignment.verdict == "agree" and not found.changed
+    assert found.outcomes["final_velocities"] != found.expected["final_velocities"] or not late
+    phrase = what_now(comparison, found)
+    assert "right contacts in the right order" in phrase and "right to the end" not in phrase
+    assert "final velocities" not in verdict_sentence(comparison)

@@ -101,10 +101,7 @@ def test_what_lies_beyond_the_end_is_not_claimed() -> None:
     assert (agreed.verdict, agreed["log"].changed) == ("unsettled", ())
     assert parted.expected["collisions"] < 200
     text = consequence_phrase(held(120), parted)
-    assert text is not None
-    assert text.startswith("up to t = 196.086551, where its record ends: 120 collisions instead of 111; circle ")
-    assert "ends with" not in text
-    assert "200" not in text
+    assert text == "up to t = 196.086551, where its record ends: 120 collisions instead of 111"
 
 
 def test_a_log_of_all_the_span_is_told_as_before() -> None:
