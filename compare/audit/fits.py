@@ -475,9 +475,7 @@ def _ratio(laws: Laws, share: float) -> str:
 
 def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> tuple[float, float] | None:
     """The mean and the spread of values that are one, and not the law's; None if they are several, or the law's."""
-    if not values:
-        return None
-    if not all(map(math.isfinite, values)):
+    if not values or not all(map(math.isfinite, values)):
         return None
     mean = math.fsum(values) / len(values)
     spread = max(abs(value - mean) for value in values)
@@ -587,12 +585,14 @@ def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
         if found is None or any(name not in missed.names(s) for s in missed.gaps):
             continue
         size, more = f"{abs(found[0]):.3g}", found[0] > 0
-        if name in several:
+        hollow = {s.reach < 0 if s.pair[1] >= laws.first_side else None for s in mine} if name in several else {False}
+        if hollow not in ({True}, {False}):  # of an arc met on one side alone nothing is known of the other
             kind, what = "radius", f"{name} taken to be {size} {'thicker' if more else 'thinner'} on each side"
-        elif missed.ids.index(name) >= laws.count:
+        elif name not in several and missed.ids.index(name) >= laws.count:
             kind, what = "wall", f"wall {name} taken to be {size} {'nearer' if more else 'farther'}"
         else:
-            kind, what = "radius", f"the radius of {name} taken for {size} {'more' if more else 'less'}"
+            less = more is (hollow == {True})
+            kind, what = "radius", f"the radius of {name} taken for {size} {'less' if less else 'more'}"
         fits.append(Fit(what, len(mine), len(mine), *found, kind))
     return fits
 

@@ -205,3 +205,26 @@ def test_what_a_pocket_takes_as_time_begins_began_as_the_scene_says() -> None:
     run = engine("exact").run(scene, until=2)
     assert [(entry.circle, float(entry.time)) for entry in run.pocketings] == [("a", 0.0)]
     assert audit_run(run, engine("exact")).kept
+
+
+@pytest.mark.parametrize(("taken", "size"), [("1999/1000", "0.001 less"), ("2001/1000", "0.001 more")])
+@pytest.mark.parametrize("within", [False, True])
+def test_of_an_arc_met_on_one_side_alone_the_radius_is_wrong(within: bool, taken: str, size: str) -> None:
+    """It has no thickness, and of the side that nothing met nothing is known."""
+    inside = [Circle(-1, "1/7", "1/4", "6/5", "1/2", id="a"), Circle(1, "-1/3", "1/4", "-1/2", "2/3", id="b")]
+    rows = [
+        (-6, 0, 1, "1/20", "a"),
+        (6, "1/3", -1, 0, "b"),
+        (0, 7, 0, -1, "c"),
+        (-3, 20, 1, 0, "d"),
+        (3, 20, -1, 0, "e"),
+    ]
+    outside = [Circle(x, y, 1, vx, vy, id=name) for x, y, vx, vy, name in rows]
+
+    def scene(radius: Any) -> Scene:
+        return Scene(inside if within else outside, arcs=[Arc(0, 0, radius, id="ring", full=True)])
+
+    run = engine("double").run(scene(taken), events=12 if within else 4)
+    found = audit_run(replace(run, scene=scene(2)), engine("double"))
+    assert found.kept is False
+    assert str(found.fit).startswith(f"the radius of ring taken for {size} fits"), found.sentence
