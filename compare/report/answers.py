@@ -133,7 +133,7 @@ def verdict_line(comparison: Comparison) -> str:
     law = "does not keep the law, and diverges" if first.lawless else "diverges"
     event, total = first.alignment.divergence.event, len(comparison.reference.events)
     place = f"at event {event:,}" if event < total else "after the last"
-    return f"{head}{first.engine} {law} {place} of {total:,}."
+    return f"{head}{first.engine} {law} {f'{place} of {total:,}' if total else 'where the exact run has no event'}."
 
 
 def tone(comparison: Comparison) -> str:

@@ -18,7 +18,7 @@ from truebreak.compare.comparison import Candidate
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.foreign.recorded import RecordedEngine
 from truebreak.compare.foreign.recording import Recording
-from truebreak.compare.report.answers import what_now, why
+from truebreak.compare.report.answers import verdict_line, what_now, why
 from truebreak.compare.report.sentences import head_phrase, verdict_sentence
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
@@ -341,6 +341,8 @@ def test_what_rounding_cannot_have_done_is_not_said_to_be_of_floating_point(
     chosen = LogEngine(LogEngine.of(log, scene).recording, lacks=frozenset())
     broken = only(scene, chosen, until=30)
     assert broken.laws is not None and broken.laws.kept is False and broken.laws.counts == {"capture": 2}
+    line = verdict_line(compare(scene, [chosen], until=30))
+    assert line == f"{broken.engine} does not keep the law, and diverges where the exact run has no event."
     monkeypatch.setattr(residuals, "uncaptured", lambda *_: ())
     found = only(scene, chosen, until=30)
     assert found.laws is not None and found.laws.kept
