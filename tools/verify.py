@@ -770,8 +770,9 @@ class Checker(KeptApart):
         known |= dict.fromkeys(bounces, 0)
         flat = sorted(c for c in known if self.n <= c[1] < self.arcs.start and not known[c])
         charge(500 * len(flat) ** 2 * (settles := "settle" in self.told["scene"]))
-        bears = {c[0]: (c, o) for c, o in combinations(flat, 2) if settles and self.holds(c, o)}
-        bears |= {c[0]: (c,) for c in flat[::-1] if c in self.bears}
+        bears = {c[0]: (c,) for c in flat[::-1] if c in self.bears}
+        for c, o in combinations(flat, 2) if settles else ():
+            if c[0] not in bears and self.holds(c, o): bears[c[0]] = c, o
         begun = {c for by in bears.values() for c in by if c[0] not in self.carried}
         told = [*map(tuple, entry.get("settle", ()))]
         refuse(sorted(begun | self.calm) != sorted(told + bounces), f"{begun} settle")
@@ -823,8 +824,7 @@ class Checker(KeptApart):
             return aside or (m.gap - (way + way) * size).sign() == 1
         for k in {*range(self.arcs.start)} - own - {i}:
             sides = {k, self.other((i, k))[1]} if k in self.faces else {k}
-            far = own & sides or any(map(beyond, sides))
-            refuse(not far, f"whether others come near {c}", Unsettled)
+            refuse(not (own & sides or any(map(beyond, sides))), f"whether {c} is alone", Unsettled)
     def along(self, i, by, *more):  # what is known of the flight of what is carried, by place
         *spot, p, q, _, thick = self.things[j := by[1]]
         known = dict.fromkeys((2, 3) if more or j in self.faces else (), NONE)

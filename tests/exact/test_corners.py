@@ -369,3 +369,10 @@ def test_what_lies_beside_something_round_is_pushed_against_that_too(beside: str
     assert [list(map(tuple, run.events[0].contacts))] == [list(map(tuple, free.events[0].contacts))]
     assert run.events[0].impulses == free.events[0].impulses
     assert is_verified(run)
+
+
+@pytest.mark.parametrize("more", [Wall(0, 0, -2, 2, id="again"), Wall(0, 0, 3, 3, id="again")], ids=["left", "right"])
+def test_of_three_walls_the_first_two_that_hold_it_are_told(more: Wall) -> None:
+    run = ran([Circle(0, "sqrt(2)", id="a")], [*SQUARE, more], 0, 5)
+    assert rests(run) == [("a", "between left and right")]
+    assert is_verified(run)

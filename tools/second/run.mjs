@@ -490,7 +490,7 @@ export class Run {
     for (const [i, list] of scene.settles ? flat : []) {
       this.work.charge(300 * list.length ** 2);
       const first = list.find(c => scene.bears(c)), pairs = first ? [] : list.flatMap((c, m) => list.slice(m + 1).map(o => [c, o]));
-      const by = first ? [first] : pairs.findLast(([c, o]) => holds(scene, c, o));
+      const by = first ? [first] : pairs.find(([c, o]) => holds(scene, c, o));
       if (by) on.set(i, by);
     }
     const told = [...contacts(e.settle), ...bouncing], keys = new Set(told.map(c => c.key));

@@ -326,7 +326,7 @@ SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]]
         ('refuse(self.sign("rest", self.carried[i][0]) > 0, ', "refuse(0, "), ("refute(`${c.name} bounces still`)", "void 0"), bounces_still,
     ),
     "nothing comes near what bounces": (
-        ("refuse(not far, ", "refuse(0, "), ("const close = () => undecided(", "const close = () => String("), struck_amid_bounces,
+        ("refuse(not (own & sides or any(map(beyond, sides))), ", "refuse(0, "), ("const close = () => undecided(", "const close = () => String("), struck_amid_bounces,
     ),
     "what bounces leaves what it bounces on": (
         ("refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, ", "refuse(0, "), None, lies_from_afar,
