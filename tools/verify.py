@@ -5,7 +5,7 @@ queue: what is stated is proved again, or refused. The laws stand once, in `Spac
 of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Sum`)."""
 import collections, copy, fractions, hashlib, json, math, operator, pathlib, random, re, sys
 from functools import cache, cached_property, reduce
-from itertools import accumulate, combinations, product
+from itertools import accumulate, combinations, groupby, product
 Fraction, Path, Counter = fractions.Fraction, pathlib.Path, collections.Counter
 
 FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
@@ -341,14 +341,13 @@ class Space:
         self.flights[c[0]] = Flight(x, y, vx - q * p, vy - q * r, age, {})
         fall = m.speed * self.lost.at(self.bits)
         self.bounces[c[0]] = m.closing + m.closing, fall, self.times[age]
-    def stilled(self, i):  # when its bounces have come to their end
+    def rest(self, i, age=None):  # when its bounces have come to their end; or what shows that
         rise, fall, start = self.at(*self.bounces[i])
-        return UNTOLD if self.read is Sum else start - rise / fall
+        if age is None: return UNTOLD if self.read is Sum else start - rise / fall
+        return rise + fall * self.less(self.times[age], start)
     def ask(self, question, c, age):  # the number that a witness may show to be zero
         if question in self.limits: return self.less(self.limits[question], self.times[age])
-        if question == "rest":  # until when it bounces
-            rise, fall, start = self.at(*self.bounces[c[0]])
-            return rise + fall * self.less(self.times[age], start)
+        if question == "rest": return self.rest(c[0], age)
         if question == "slack": return self.before[c] + self.meeting(c, age).closing  # e u + u'
         return getattr(self.meeting(c, age), question)
     def turn(self, circles, age):  # their velocities are reversed
@@ -362,7 +361,7 @@ class Space:
         self.flights[i], _ = Flight(*row, age, {}), self.pegs.add(i)
     def lift(self, i, age):  # it falls from now on
         row = map(operator.sub, self.put(i, age)[:4], self.fallen(age))
-        self.flights[i], _ = Flight(*row, age, {}), self.pegs.remove(i)
+        self.flights[i], *_ = Flight(*row, age, {}), self.pegs.remove(i), self.bounces.pop(i, None)
 def ends_of(segments, arcs):  # as circles; those at one place that move alike are the largest one
     found = {}
     rows = [(x, y, u, v, r, *way) for x, y, u, v, _, r, *way in segments]
@@ -682,7 +681,7 @@ class Checker(KeptApart):
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(told[0]) if told
                            else w.hit(met[0], self.again(met[0]), entry["time"]) if met
-                           else w.stilled(calm[0]))
+                           else w.rest(calm[0]))
         self.said(self.ball.times[age], entry["time"])
         if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
@@ -765,8 +764,8 @@ class Checker(KeptApart):
             for w, i in product(self.worlds, taken): w.stand(i, self.age, {2: NONE, 3: NONE})
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = known = {c: sign for c, sign in known.items() if c in self.meets}
-        bounces = [*map(tuple, entry.get("bounces", ()))]
-        for i in {i for i, _ in bounces}: self.bounce(*(c for c in bounces if c[0] == i), pushes)
+        bounces = sorted(map(tuple, entry.get("bounces", ())))
+        for _, by in groupby(bounces, operator.itemgetter(0)): self.bounce(*by, pushes)
         known |= dict.fromkeys(bounces, 0)
         flat = sorted(c for c in known if self.n <= c[1] < self.arcs.start and not known[c])
         charge(500 * len(flat) ** 2 * (settles := "settle" in self.told["scene"]))
@@ -774,7 +773,8 @@ class Checker(KeptApart):
         for c, o in combinations(flat, 2) if settles else ():
             if c[0] not in bears and self.holds(c, o): bears[c[0]] = c, o
         begun = {c for by in bears.values() for c in by if c[0] not in self.carried}
-        told = [*map(tuple, entry.get("settle", ()))]
+        told, out = [*map(tuple, entry.get("settle", ()))], dict(bounces).keys()
+        refuse(sorted(c for c in begun if c[0] in out) != bounces, f"not {begun} bounce")
         refuse(sorted(begun | self.calm) != sorted(told + bounces), f"{begun} settle")
         self.settle({i for i, _ in begun} - moved)
         moved |= {i for i, _ in begun}
@@ -808,7 +808,7 @@ class Checker(KeptApart):
         rows, own = [w.true(k, self.age) for k in range(self.n)], {o[1] for o in ones}
         for v in self.worlds: v.bounce(c, self.age)
         charge(30_000 * len(self.things) + 9 * w.bits * self.n)
-        wait, one = w.less(w.stilled(i), w.times[self.age]), whole(1).at(w.bits)
+        wait, one = w.less(w.rest(i), w.times[self.age]), whole(1).at(w.bits)
         light = {k: w.at(w.things[k][5])[0] for k in self.movable}  # none has more energy than all
         def square(x, y): return x * x + y * y
         def most(parts): return top(sum(parts, one - one))
@@ -830,7 +830,7 @@ class Checker(KeptApart):
         known = dict.fromkeys((2, 3) if more or j in self.faces else (), NONE)
         refuse(known and not more and self.sign("slide", by), f"{by}: it slides, up to an end")
         reach = self.things[i][4] + thick
-        for k in (k for k in (0, 1) if not (q, p)[k]):  # the way up is along an axis
+        for k in (k for k in (0, 1) if not (more or (q, p)[k])):  # the way up is along an axis
             down = demand(sign_of(self.pull[k]), [-1, 1], "which way is down")
             known |= {k: spot[k] + (reach if down < 0 else -reach), k + 2: NONE}
         return known

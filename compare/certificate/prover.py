@@ -484,7 +484,7 @@ def _still(prover: Prover, entry: dict[str, Any]) -> None:
     """Of bounces that come to their end at an instant, keeps those of which that is shown: others are not told."""
     first = entry["settle"][0][0]
     for w in prover.worlds:
-        w.times.append(w.stilled(first))
+        w.times.append(w.rest(first))
     prover.calm = {*prover.carried[first]}
     for i in dict.fromkeys(i for i, _ in entry["settle"] if i != first):
         try:

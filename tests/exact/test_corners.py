@@ -376,3 +376,14 @@ def test_of_three_walls_the_first_two_that_hold_it_are_told(more: Wall) -> None:
     run = ran([Circle(0, "sqrt(2)", id="a")], [*SQUARE, more], 0, 5)
     assert rests(run) == [("a", "between left and right")]
     assert is_verified(run)
+
+
+@pytest.mark.parametrize("pull", ["0", "1"])
+def test_a_corner_beside_an_upright_wall_is_certified_on_its_own_side(pull: str) -> None:
+    """Which side of the upright wall it is on says its normal, and not which way is down."""
+    walls = [Wall(0, 0, 0, 1, id="up"), Wall(0, 0, 4, 3, id="slope")]
+    law = {"gravity": (pull, -10), "restitution": 0, "settle": True}
+    run = ExactEngine().run(Scene([Circle(1, 2, id="a")], walls, **law), until=5)  # pyright: ignore[reportArgumentType]
+    assert rests(run) == [("a", "between up and slope")]
+    assert run.final["a"].x.text() == "1"
+    assert is_verified(run)

@@ -1,5 +1,5 @@
 // The checker of a run: flights, instants, the end. The numbers of the steps are those of the format's page.
-import { refute, undecided, Verdict, TooMuch } from './base.mjs';
+import { malformed, refute, undecided, Verdict, TooMuch } from './base.mjs';
 import { Scene } from './scene.mjs';
 import { Isometry } from './isometry.mjs';
 import { WayBack } from './back.mjs';
@@ -391,7 +391,7 @@ export class Run {
       if (e.exact) refute('it has a time already');
       this.now = before;
     } else if (!e.exact && !met.length) {
-      this.now = ended.length ? stilled(this, ended[0]) : refute('it has no time');
+      this.now = ended.length ? stilled(this, ended[0]) : malformed('an instant without a time');
     } else if (!e.exact) {
       this.now = met[0].drops ? this.drop(met[0], e.time) : this.clock(met[0]);
       told = true;
@@ -496,10 +496,12 @@ export class Run {
     const told = [...contacts(e.settle), ...bouncing], keys = new Set(told.map(c => c.key));
     const begun = [...on.values()].flat().filter(c => !carried.has(c.i)), due = new Set([...begun, ...this.calm].map(c => c.key));
     if (keys.size !== told.length || keys.size !== due.size || [...due].some(key => !keys.has(key))) refute('not these circles settle');
+    for (const [i, list] of out) if (on.get(i)?.length !== list.length) refute('not these contacts bounce'); // as all that begin are told
     this.endFlights(begun.map(c => c.i).filter(i => !pushed.has(i)), known);
     for (const i of [...carried.keys()].filter(i => !on.has(i))) { // it falls from now on
       this.shift(i, -1);
       carried.delete(i);
+      this.bounces.delete(i);
     }
     for (const [i, by] of on) {
       if (carried.has(i) && !pushed.has(i)) continue;

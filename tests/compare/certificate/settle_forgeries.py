@@ -291,6 +291,24 @@ def bounces_one_by_one() -> Told:
     return entries(cert, {"met": BOTH["met"]}, {**BOTH, "rounds": [[[0, 1]], [[0, 2]]]})
 
 
+def bounces_on_what_hangs_over() -> Told:
+    """A disc that slides up a slope, under a face that hangs over it, is said to bounce on that, before it began, and to lie."""
+    over, slope = (Segment(*ends, name) for ends, name in OVERHANG)
+    struck = [Circle(11, 13, id="i"), Circle("77/10", "91/10", "1/2", vx=22, vy="53/2", id="k")]
+    law = {"gravity": (0, -10), "restitution": "1/5", "settle": True}
+    run = ExactEngine().run(Scene(struck, [Wall(0, -5, 1, -5, id="floor")], segments=[over, slope], **law), until=30)
+    cert = certificate_of(run)
+    cert["scene"]["circles"][0] |= {"vx": "1", "vy": "21/20"}
+    first = cert["instants"][0]
+    first["bounces"], first["settle"] = first["settle"][:1], first["settle"][1:]
+    return cert
+
+
+OVERHANG = (
+    (("99/10", "66/5", "21/2", "14"), "over"),
+    (("330/29", "693/58", "350/29", "735/58"), "slope"),
+)
+
 Changes = tuple[str, str] | list[tuple[str, str]]
 NONE_SETTLE = (
     ("refuse(settle and (not pull or drift or arcs or pockets or turns), ", "refuse(0, "),
@@ -330,6 +348,9 @@ SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]]
     ),
     "what bounces leaves what it bounces on": (
         ("refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, ", "refuse(0, "), None, lies_from_afar,
+    ),
+    "what bounces does so on all that hold it": (
+        ("refuse(sorted(c for c in begun if c[0] in out) != bounces, ", "refuse(0, "), ("refute('not these contacts bounce')", "void 0"), bounces_on_what_hangs_over,
     ),
     "what bounces on two has come from both": (
         ("len(since) == 1 and ", ""), ("if (!both || !together) refute(", "if (!both) refute("), bounces_aslant_in_a_corner,

@@ -533,7 +533,7 @@ ELSEWHERE = {
     # and of the second one
     "the scene has no thing": "test_agreement",
     "refuse(others and not straight, ": "each of the two ways not to do so stands above",
-    "it has no time": "without it there is none",
+    "an instant without a time": "without it there is none",
     "hold it": "a sign that is not known is none of those that are wanted",
     "undecided('how ": "without a quotient there is none",
     "undecided(`how fast": "without a quotient there is none",
