@@ -801,10 +801,10 @@ class Checker(KeptApart):
         return {demand(x, [-1, 0, 1], f"whether {c, o} hold it") for x in signs} in ({1}, {-1})
     def bounce(self, c, *more):  # proves that it bounces out, and nothing comes near meanwhile
         i, (*others, pushes), w, ones = c[0], more, self.ball, {c, *more[:-1]}
-        refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, f"{c} does not leave")
-        since = {self.parted.get(d, (d,))[0] for d in ones}  # both push it again, for the first
-        straight = len(since) == 1 and pushes.get(i) == [ones]  # time since: it flies straight up
-        refuse(others and not straight, f"{c} does not fly up as it is pulled down")
+        left = self.pull and i not in self.carried and {*map(self.known.get, ones)} == {1}
+        refuse(not left, f"{c} does not leave, and come back")
+        since = {self.parted.get(d, (d,))[0] for d in ones}  # both push it for the first time since
+        refuse(others and (len(since) > 1 or pushes.get(i) != [ones]), f"{c} flies aslant")
         rows, own = [w.true(k, self.age) for k in range(self.n)], {o[1] for o in ones}
         for v in self.worlds: v.bounce(c, self.age)
         charge(30_000 * len(self.things) + 9 * w.bits * self.n)

@@ -586,7 +586,7 @@ def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
             continue
         size, more = f"{abs(found[0]):.3g}", found[0] > 0
         hollow = {s.reach < 0 if s.pair[1] >= laws.first_side else None for s in mine} if name in several else {False}
-        if hollow not in ({True}, {False}):  # of an arc met on one side alone nothing is known of the other
+        if hollow not in ({True}, {False}):  # of an arc met on one side only nothing is known of the other
             kind, what = "radius", f"{name} taken to be {size} {'thicker' if more else 'thinner'} on each side"
         elif name not in several and missed.ids.index(name) >= laws.count:
             kind, what = "wall", f"wall {name} taken to be {size} {'nearer' if more else 'farther'}"

@@ -30,7 +30,7 @@ export function stilled(run, i) {
 export function bounce(run, contacts, known, pushes) {
   const { scene } = run, [c, other] = contacts, { i } = c, { worlds } = scene, name = contacts.map(x => x.name).join(' and ');
   const entries = contacts.map(x => known.get(x.key));
-  if (scene.carried.has(i) || entries.some(x => !(x?.sign > 0))) refute(`${name} does not leave`);
+  if (!scene.gravity || scene.carried.has(i) || entries.some(x => !(x?.sign > 0))) refute(`${name} does not leave`);
   const one = fraction(1n), lost = worlds.map((A, w) => A.sub(A.of(one), scene.restitution[w]));
   if (other) { // it fell to both since they pushed it last, and is pushed by both again: so it flies as gravity pulls
     const mine = pushes.map(list => list.filter(x => run.movers(x).includes(i))).filter(list => list.length);

@@ -347,16 +347,16 @@ SETTLE_CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]]
         ("refuse(not (own & sides or any(map(beyond, sides))), ", "refuse(0, "), ("const close = () => undecided(", "const close = () => String("), struck_amid_bounces,
     ),
     "what bounces leaves what it bounces on": (
-        ("refuse(i in self.carried or {*map(self.known.get, ones)} != {1}, ", "refuse(0, "), None, lies_from_afar,
+        ("refuse(not left, ", "refuse(0, "), None, lies_from_afar,
     ),
     "what bounces does so on all that hold it": (
         ("refuse(sorted(c for c in begun if c[0] in out) != bounces, ", "refuse(0, "), ("refute('not these contacts bounce')", "void 0"), bounces_on_what_hangs_over,
     ),
     "what bounces on two has come from both": (
-        ("len(since) == 1 and ", ""), ("if (!both || !together) refute(", "if (!both) refute("), bounces_aslant_in_a_corner,
+        ("len(since) > 1 or ", ""), ("if (!both || !together) refute(", "if (!both) refute("), bounces_aslant_in_a_corner,
     ),
     "what bounces on two is pushed by both at once": (
-        (" and pushes.get(i) == [ones]", ""), ("if (!both || !together) refute(", "if (!together) refute("), bounces_one_by_one,
+        (" or pushes.get(i) != [ones]", ""), ("if (!both || !together) refute(", "if (!together) refute("), bounces_one_by_one,
     ),
     "nothing settles where walls move": (*NONE_SETTLE, lambda: nowhere_to_settle(walls=[wall(0, 0, 1, 0, vy=1)])),
     "nothing settles where nothing falls": (*NONE_SETTLE, lambda: nowhere_to_settle(gravity=["0", "0"])),

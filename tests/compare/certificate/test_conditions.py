@@ -532,7 +532,7 @@ ELSEWHERE = {
     "a gap does not fall through zero where it is said": "DECIMALS: what is found instead is not where it is said",
     # and of the second one
     "the scene has no thing": "test_agreement",
-    "refuse(others and not straight, ": "each of the two ways not to do so stands above",
+    "refuse(others and (": "each of the two ways not to do so stands above",
     "an instant without a time": "without it there is none",
     "hold it": "a sign that is not known is none of those that are wanted",
     "undecided('how ": "without a quotient there is none",
