@@ -18,7 +18,7 @@ from .numbers.ball import LeavesField, field_ball
 from .question import BeforeTime, Discriminant, Moment, Question, Sooner
 from .replay.contact import AtWall, Body, Link, Pair, Touch, can_push, is_flat, is_pair
 from .replay.refinable import Projection
-from .replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
+from .replay.state import Flip, Go, Kick, Leave, Lift, Settle, Step, Take
 
 # -- The causal past of a run as a graph: for each circle, the rounds of impulses that it took part in, in order.
 
@@ -90,7 +90,7 @@ class Past:
         return blocks
 
     def _blocks(self, step: Step, instant: int) -> list[Block]:
-        if isinstance(step, Go):
+        if isinstance(step, Go | Leave):
             return []
         if isinstance(step, Kick):
             if len(step.among) == 1:

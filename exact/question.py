@@ -298,6 +298,34 @@ class Abreast(OfOne[Round]):
         return across * across - fall.reach * fall.reach * (fall.hx * fall.hx + fall.hy * fall.hy)
 
 
+class Bend(OfOne[Round]):
+    """Of what falls and what is round and stands, at gap zero: which sign has its gap's coefficient of s**order?
+
+    Positive where, all before it being zero, the two part; negative where one presses on the other.
+    """
+
+    words = "whether {} part as they bend away from each other"
+
+    def __init__(self, link: Round, order: int) -> None:
+        super().__init__(link)
+        self._order = order
+
+    def value(self, state: ReplayState[N]) -> N:
+        found = state.peg_fall(self.link).polynomial(self._order)[0]
+        return -found if self.link.hollow else found
+
+
+class Leans(OfOne[Round]):
+    """Of what stands still on something round: is that not straight below it (positive), or is it (zero)?"""
+
+    words = "whether one of {} is straight above the other"
+
+    def value(self, state: ReplayState[N]) -> N:
+        fall = state.peg_fall(self.link)
+        aside = fall.dx * fall.hy - fall.dy * fall.hx
+        return aside * aside + fall.vx * fall.vx + fall.vy * fall.vy
+
+
 class Arrives(OfOne[AtWall]):
     """Does a circle that gravity pulls away from a wall hit (positive), graze (zero) or miss it (negative)?"""
 

@@ -202,7 +202,7 @@ class StopReason(Enum):
     HORIZON = "reached the time limit"
     EVENTS = "reached the limit on instants"
     QUIET = "no further collision: nothing left to happen"
-    REST = "at rest: a circle stands on a wall to which gravity pulls it"
+    REST = "at rest: a circle stands on what gravity pulls it to"
     ACCUMULATION = "infinitely many collisions in finite time"
     CRUSHED = "crushed: two walls that close leave no room for a circle"
     UNDECIDED = "undecided: what happens next could not be proved"

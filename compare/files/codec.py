@@ -21,7 +21,7 @@ from mpmath.libmp import MPZ
 from ...exact.exact_motion import Source
 from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import KINDS, Link, Touch, can_push
-from ...exact.replay.state import Flip, Go, Kick, Lift, Settle, Step, Take
+from ...exact.replay.state import Flip, Go, Kick, Leave, Lift, Settle, Step, Take
 from ...exact.simulation.decider import PackedRows
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
@@ -168,6 +168,8 @@ def step_data(step: Step) -> Written:
         return ["kick", links_data(step.links), links_data(step.among)]
     if isinstance(step, Settle):
         return ["settle", *step]
+    if isinstance(step, Leave):
+        return ["leave", *links_data((step.link,)), step.fold]
     return (
         ["take", step.body] if isinstance(step, Take) else ["lift", step.body] if isinstance(step, Lift) else ["flip"]
     )
@@ -201,6 +203,8 @@ def step_of(data: Written) -> Step:
             return Settle(body, wall, slides, bounces, other)
         case ["lift", int(body)]:
             return Lift(body)
+        case ["leave", list(link), int(fold)]:
+            return Leave(*links_of([link]), fold)
         case ["flip"]:
             return Flip()
         case _:

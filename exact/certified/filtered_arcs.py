@@ -301,7 +301,7 @@ class PegPredictor(FallingPredictor):
 
     def _stood(self, a: Body[arb]) -> set[Link]:
         """The contacts with circles that stand at which a circle's flight begins, by an impulse."""
-        at, links = self.state.contacts.get(a.index, (-1, frozenset[Link]()))
+        at, links = self.state.contacts.get(a.index, (-1, dict[Link, int]()))
         return {link for link in links if self.state.on_peg(link)} if at == a.flight.last else set()
 
     def at_length(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
@@ -367,8 +367,8 @@ class PegPredictor(FallingPredictor):
                 f"{name_of(self.scene, link)} touch at one instant with other contacts, and not by an impulse of their "
                 "own: what comes then, under gravity, is not decided"
             )
-        if a.f is not None and not is_pair(link):
-            times = side_in_doubles(a.f, self._side(a, link), a.until, stood)
+        if a.f is not None and not is_pair(link) and stood < 2:
+            times = side_in_doubles(a.f, self._side(a, link), a.until, bool(stood))
             if not isinstance(times, bool):
                 self._land_at(a, link, *times, None)
                 return

@@ -639,7 +639,7 @@ class LoneCentred:
         if found is None:
             return None
         accuracy = self._land(held, (moved,), found, (instant, late), step, bits)
-        state.contacts[body.index] = step, frozenset((link,))
+        state.contacts[body.index] = step, {link: 1}
         if is_pair(link):
             peg = state.bodies[link.b if first else link.a]
             peg.flight = peg.flight._replace(t=clock, instant=state.instant, late=state.late, last=step)

@@ -85,7 +85,7 @@ Landing: TypeAlias = arb | Unclear | None
 """What is known of when a circle lands: when, reckoned from its clock; what it is not before; None: it does not."""
 
 
-def gap_of(link: Round, fall: RoundFall[N], stood: bool) -> tuple[N, ...]:
+def gap_of(link: Round, fall: RoundFall[N], stood: int) -> tuple[N, ...]:
     """The gap of a contact as a polynomial of the time: above 0 where they are apart (see `RoundFall.polynomial`)."""
     found = fall.polynomial(stood)
     return tuple(-value for value in found) if link.hollow else found
@@ -586,12 +586,12 @@ def told_wait(state: Flights[M], link: Round) -> M | None:
     still, approach = fall.gap(), fall.approach()
     if hollow:
         still, approach = -still, -approach
-    if stood and is_pair(link) and approach < state.zero:  # a push that rounding has left without effect
+    if stood == 1 and is_pair(link) and approach < state.zero:  # a push that rounding has left without effect
         return state.zero
     if not stood and not still > state.zero and _is_put_into(state, link, fall):
         if approach < state.zero and can_push(link):
             return state.zero
-        stood = True
+        stood = 1
     for found in _told_zeros([float(value) for value in gap_of(link, fall, stood)]):  # pyright: ignore[reportArgumentType]
         wait, far = state.constant(Quantity.of(found)), False
         # a circle that a push has left in another, deeper than rounding, has no zero there: then the first step is long

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from math import frexp, inf, isfinite, ldexp
 from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias
@@ -528,10 +528,9 @@ class RoundFall(NamedTuple, Generic[N]):
         """d.v: negative while the two come nearer."""
         return self.dx * self.vx + self.dy * self.vy
 
-    def polynomial(self, stood: bool) -> tuple[N, ...]:
-        """The gap as a polynomial of the time; `stood`: as it is 0 now, with that zero divided out."""
-        found = gap_quartic(self.dx, self.dy, self.vx, self.vy, self.hx, self.hy, self.reach)
-        return found[1:] if stood else found
+    def polynomial(self, stood: int) -> tuple[N, ...]:
+        """The gap as a polynomial of the time; `stood`: as it is 0 now, with that zero, of such a fold, divided out."""
+        return gap_quartic(self.dx, self.dy, self.vx, self.vy, self.hx, self.hy, self.reach)[stood:]
 
 
 class RoundFalls(Generic[N]):
@@ -542,7 +541,8 @@ class RoundFalls(Generic[N]):
         pegs: the circles that do; and those that a wall carries, which fly straight, in true coordinates.
         paces: the velocities of those of the fixed ones that move.
         curved: whether anything pulls, so that flights are parabolas.
-        contacts: for a circle that falls, what it touched when it was last pushed, and as of which step (see `Flight`).
+        contacts: for a circle that falls, what it touched when it was last pushed, each with the fold of the zero that
+            the gap has there, and as of which step (see `Flight`).
     """
 
     scene: Scene
@@ -557,7 +557,7 @@ class RoundFalls(Generic[N]):
     pegs: frozenset[int]
     paces: dict[int, tuple[N, N]]
     curved: bool
-    contacts: dict[int, tuple[int, frozenset[Link]]]
+    contacts: dict[int, tuple[int, Mapping[Link, int]]]
 
     def reach(self, a: Body[N], b: Body[N]) -> N:
         """The sum of two radii."""
@@ -624,29 +624,29 @@ class RoundFalls(Generic[N]):
 
     # -- contacts at gap zero as a flight begins
 
-    def note_stood(self, links: Sequence[Link]) -> None:
+    def note_stood(self, links: Sequence[Link], fold: int = 1) -> None:
         """Told which contacts are at gap zero, at the instant at which their circles stand; some may not be held."""
         for link in links:
             for i in link.circles:
                 if i in self.pegs or i not in self.bodies:
                     continue
                 last, before = self.bodies[i].flight.last, self.contacts.get(i)
-                mine = frozenset(other for other in links if i in other.circles)
-                self.contacts[i] = (last, mine | before[1] if before is not None and before[0] == last else mine)
+                mine = {other: fold for other in links if i in other.circles}
+                self.contacts[i] = last, {**before[1], **mine} if before is not None and before[0] == last else mine
 
-    def stood(self, link: Round) -> bool:
-        """Whether the two of a contact touch as the flight of the one that falls begins.
+    def stood(self, link: Round) -> int:
+        """Whether the two of a contact touch as the flight of the one that falls begins: the fold of that zero, or 0.
 
         Or whether that one then touches another part of the circle that an arc is of, which makes the gap zero too.
         """
         body = self.faller(link)
-        last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, frozenset[Link]()))
-        begun = links if at == last else frozenset[Link]()
+        last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, dict[Link, int]()))
+        begun = links if at == last else {}
         if last == 0:
-            begun = begun.union(touching_at_start(self.scene), rims_at_start(self.scene))
+            begun = {**dict.fromkeys((*touching_at_start(self.scene), *rims_at_start(self.scene)), 1), **begun}
         if link in begun or not is_arc(link):
-            return link in begun
-        return any(is_arc(other) and self._is_as_far(link, other) for other in begun)
+            return begun.get(link, 0)
+        return max((fold for other, fold in begun.items() if is_arc(other) and self._is_as_far(link, other)), default=0)
 
     def _is_as_far(self, link: AtArc, other: AtArc) -> bool:
         """Whether a circle is at two sides of arcs wherever it is at one: about one middle, and as far from it."""

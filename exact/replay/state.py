@@ -124,7 +124,19 @@ class Lift(NamedTuple):
     body: int
 
 
-Step: TypeAlias = Go | Kick | Flip | Take | Settle | Lift
+class Leave(NamedTuple):
+    """What falls touches something round that stands as its flight begins, pushed by others or by nothing: they part.
+
+    Attributes:
+        link: the contact.
+        fold: of the zero that its gap has there: one, where they part at once; more, where their speed apart is zero.
+    """
+
+    link: Touch
+    fold: int
+
+
+Step: TypeAlias = Go | Kick | Flip | Take | Settle | Lift | Leave
 
 
 STEP_UNITS = 60
@@ -169,6 +181,9 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int]
         elif isinstance(step, Take | Settle | Lift):
             if step.body in wanted:
                 needed.append(k)
+        elif isinstance(step, Leave):
+            if not wanted.isdisjoint(step.link.circles):
+                needed.append(k)
         else:
             needed.append(k)
     needed.reverse()
@@ -189,6 +204,8 @@ def circles_of(step: Step, count: int) -> tuple[int, ...]:
         return tuple({i for link in step.links for i in link.circles})
     if isinstance(step, Take | Settle | Lift):
         return (step.body,)
+    if isinstance(step, Leave):
+        return step.link.circles
     return tuple(range(count))
 
 
@@ -421,6 +438,8 @@ class ReplayState(Flights[N]):
             self.settle(*step)
         elif type(step) is Lift:
             self.lift(step.body)
+        elif type(step) is Leave:
+            self.note_stood((step.link,), step.fold)
         else:
             self.flip()
 

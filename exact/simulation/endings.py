@@ -18,7 +18,7 @@ from ..laws.formulas import face_along
 from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Question, RelativeSpeed, Slide
-from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_arc, is_flat, is_pair, name_of
+from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_flat, is_pair, name_of
 from ..replay.state import Constant, Go, Lift, Settle, Step
 from ..replay.wall_flights import Rows
 from .arc_meetings import Incline, borne, held_between
@@ -58,6 +58,9 @@ SLIDES = ", a slope, along which it slides"
 
 ENDS = ", a face, along which it slides: it would come to its end"
 """What it says of a level face where a scene may go on with what rests."""
+
+ROUND = ", something round, along which it slides"
+"""What it says of a circle that presses on what is round, and does not lie still straight above it."""
 
 UNPROVED = ": it is not proved that nothing meets it there"
 """What it says besides where a scene may go on with what slides."""
@@ -281,25 +284,17 @@ class Endings:
         e = float(scene.restitution)
         self._enough = ceil(SHRUNK * log(2.0) / -log(e)) if 0.0 < e < 1.0 else None
 
-    def at_rest(self, standing: Mapping[Link, int], carrier: Carrier | None = None) -> str | None:
+    def at_rest(
+        self, standing: Mapping[Link, int], carrier: Carrier | None = None, pressed: Mapping[Link, bool] | None = None
+    ) -> str | None:
         """Who is at rest at the end of an instant, in words; None if nobody is.
 
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
             carrier: knows the circles that walls carry: these stand, as fixed ones do.
-
-        Raises:
-            Undecided: where one stands on, or flies along, something round that stands.
+            pressed: contacts with something round on which one presses, and whether it slides along it.
         """
         stands = self.scene.pegs.union(() if carrier is None else carrier.begun)
-        for link, sign in standing.items():
-            round_one = is_arc(link) or (is_pair(link) and (link.a in stands) is not (link.b in stands))
-            if sign == 0 and round_one and self.scene.gravity is not None:
-                where = "beside ends that move" if self.scene.moving_ends else "under gravity"
-                raise Undecided(
-                    f"{name_of(self.scene, link)} touch, and neither approach nor part, {where}: whether one "
-                    "rests on the other, slides along it or flies off is not followed"
-                )
         slides = SLIDES + (UNPROVED if self.scene.settle else "")
         walls: dict[int, list[int]] = {}
         for link, sign in standing.items():
@@ -312,6 +307,7 @@ class Endings:
             for on, goes in (borne(self._sides, i, row),)
             for wall in on
         ]
+        names += [name_of(self.scene, link) + ROUND * slides for link, slides in (pressed or {}).items()]
         return " as well as ".join(sorted(names)) or None
 
     def bounced(self, impulses: Iterable[Touch]) -> list[tuple[AtWall, int]]:

@@ -17,7 +17,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
-from ..question import Closing
+from ..question import Bend, Closing, Gap, Leans
 from ..replay.contact import (
     AtArc,
     AtWall,
@@ -27,13 +27,16 @@ from ..replay.contact import (
     Touch,
     can_push,
     contact_of,
+    is_flat,
+    is_pair,
     name_of,
     rims_at_start,
     touching_at_start,
 )
-from ..replay.state import Constant
+from ..replay.landings import begins_at
+from ..replay.state import Constant, Kick, Leave
 from .decider import Decider, History, K, Limits, Ordinary, Reading
-from .endings import Endings
+from .endings import Carrier, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Accumulating, Collapse, Policy, policy_for
 
@@ -219,6 +222,7 @@ class Loop(Generic[N, K]):
         self._loses = straight and not scene.elastic
         self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
+        self._pressed: dict[Link, bool] = {}
         self._instants = 0
         self._split = False
         self._next_report = clock.monotonic() + PROGRESS_EVERY
@@ -378,8 +382,10 @@ class Loop(Generic[N, K]):
         for link, sign in signs.items():
             self.resolver.admit(link, sign)
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
+        standing = {**signs, **done.standing}
+        self._pressed = part_from_round(self.scene, decider, self.resolver.carrier, done, standing, 0)
         self._note(instant, done)
-        self._look_for_endings(instant, done, {**signs, **done.standing})
+        self._look_for_endings(instant, done, standing)
         return {*links, *rims, *self._standing(done)}
 
     def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
@@ -413,7 +419,9 @@ class Loop(Generic[N, K]):
         left = None if self.limits.events is None else self.limits.events - records
         due = self.scene.reverse_after
         reverse_in = None if due is None or self.history.reversal is not None else due - records
+        begun = len(self.history.steps)
         done = self.resolver.resolve(instant, left, reverse_in)
+        self._pressed = part_from_round(self.scene, decider, self.resolver.carrier, done, done.standing, begun)
         self._note(instant, done)
         self._look_for_endings(instant, done, done.standing)
         return done
@@ -451,7 +459,7 @@ class Loop(Generic[N, K]):
         endings = self.endings
         if endings is None or self._ended is not None:
             return
-        resting = endings.at_rest(standing, self.resolver.carrier)
+        resting = endings.at_rest(standing, self.resolver.carrier, self._pressed)
         if resting is not None:
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return
@@ -514,6 +522,74 @@ class Loop(Generic[N, K]):
             last = self.history.last
             reached = 0.0 if last is None else self.decider.reading.rough(last.time)
             self.progress(Progress(len(self.history.records), reached, self.decider.reading.note()))
+
+
+def part_from_round(
+    scene: Scene,
+    decider: Decider[N, K],
+    carrier: Carrier | None,
+    done: Resolved[K],
+    standing: Mapping[Link, int],
+    begun: int,
+) -> dict[Link, bool]:
+    """Notes what touches something round that stands as its flight begins, and parts from it.
+
+    The gap is c2 s^2 + c3 s^3 + c4 s^4 where the two neither approach nor part: the first of these that is not zero
+    tells. An impulse of their own is noted already.
+
+    Args:
+        scene, decider, carrier: of the run.
+        done: what the instant did.
+        standing: contacts at gap zero at its end, with the sign of their closing speed.
+        begun: how many steps there were before it.
+
+    Returns:
+        the contacts at which one presses on the other instead, and whether it slides along it.
+
+    Raises:
+        Undecided: where that is not told.
+    """
+    pressed: dict[Link, bool] = {}
+    if scene.gravity is None:
+        return pressed
+    stands = scene.pegs.union(() if carrier is None else carrier.begun)
+    steps = decider.history.steps
+    pushed = {link for step in steps[begun:] if isinstance(step, Kick) for link in step.among}
+    for link, sign in sorted(standing.items()):
+        if not can_push(link) or is_flat(link) or (is_pair(link) and (link.a in stands) is (link.b in stands)):
+            continue
+        faller = next((i for i in link.circles if i not in stands), None)
+        new = faller is not None and (done.number == 0 or faller in done.moved | done.advanced)
+        if sign > 0 and new and done.number and link not in pushed:
+            decider.do(Leave(link, 1))
+        if sign or not (new or faller is None):
+            continue
+        bend, alone = 0, [other for other in standing if not standing[other] and faller in other.circles] == [link]
+        if faller is not None and not _leads_on(decider, scene, link, faller):
+            fold, bend = next(((k, sign) for k in (2, 3, 4) if (sign := decider.ask(Bend(link, k)))), (0, 0))
+        if bend > 0:
+            decider.do(Leave(link, fold))
+        elif bend and alone:
+            pressed[link] = decider.ask(Leans(link)) > 0
+        else:
+            where = "beside ends that move" if scene.moving_ends else "under gravity"
+            raise Undecided(
+                f"{name_of(scene, link)} touch, and neither approach nor part, {where}: whether one "
+                "rests on the other, slides along it or flies off is not followed"
+            )
+    return pressed
+
+
+def _leads_on(decider: Decider[N, K], scene: Scene, link: Touch, faller: int) -> bool:
+    """Whether a circle at an end may go onto a face, or a side of an arc, that begins there, or has no normal."""
+    end = next((i for i in link.circles if i in scene.ends), None)
+    if end is None:
+        return False
+    if (scene.circles[faller].r + scene.circles[end].r).sign() == 0:
+        return True  # two points: there is no normal
+    faces = (AtWall(faller, k) for k in scene.faces if begins_at(scene.walls[k], scene.circles[end]))
+    sides = (AtArc(faller, k) for k in range(len(scene.arc_sides)))
+    return any(decider.ask(Gap(other)) == 0 for other in (*faces, *sides))
 
 
 def _collapse(scene: Scene, reading: Reading[N, K], endings: Endings, found: Iterable[Collapse]) -> Stop | None:

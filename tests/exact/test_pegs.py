@@ -6,11 +6,12 @@ import random
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import pytest
 from flint import fmpq, fmpq_poly
-from mpmath import mpf, workdps
+from mpmath import mpf, polyroots, workdps
 from peg_referee import NotForThis, PegReferee, TieMet
 
 from truebreak.exact import ExactEngine
@@ -190,14 +191,107 @@ def test_a_ball_beside_the_axis_leaves_it_soon() -> None:
     assert 8 < len(run.events) < 30
 
 
-def test_a_touch_without_approach_is_undecided_and_says_which_and_why() -> None:
-    # thrown so that the top of its way is where it touches: |d| = R there, and d.v = 0
-    peg = Circle(-2, 2, "1/2", m="oo", id="peg")
-    scene = Scene([Circle(-2, 3, "1/2", vx=4, vy=0, id="ball"), peg], [], gravity=(0, -1))
-    run = ExactEngine(max_bits=2000).run(scene, events=5)
-    assert run.stop.reason is StopReason.UNDECIDED
-    assert "ball and peg" in run.stop.message
-    assert "neither approach nor part" in run.stop.message
+def touched(d: tuple[str, str], v: tuple[str, str], *more: Circle) -> Trajectory:
+    """A ball that touches a peg of half its size about 0, 1 away, as time begins; g = 1."""
+    ball = Circle(*d, "2/3", vx=v[0], vy=v[1], id="ball")
+    scene = Scene([ball, Circle(0, 0, "1/3", m="oo", id="peg"), *more], gravity=(0, -1))
+    return ExactEngine().run(scene, until=5)
+
+
+@pytest.mark.parametrize(
+    ("d", "v"),
+    [
+        (("0", "1"), ("2", "0")),  # c2 > 0: faster than what falls along the peg
+        (("0", "1"), ("-1", "0")),  # as fast: c2 = c3 = 0, c4 > 0
+        (("3/5", "4/5"), ("4/5*sqrt(4/5)", "-3/5*sqrt(4/5)")),  # c2 = 0, downwards: c3 > 0
+        (("0", "-1"), ("0", "0")),  # let fall from below
+        (("4/5", "-3/5"), ("0", "0")),
+        (("1", "0"), ("0", "1")),  # up beside it, and down again, which is a graze
+    ],
+)
+def test_what_touches_a_peg_flies_off_where_it_bends_less_than_the_peg(d, v) -> None:
+    run = touched(d, v)
+    assert (run.stop.reason, len(run.events)) == (StopReason.HORIZON, 0)
+    x, y, vx, vy = (Quantity.of(number) for number in (*d, *v))
+    final = [Quantity.of(number.text()) for number in (run.final["ball"].x, run.final["ball"].y)]
+    assert final == [x + vx * 5, y + vy * 5 - Quantity.of("25/2")]
+
+
+@pytest.mark.parametrize(
+    ("d", "v", "slides"),
+    [
+        (("0", "1"), ("0", "0"), False),
+        (("0", "1"), ("1/2", "0"), True),
+        (("3/5", "4/5"), ("0", "0"), True),
+        (("3/5", "4/5"), ("-4/5*sqrt(4/5)", "3/5*sqrt(4/5)"), True),  # c2 = 0, upwards: c3 < 0
+    ],
+)
+def test_what_presses_on_a_peg_rests_by_name(d, v, slides) -> None:
+    stop = touched(d, v).stop
+    told = "at rest: a circle stands on what gravity pulls it to: ball and peg"
+    assert stop.reason is StopReason.REST
+    assert stop.message == told + ", something round, along which it slides" * slides
+
+
+def test_who_is_held_by_two_pegs_is_undecided_and_says_which_and_why() -> None:
+    stop = touched(("3/5", "4/5"), ("0", "0"), Circle("6/5", 0, "1/3", m="oo", id="other")).stop
+    assert stop.reason is StopReason.UNDECIDED
+    assert "ball and peg touch, and neither approach nor part, under gravity" in stop.message
+
+
+def first_fall(ball: Circle, pegs: list[Circle], pull: tuple[Fraction, Fraction]) -> tuple[int, mpf] | None:
+    """Which peg the ball hits first, and when, by mpmath's zeros of gaps in fractions, less those at time 0; None: no
+    one. The first is -1 where it presses on one as time begins."""
+    found: list[tuple[mpf, int]] = []
+    for k, peg in enumerate(pegs):
+        d, v = [
+            [Fraction(str(part)) for part in pair] for pair in ((ball.x - peg.x, ball.y - peg.y), (ball.vx, ball.vy))
+        ]
+        reach = Fraction(str(ball.r + peg.r))
+        gap = [Fraction(0)] * 5
+        for x, u, g in zip(d, v, pull, strict=True):  # (x + u t + g t^2 / 2)^2
+            for n, term in enumerate((x * x, 2 * x * u, u * u + x * g, u * g, g * g / 4)):
+                gap[n] += term
+        gap[0] -= reach * reach
+        while gap[0] == 0:
+            gap.pop(0)
+        if gap[0] < 0:
+            return -1, mpf(0)
+        with workdps(60):
+            zeros = polyroots([mpf(c.numerator) / c.denominator for c in reversed(gap)], maxsteps=500, extraprec=500)
+            real = sorted(z.real for z in zeros if abs(z.imag) < mpf(10) ** -40 and z.real > mpf(10) ** -40)
+        found += [(zero, k) for zero in real[:1]]
+    return min(found)[::-1] if found else None
+
+
+def test_what_comes_next_after_a_touch_is_what_zeros_in_fractions_say() -> None:
+    rng, kinds = random.Random(36), Counter[str]()
+    turns = [
+        (Fraction(a, c), Fraction(b, c)) for a, b, c in ((3, 4, 5), (-5, 12, 13), (0, 1, 1), (1, 0, 1), (8, -15, 17))
+    ]
+    for _ in range(120):
+        (nx, ny), speed = rng.choice(turns), Fraction(rng.randint(-6, 6), 4)
+        pull = Fraction(rng.randint(-2, 2)), Fraction(-rng.randint(1, 3))
+        ball = Circle(nx, ny, "1/2", vx=-ny * speed, vy=nx * speed, id="ball")
+        pegs, taken = [Circle(0, 0, "1/2", m="oo")], [(Fraction(0), Fraction(0)), (nx, ny)]
+        while len(pegs) < 4:
+            x, y = (Fraction(rng.randint(-12, 12), 4) for _ in "xy")
+            if all((x - a) ** 2 + (y - b) ** 2 > 1 for a, b in taken):
+                pegs.append(Circle(x, y, "1/4", m="oo"))
+                taken.append((x, y))
+        known = first_fall(ball, pegs, pull)
+        run = ExactEngine().run(Scene([ball, *pegs], gravity=pull), events=1)
+        if known is None:
+            assert run.stop.reason is StopReason.QUIET
+            assert not run.events
+        elif known[0] < 0:
+            assert run.stop.reason is StopReason.REST
+        else:
+            assert run.events[0].contacts[0].second == run.scene.ids[known[0] + 1]
+            with workdps(60):
+                assert abs(mpf(run.events[0].time.digits(40)) - known[1]) < mpf(10) ** -36 * (1 + known[1])
+        kinds["none" if known is None else "presses" if known[0] < 0 else "same" if not known[0] else "other"] += 1
+    assert min(kinds[kind] for kind in ("none", "presses", "same", "other")) >= 2
 
 
 def passing(off: str) -> Scene:

@@ -119,9 +119,7 @@ def test_those_that_part_go_on_and_those_that_come_near_end_the_run() -> None:
     near = sloped([low, Circle("3/5", "4/5", vx="4", vy="-3", id="high")])
     stop = ExactEngine().run(near, until=20).stop
     assert stop.reason is StopReason.REST
-    told = (
-        "at rest: a circle stands on a wall to which gravity pulls it: high and slope, a slope, along which it slides"
-    )
+    told = "at rest: a circle stands on what gravity pulls it to: high and slope, a slope, along which it slides"
     assert told in stop.message
     assert stop.message.endswith(": it is not proved that nothing meets it there")
     for engine in (ExactEngine(), SymbolicEngine()):

@@ -323,7 +323,7 @@ def test_how_the_motion_ends_is_said_under_the_verdict() -> None:
     assert answers(found).where == f"Nowhere: double has all 133 events of the exact run. {told}"
     rest = Scene([Circle(0, 5, id="ball")], [Wall(0, 0, 1, 0, id="floor")], gravity=(0, -10), restitution=0)
     told = answers(compare(rest, ["double"], until=10)).where
-    assert told.endswith("there, at rest: a circle stands on a wall to which gravity pulls it (ball and floor).")
+    assert told.endswith("there, at rest: a circle stands on what gravity pulls it to (ball and floor).")
 
 
 @pytest.mark.parametrize(
