@@ -24,8 +24,9 @@ from ..scenarios.numbers.precision import (
     even_double,
     nearest_double,
 )
-from ..scenarios.numbers.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.quantity import Quantity, QuantityLike, in_one_tower
 from ..scenarios.numbers.tower_element import Element
+from ..scenarios.numbers.tower_ring import TowerLimit
 from .flight_formulas import Bounced, BounceTime, FallSpeed, OtherRun, Place, amid_bounces, bounce_before, endless, sunk
 from .laws.formulas import fall_speed
 from .numbers import ball
@@ -499,8 +500,11 @@ class ExactMotion:
     def _exactly_after(self, time: RunTime, other: RunTime) -> bool:
         exact = [value.exact() if isinstance(value, ExactValue) else value for value in (time, other)]
         tower = next((value.tower for value in exact if isinstance(value, Element)), Tower())
-        left, right = (value.in_tower(tower) if isinstance(value, Quantity) else value for value in exact)
-        if left is None or right is None or left.tower is not right.tower:
+        try:
+            left, right = (None if value is None else in_one_tower(value, tower) for value in exact)
+        except TowerLimit:
+            left = right = None
+        if left is None or right is None:
             raise ValueError(f"whether an event falls on time {_shown(time)} is not known; ask for a time beside it")
         return (left - right).sign() > 0
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from ..scenarios.numbers.quantity import ZERO
 from ..scenarios.scene import Scene
 from .numbers.ball import Field, FieldNumber, LeavesField, field_sign
-from .replay.contact import AtArc, AtWall, Entry, Link, Pair, can_push, is_arc, is_flat, is_pair
+from .replay.contact import AtArc, AtWall, Entry, Link, Pair, Sides, can_push, is_arc, is_flat, is_pair
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
@@ -37,6 +37,7 @@ class SceneData:
         self.paces: list[FieldNumber] = [
             constant(w.normal[0] * w.vx + w.normal[1] * w.vy) if w.moves else constant(ZERO) for w in scene.walls
         ]
+        self._sides = Sides(scene)
         g = scene.gravity
         self.gravity: Vector | None = None if g is None else (constant(g[0]), constant(g[1]))
         self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
@@ -82,6 +83,12 @@ class SceneData:
             return AtWall(link.circle, self.wall_of[wall_key(*self.walls[k], self.ends[k], self.paces[k])])
         place, r = self.pockets[link.pocket]
         return Entry(link.circle, self.pocket_of[*place, r])
+
+    def line_of(self, link: AtWall) -> tuple[object, ...]:
+        """The line of a wall or a face, how it moves, and on which side of it the circle is: that tells its gap."""
+        point, normal = self.walls[link.wall]
+        points = field_sign(normal[0]) or field_sign(normal[1])
+        return *line_key(point, normal, self.paces[link.wall]), (points > 0) is not self._sides.negative(*link[:2])
 
     def foot(self, i: int, wall: int) -> Vector:
         """The vector from a wall to a circle's centre, at right angles to the wall; never zero."""

@@ -365,6 +365,8 @@ class LogSymmetry:
     def same(self, first: Link, second: Link) -> bool:
         """See `Form`."""
         assert self._data is not None
+        if is_flat(first) and is_flat(second) and first.circle == second.circle:
+            return self._data.line_of(first) == self._data.line_of(second)
         return self._data.one_of(first) == self._data.one_of(second)
 
     def _all_follow(self, g: Isometry, link: Link) -> bool:

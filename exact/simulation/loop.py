@@ -38,7 +38,7 @@ from ..replay.state import Constant, Kick, Leave
 from .decider import Decider, History, K, Limits, Ordinary, Reading
 from .endings import Carrier, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
-from .policies import Accumulating, Collapse, Policy, policy_for
+from .policies import Accumulating, Collapse, Outlasts, Policy, policy_for
 
 # -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
 
@@ -454,6 +454,11 @@ class Loop(Generic[N, K]):
         done.moved |= more.moved
         return True
 
+    def _outlast(self, end: Accumulating) -> bool:
+        """Whether the limit on time comes before infinitely many hits have all happened: those by then are listed."""
+        until = self.limits.until
+        return until is not None and self.decider.ask(Outlasts(end, until)) > 0
+
     def _look_for_endings(self, instant: Instant, done: Resolved[K], standing: Mapping[Link, int]) -> None:
         """Notes where an instant under gravity leaves a circle at rest, or bouncing to an end."""
         endings = self.endings
@@ -469,6 +474,8 @@ class Loop(Generic[N, K]):
                 wait = self.decider.reading.bounces(Accumulating(link))
                 lasting = self.resolver.touching.all()
                 ends = endings.ends(link, other, time, wait, rows, lasting)
+                if ends and self._outlast(Accumulating(link)):
+                    continue
                 if ends and not self._calmed(link, other, instant, done):
                     endings.found, both = Accumulating(link), [link.wall, *([other] if other >= 0 else [])]
                     names = " as well as ".join(name_of(self.scene, AtWall(link.circle, wall)) for wall in both)
@@ -477,7 +484,8 @@ class Loop(Generic[N, K]):
                     return
         if endings.lines is not None:
             for _, _, impulses, _, _ in done.events:
-                self._ended = _collapse(self.scene, self.decider.reading, endings, endings.lines.note(impulses))
+                found = endings.lines.note(impulses)
+                self._ended = _collapse(self.scene, self.decider.reading, endings, found, self._outlast)
                 if self._ended is not None:
                     return
         if endings.closes and done.events and self.history.last is not None:
@@ -592,15 +600,21 @@ def _leads_on(decider: Decider[N, K], scene: Scene, link: Touch, faller: int) ->
     return any(decider.ask(Gap(other)) == 0 for other in (*faces, *sides))
 
 
-def _collapse(scene: Scene, reading: Reading[N, K], endings: Endings, found: Iterable[Collapse]) -> Stop | None:
-    """Why hits in turns on a line end a run, if they do: as they have no last one."""
+def _collapse(
+    scene: Scene,
+    reading: Reading[N, K],
+    endings: Endings,
+    found: Iterable[Collapse],
+    outlast: Callable[[Accumulating], bool],
+) -> Stop | None:
+    """Why hits in turns on a line end a run, if they do: as they have no last one before a limit on time."""
     for collapse in found:
         time, rows = reading.fallen(collapse.link[0])
         end = Accumulating(collapse.link, collapse.other)
         wait = reading.bounces(end)
         if not wait > 0 or endings.lines is None or not endings.lines.lately(collapse, time, wait):
             continue
-        if endings.collapses(collapse, wait, rows):
+        if endings.collapses(collapse, wait, rows) and not outlast(end):
             endings.found = end
             names = " as well as ".join(name_of(scene, link) for link in (collapse.link, collapse.other))
             told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"

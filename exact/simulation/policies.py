@@ -17,8 +17,8 @@ from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.settings import TiePolicy
 from ..numbers.system import BudgetSpent, N
-from ..question import Closing, Coupling, Pivot, Question, Share, Slack, Strength, Strengths
-from ..replay.contact import AtWall, Pair, Sides, Touch, is_arc, is_flat, is_pair, scene_order
+from ..question import Closing, Coupling, Pivot, Question, RootFree, Share, Slack, Strength, Strengths
+from ..replay.contact import AtWall, Link, Pair, Sides, Touch, is_arc, is_flat, is_pair, scene_order
 from ..replay.state import Kick, ReplayState
 
 # -- Which of several approaching contacts push: the linear complementarity problem of one round, by criss-cross.
@@ -472,6 +472,26 @@ class Accumulating:
         assert is_flat(self.link)
         speed, half = self.link.closing(state), state.fall(state.falling, self.link).half
         return -speed / (half * state.constant(1 - state.scene.restitution))
+
+
+class Outlasts(RootFree):
+    """Do infinitely many hits end after a time (positive), at it (zero) or before it (negative)?"""
+
+    def __init__(self, end: Accumulating, time: Quantity) -> None:
+        self._end, self._time = end, time
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """See `Question.bodies`."""
+        return self._end.circles
+
+    def value(self, state: ReplayState[N]) -> N:
+        """See `Question.value`."""
+        return self._end(state) - state.constant(self._time)
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        """See `Question.describe`."""
+        return f"whether the bounces of {name(self._end.link)} end after time {float(self._time):.12g}"
 
 
 def _others_share(scene: Scene, link: Touch, middle: int) -> Quantity:

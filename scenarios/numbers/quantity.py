@@ -548,3 +548,19 @@ def real(value: Any) -> Real:
     except SceneError:
         number: SupportsFloat = value
         return Double(number)
+
+
+def in_one_tower(value: Element | Quantity, tower: AnyTower) -> Element:
+    """A number as an element of `tower`; each exact value of a run has a tower of its own.
+
+    Raises:
+        TowerLimit: if the tower may not grow that far.
+
+    >>> from truebreak.scenarios.numbers.nested_roots import Tower
+    >>> one, other = Tower(), Tower()
+    >>> in_one_tower(other.sqrt(2) + 1, one) == in_one_tower(Quantity.of("1+sqrt(2)"), one)
+    True
+    """
+    if isinstance(value, Quantity):
+        return value.in_tower(tower)
+    return value if value.tower is tower else Quantity.of(value.text()).in_tower(tower)

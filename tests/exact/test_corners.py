@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -14,7 +15,8 @@ from truebreak.compare.certificate import CertificateError, certificate_json, ce
 from truebreak.compare.files.saved import run_of, saved_run
 from truebreak.compare.report.sentences import settled_phrase
 from truebreak.exact import ExactEngine
-from truebreak.exact.replay.contact import Sides
+from truebreak.exact.isometry import scene_data
+from truebreak.exact.replay.contact import AtWall, Sides
 from truebreak.exact.simulation import arc_meetings, endings
 from truebreak.exact.simulation.arc_meetings import borne, held_between
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
@@ -27,6 +29,7 @@ FLAT = [Wall(0, 0, -4, 3, id="left"), Wall(0, 0, 4, 3, id="right")]
 FACES = [Segment(-4, 3, 0, 0, id="left"), Segment(0, 0, 4, 3, id="right")]
 RAMP = [Wall(0, 0, 4, -3, id="ramp"), Wall(1, 0, 1, 1, id="end")]
 LIES = Circle(0, "5/4", id="a")
+FLOOR = Wall(0, 0, 1, 0, id="floor")
 
 
 def scene(circles: list[Circle], things: list[Any], e: object = 0, *, settle: bool = True) -> Scene:
@@ -387,3 +390,45 @@ def test_a_corner_beside_an_upright_wall_is_certified_on_its_own_side(pull: str)
     assert rests(run) == [("a", "between up and slope")]
     assert run.final["a"].x.text() == "1"
     assert is_verified(run)
+
+
+@pytest.mark.parametrize("short", [9, 30])
+def test_a_limit_amid_infinitely_many_bounces_lists_those_before_it(short: int) -> None:
+    # let fall from 6 it lands at 1 and is back 1, 1/2, 1/4, ... later: the hits are at 3 - 2**(1 - n)
+    until = 3 - Fraction(1, 10**short)
+    run = ExactEngine().run(scene([Circle(0, 6, id="ball")], [FLOOR], "1/2"), until=until)
+    hits = [3 - Fraction(2, 2**n) for n in range(200)]
+    assert [event.time.text() for event in run.events] == [str(time) for time in hits if time <= until]
+    assert (run.stop.reason, run.settlings) == (StopReason.HORIZON, ())
+    kept = ExactEngine().run(scene([Circle(0, 6, id="ball")], [FLOOR], "1/2"), until=3)
+    assert [settling.time.text() for settling in kept.settlings] == ["3"]
+    stops = scene([Circle(0, 6, id="ball")], [FLOOR], "1/2", settle=False)
+    assert ExactEngine().run(stops, until=until).stop.reason is StopReason.HORIZON
+    assert ExactEngine().run(stops, until=3).stop.reason is StopReason.ACCUMULATION
+
+
+def test_at_a_hit_of_another_that_is_a_bounce_not_listed_both_leave() -> None:
+    block = Polygon([("-5/2", 0), ("7/2", 0), ("7/2", -1), ("-5/2", -1)], id="block")
+    twins = [Circle(x, 1, vy="1/2", id=name) for name, x in (("on", 0), ("end", "7/2"))]
+    law = {"gravity": (0, -1), "restitution": "1/2", "settle": True}
+    run = ExactEngine().run(Scene(twins, polygons=[block], **law), until=12)
+    assert [tuple(pair) for pair in run.events[-1].contacts] == [("end", "block")]
+    speeds = [run.final[name].vy.text() for name in ("on", "end")]
+    assert speeds == [str(Fraction(1, 2 ** (len(run.events) + 1)))] * 2
+
+
+def test_contacts_with_one_line_are_one_without_a_proof_in_roots() -> None:
+    ledge = Segment(-3, 0, 3, 0, id="ledge")
+    turned = Segment(3, 0, -3, 0, id="turned")
+    for same in ([FLOOR, ledge], [turned, FLOOR], [ledge, FLOOR]):
+        run = ExactEngine().run(scene([Circle(0, 1, "1/2", vx="1/2", vy=1, id="ball")], same, "1/2"), events=30)
+        assert {len(event.contacts) for event in run.events} == {2}
+        assert "tower" not in run.plan
+        assert run.plan["symmetry"] > 50
+
+
+def test_two_sides_of_one_line_are_not_one() -> None:
+    ball, back = Circle(0, 3, 1, id="ball"), Segment(-3, 0, 3, 0, id="ledge")
+    data = scene_data(Scene([ball], [FLOOR], segments=[back], gravity=(0, -10)).surfaces)
+    lines = [data.line_of(AtWall(0, k)) for k in range(3)]
+    assert sorted(lines.count(line) for line in lines) == [1, 2, 2]
