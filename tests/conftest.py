@@ -12,8 +12,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import pytest
-from hypothesis import settings
+# Tests start hundreds of processes, which import the whole: Python keeps what it compiles, whatever the shell asks for.
+# Before hypothesis, whose every module pytest compiles for its asserts.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -33,10 +38,6 @@ gc.set_threshold(50_000, *gc.get_threshold()[1:])
 
 # No test touches the user's kept runs, nor does what tests start.
 os.environ["TRUEBREAK_CACHE"] = ""
-
-# Tests start hundreds of processes, which import the whole: Python keeps what it compiles, whatever the shell asks for.
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-sys.dont_write_bytecode = False
 
 
 @pytest.fixture(scope="session")
@@ -78,6 +79,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.nodeid in kept:
             item.add_marker("long")
+
+
+def pytest_collection_finish() -> None:
+    """What is collected stays to the end: no collector looks through it again, and no copy of the process copies it."""
+    gc.freeze()
 
 
 # What a module or a session makes once, each worker makes again for the tests that it is handed: they go by halves, and
