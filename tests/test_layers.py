@@ -6,8 +6,10 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from followed import followed
@@ -25,15 +27,38 @@ FILES = {
 """Every module by its name below `truebreak`."""
 
 
-def imported(module: str, with_types: bool = True) -> Iterator[str]:
+def tree(module: str) -> ast.Module:
+    """What a module says; it is not kept, as all of them are much."""
+    return ast.parse(FILES[module].read_text("utf-8"))
+
+
+class Imports(NamedTuple):
+    """What a module imports, and what of that is named from the top."""
+
+    all: tuple[str, ...]
+    running: tuple[str, ...]
+    tops: tuple[str, ...]
+
+
+@cache
+def imports(module: str) -> Imports:
+    """Those of a module, which is read once."""
+    path, read = FILES[module], tree(module)
+    package = f"truebreak.{module if path.name == '__init__.py' else module.rpartition('.')[0]}"
+    nodes = [node for node in ast.walk(read) if isinstance(node, ast.Import | ast.ImportFrom)]
+    tops = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    tops += [str(node.module) for node in nodes if isinstance(node, ast.ImportFrom) and node.level == 0]
+    return Imports(tuple(_imports(read, package, True)), tuple(_imports(read, package, False)), tuple(tops))
+
+
+def imported(module: str, with_types: bool = True) -> tuple[str, ...]:
     """Full names that a module imports, relative ones resolved: `truebreak.exact.laws.formulas`, `sympy`.
 
     Imports inside functions count, and so does `import_module` of a literal name; with `with_types=False`
     those under `if TYPE_CHECKING` do not.
     """
-    path = FILES[module]
-    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-    yield from _imports(ast.parse(path.read_text("utf-8")), f"truebreak.{package}", with_types)
+    found = imports(module)
+    return found.all if with_types else found.running
 
 
 def _imports(node: ast.AST, package: str, with_types: bool) -> Iterator[str]:
@@ -59,7 +84,7 @@ def _absolute(name: str, package: str) -> str:
     return ".".join([*parts[: len(parts) - level + 1], *filter(None, [name[level:]])])
 
 
-def own(names: Iterator[str]) -> set[str]:
+def own(names: Iterable[str]) -> set[str]:
     """Those of the names that are modules of this project, without the leading `truebreak.`."""
     return {short for name in names if (short := name.removeprefix("truebreak.")) != name and short in FILES}
 
@@ -80,9 +105,9 @@ def used(module: str) -> set[str]:
     path = FILES[module]
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    for node in ast.walk(tree(module)):
         names = list(_imports(node, f"truebreak.{package}", True)) if isinstance(node, IMPORTING) else []
-        files = own(iter(names))
+        files = own(names)
         found |= {name for name in files if not any(other.startswith(f"{name}.") for other in files)}
     return found - {module}
 
@@ -140,8 +165,8 @@ def methods(node: ast.ClassDef) -> int:
 
 def test_no_class_is_large() -> None:
     large: dict[str, int] = {}
-    for module, path in FILES.items():
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    for module in FILES:
+        for node in ast.walk(tree(module)):
             if isinstance(node, ast.ClassDef) and methods(node) > MOST_METHODS:
                 large[f"{module}.{node.name}"] = methods(node)
     assert large.keys() == KNOWN_LARGE_CLASSES.keys()
@@ -153,7 +178,7 @@ def test_no_name_of_a_module_or_of_a_public_class_stands_twice() -> None:
     for module, path in FILES.items():
         if path.name not in ("__init__.py", "__main__.py"):
             places.setdefault(path.stem, []).append(module)
-        for node in ast.parse(path.read_text("utf-8")).body:
+        for node in tree(module).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places.setdefault(node.name, []).append(module)
     assert len(places) > 700
@@ -263,10 +288,7 @@ def test_a_floor_of_compare_runs_only_itself_and_those_below(module: str) -> Non
 
 @pytest.mark.parametrize("module", FILES)
 def test_siblings_are_imported_relatively(module: str) -> None:
-    tree = ast.parse(FILES[module].read_text("utf-8"))
-    tops = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
-    tops += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 0]
-    wrong = [name for name in tops if name.partition(".")[0] in ("truebreak", *LAYERS)]
+    wrong = [name for name in imports(module).tops if name.partition(".")[0] in ("truebreak", *LAYERS)]
     assert not wrong, f"{module} imports {wrong}; write it relatively, as in `from ..scenarios.scene import Scene`"
 
 
