@@ -9,7 +9,9 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from functools import cache
+from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -98,3 +100,40 @@ def both_verify(certificates: Iterable[tuple[str, dict[str, Any]]], folder: Path
     if NODE is not None and paths:
         for path, (code, sentence) in zip(paths, by_node(paths), strict=True):
             assert code == 0, f"{path.stem}: {sentence}"
+
+
+Lot = list[tuple[str, bool]]
+"""Certificates as texts, and of each whether it is true."""
+
+
+def lot_of(
+    true: Iterable[dict[str, Any]], false: Iterable[dict[str, Any]] = (), refused: tuple[int, ...] = (1,)
+) -> Lot:
+    """Such a lot, of which the first checker says what is so: of what is false one of the codes `refused`."""
+    lot = [(certificate_json(told), True) for told in true] + [(certificate_json(told), False) for told in false]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "told.json"
+        for text, is_true in lot:
+            path.write_text(text, encoding="utf-8")
+            code, sentence = by_python(path)
+            assert code in ((0,) if is_true else refused), sentence
+    return sorted(lot, key=lambda told: len(told[0]))  # a short one takes less time to be mistaken
+
+
+def mistaken(first: Any, second: Path, lot: Lot, folder: Path, times: int = 1) -> None:
+    """Asserts that a faulty checker, and its like for node, mistake so many: they are asked until they have."""
+
+    def written(number: int, text: str) -> Path:
+        path = folder / f"{number}.json"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    texts = enumerate(lot)
+    ours = (t for k, (t, is_true) in texts if (first.verdict(written(k, t))[0] == 0) is not is_true)
+    assert len(list(islice(ours, times))) == times
+    texts = enumerate(lot)
+    theirs = (
+        t for k, (t, is_true) in texts
+        if printed_by(second, [written(k, t)])[1][0].startswith("verified") is not is_true
+    )  # fmt: skip
+    assert len(list(islice(theirs, times))) == times

@@ -4,13 +4,13 @@ are refused, or still true; and faults planted in the new laws are found."""
 
 from __future__ import annotations
 
-import subprocess
 from decimal import Decimal
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from certificate.checkers import both_verify, by_python, needs_node
+from certificate.checkers import Lot, both_verify, lot_of, mistaken, needs_node
 from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import WAYS, altered, refused
 from certificate.world_forgeries import (
@@ -28,7 +28,7 @@ from certificate.world_samples import (
     world_runs,
     world_samples,
 )
-from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of, prover
+from truebreak.compare.certificate import CertificateError, certificate_of, prover
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Arc, Circle, Scene, Wall
@@ -238,24 +238,20 @@ ARC_FAULTS = {
 }  # fmt: skip
 
 
+@cache
+def lot(of_walls: bool) -> Lot:
+    """Runs among walls or among arcs, and forgeries that miss one condition each."""
+    if of_walls:
+        forged = {from_within_the_floor: "nothing starts across a wall to which it is pulled"}
+    else:
+        forged = {across_an_arc: "nothing starts across an arc", beside_an_arc: "an arc is met within its range"}
+    samples = world_samples() if of_walls else arc_samples()
+    wrong = [completed(make(), lax(WORLD_CONDITIONS[name][0])) for make, name in forged.items()]
+    return lot_of(samples.values(), wrong)
+
+
 @needs_node
 @pytest.mark.parametrize("fault", [*FAULTS, *ARC_FAULTS])
 def test_planted_faults_are_found(fault: str, tmp_path: Path) -> None:
     first, second = {**FAULTS, **ARC_FAULTS}[fault]
-    if fault in FAULTS:
-        forged = {from_within_the_floor: "nothing starts across a wall to which it is pulled"}
-    else:
-        forged = {across_an_arc: "nothing starts across an arc", beside_an_arc: "an arc is met within its range"}
-    samples = world_samples() if fault in FAULTS else arc_samples()
-    wrong = [completed(make(), lax(WORLD_CONDITIONS[name][0])) for make, name in forged.items()]
-    paths: list[Path] = []
-    for number, told in enumerate([*samples.values(), *wrong]):
-        paths.append(tmp_path / f"{number}.json")
-        paths[-1].write_text(certificate_json(told), encoding="utf-8")
-    truth = [*([0] * len(samples)), *([1] * len(wrong))]
-    checker = lax(first)
-    assert [checker.verdict(path)[0] for path in paths] != truth
-    program = lax_second(second, tmp_path / "faulty")
-    done = subprocess.run(["node", str(program), *map(str, paths)], capture_output=True, text=True, check=False)
-    assert [not line.startswith("verified") for line in done.stdout.splitlines()] != truth
-    assert [by_python(path)[0] for path in paths] == truth
+    mistaken(lax(first), lax_second(second, tmp_path / "faulty"), lot(fault in FAULTS), tmp_path)
