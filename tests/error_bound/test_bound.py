@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from math import cos, hypot, inf, sin
 from random import Random
 from typing import Any
@@ -198,6 +199,12 @@ def halved_slope(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "slope_of", halved)
 
 
+@cache
+def unspoilt(name: str) -> Tally:
+    """What is found of a scene where nothing is spoilt."""
+    return watched_wide(scene_of(name), 40, at_once=True)
+
+
 FALLS = [other_fall(-1.0), other_fall(0.0), other_fall(0.9), other_fall(1.1), halved_slope]
 
 
@@ -208,7 +215,7 @@ def test_a_false_derivative_at_a_wall_that_falls_is_seen(
 ) -> None:
     """Of one circle: what is spoilt shows as a block ends, after twenty contacts of each, or sooner."""
     scene = scene_of(name)
-    plain = watched_wide(scene, 40, at_once=True)
+    plain = unspoilt(name)
     assert not plain.faults and plain.blocks and plain.at_once
     in_python(monkeypatch)
     spoil(monkeypatch)
@@ -236,7 +243,7 @@ def test_a_false_derivative_onto_something_round_is_seen(
 ) -> None:
     """Of one circle that falls onto fixed ones, or within a ring."""
     scene = scene_of(name)
-    plain = watched_wide(scene, 40, at_once=True)
+    plain = unspoilt(name)
     assert not plain.faults and plain.blocks and plain.at_once == 39
     spoil(monkeypatch)
     assert all(watched_wide(scene, 40, at_once=at_once).faults for at_once in (True, False))
