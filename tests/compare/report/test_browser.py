@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -92,17 +93,15 @@ def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser
 
 
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "galperin", "rack", "undecided", "pinball", "thirty"])
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
-def test_the_first_screen_holds_the_verdict_and_the_four_answers(
-    browser: Browser, files: Files, kind: str, width: int, height: int
-) -> None:
-    browser.size(width, height)
-    browser.open(files / f"{kind}.html")
+def test_the_first_screen_holds_the_verdict_and_the_four_answers(browser: Browser, files: Files, kind: str) -> None:
     names = "[...document.querySelector('.answers').querySelectorAll('dt')].map((e) => e.firstChild.textContent.trim())"
-    assert browser.ask(names) == ["Where", "Why", "So what", "What now"]
-    assert browser.ask("document.querySelector('.answers').getBoundingClientRect().bottom") <= height
-    assert browser.ask("document.querySelector('.answers').getBoundingClientRect().top") > 0
-    assert width > 672 or browser.ask("document.documentElement.scrollHeight") <= 6000
+    for width, height in ((1280, 800), (390, 844)):
+        browser.size(width, height)
+        browser.open(files / f"{kind}.html")
+        assert browser.ask(names) == ["Where", "Why", "So what", "What now"]
+        assert browser.ask("document.querySelector('.answers').getBoundingClientRect().bottom") <= height
+        assert browser.ask("document.querySelector('.answers').getBoundingClientRect().top") > 0
+        assert width > 672 or browser.ask("document.documentElement.scrollHeight") <= 6000
 
 
 @pytest.mark.parametrize("kind", ["gas", "rack", "pinball", "many-engines"])
@@ -163,10 +162,9 @@ def test_tables_sort(browser: Browser, files: Files, width: int) -> None:
 
 @pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/compare/report")
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "undecided", "unsettled", "hostile", "pinball", "chaos", "orders"])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_serious(browser: Browser, files: Files, kind: str, scheme: str) -> None:
-    browser.media(prefers_color_scheme=scheme)
-    for width in (1200, 360):
+def test_axe_finds_nothing_serious(browser: Browser, files: Files, kind: str) -> None:
+    for scheme, width in product(("light", "dark"), (1200, 360)):
+        browser.media(prefers_color_scheme=scheme)
         browser.size(width)
         browser.open(files / f"{kind}.html")
         browser.ask(UNFOLDED)
@@ -177,4 +175,4 @@ def test_axe_finds_nothing_serious(browser: Browser, files: Files, kind: str, sc
             for rule in json.loads(told)
             if rule["impact"] in ("serious", "critical")
         ]
-        assert bad == []
+        assert bad == [], (scheme, width)
