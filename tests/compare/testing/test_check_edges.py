@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from truebreak.scenarios import Arc, Circle, Engine, Quantity, Scene, Segment, T
 MAKERS = {"segments": segments, "polygons": polygons, "joints": joints, "arcs": arcs}
 
 
+@cache
 def scenes(make: Callable[[int], Scene | None], seeds: range) -> list[Scene]:
     """Those whose true run is not ended by a point at an end, which has no normal."""
     drawn = [scene for seed in seeds if (scene := make(seed)) is not None]
