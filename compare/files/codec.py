@@ -204,7 +204,7 @@ def step_of(data: Written) -> Step:
         case ["lift", int(body)]:
             return Lift(body)
         case ["leave", list(link), int(fold)]:
-            return Leave(*links_of([link]), fold)
+            return Leave(links_of([link])[0], fold)
         case ["flip"]:
             return Flip()
         case _:

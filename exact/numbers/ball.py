@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from math import inf, nan, nextafter
 from typing import Any, TypeAlias
 
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq, fmpq_poly, fmpz
 
 from ...scenarios.numbers import precision as working
 from ...scenarios.numbers.nested_roots import Tower
@@ -273,6 +273,61 @@ def field_sign(value: FieldNumber) -> int:
     if isinstance(value, fmpq):
         return (value > 0) - (value < 0)
     return value.sign()
+
+
+def in_square_roots(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, int, fmpq] | None:
+    """The only zero of a polynomial between two numbers as p + turn sqrt(square), with a turn of -1, 0 or 1; None where
+    no factor of first or second degree has it.
+
+    >>> in_square_roots(fmpq_poly([2, 0, -3, 0, 1]), fmpq(11, 10), fmpq(2))
+    (0, 1, 2)
+    >>> in_square_roots(fmpq_poly([-3, 5, -3, 1]), fmpq(1, 2), fmpq(2))
+    (1, 0, 0)
+    >>> in_square_roots(fmpq_poly([-2, 0, 0, 1]), fmpq(1), fmpq(2))
+    """
+    for factor, _ in poly.numer().factor()[1]:
+        f, degree = fmpq_poly(factor), factor.degree()
+        if not 0 < degree < 3 or f(low) * f(high) > 0:
+            continue
+        if degree == 1:
+            return -f[0] / f[1], 0, fmpq(0)
+        middle = -f[1] / (2 * f[2])
+        below = middle >= high or (middle > low and f(middle) * f(low) < 0)
+        return middle, -1 if below else 1, middle * middle - f[0] / f[2]
+    return None
+
+
+def sharpened(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
+    """The falling zero that is the only one between two balls, to the working precision, by interval Newton; None where
+    that is not told.
+
+    Args:
+        low, high: the balls.
+        value, slope: the polynomial and its derivative, as enclosures.
+
+    >>> zero = sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
+    >>> zero.rel_accuracy_bits() > 40, abs(zero * zero - 2) < 1e-14
+    (True, True)
+    """
+    at = low.union(high)  # a ball about both ends is a little wider: where the slope is below 0, no zero more is in it
+    while True:
+        middle, fall, near = at.mid(), slope(at), None
+        if fall < 0:
+            near = middle - value(middle) / fall
+            if not near.overlaps(at):
+                return None
+            near = near.intersection(at)
+            if near.rad() < at.rad() * arb(0.25):
+                at, low, high = near, near.lower(), near.upper()
+                continue
+        sign = sign_of(value(middle)) if low < middle < high else None  # where Newton's rule is slow, at is halved
+        if not sign:
+            return near
+        low, high = (middle, high) if sign > 0 else (low, middle)
+        narrower = low.union(high)
+        if not narrower.rad() < at.rad() * arb(0.75):
+            return near
+        at = narrower
 
 
 def field_ball(value: FieldNumber, bits: int) -> arb:

@@ -12,7 +12,7 @@ from flint import arb, fmpq, fmpq_poly
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle, Wall
 from ..laws.formulas import arc_range, pair_approach, pair_gap
-from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sign_of, use_bits
+from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sharpened, sign_of, use_bits
 from ..numbers.system import M, N
 from .contact import AtArc, Flown, Link, Round, can_push, is_arc, is_flat, is_pair
 from .round_falls import (
@@ -35,7 +35,6 @@ from .round_falls import (
     horner_slope,
     last_zero,
     parted,
-    sharpened,
 )
 from .state import Flights
 

@@ -7,7 +7,7 @@ so the balls can be computed again with more bits: that is how precision rises.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import Any, TypeAlias
 
@@ -61,7 +61,7 @@ class RefinableState:
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
         self._tried = bytearray()
-        self._touched: dict[int, dict[int, tuple[int, frozenset[Link]]]] = {}
+        self._touched: dict[int, dict[int, tuple[int, Mapping[Link, int]]]] = {}
         for body in self.bodies.values():
             body.acc = bits
         try:
@@ -192,7 +192,7 @@ class RefinableState:
         bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
         if len(exact) == len(bodies):
-            if self.field is None or self.numbers.tower.depth or not is_pair(link):
+            if self.field is None or self.numbers.tower.depth or not is_pair(link) or self.field.on_peg(link):
                 return False
             if not self.numbers.leaves(self.field.discriminant(link)):
                 return False

@@ -16,7 +16,7 @@ from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..compiled import predictions
 from ..laws.formulas import advance, fall_discriminant, fall_time, fall_time_back
-from ..numbers.ball import LeavesField, bits_in_use, field_sign, sign_of
+from ..numbers.ball import LeavesField, bits_in_use, field_sign, in_square_roots, sign_of
 from ..numbers.system import N
 from .contact import (
     AtArc,
@@ -387,39 +387,6 @@ def parted(b: list[Any], share: Any) -> tuple[list[Any], list[Any]]:
     return left, right
 
 
-def sharpened(low: arb, high: arb, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb | None:
-    """The falling zero that is the only one between two balls, to the working precision, by interval Newton; None where
-    that is not told.
-
-    Args:
-        low, high: the balls.
-        value, slope: the polynomial and its derivative, as enclosures.
-
-    >>> zero = sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
-    >>> zero.rel_accuracy_bits() > 40, abs(zero * zero - 2) < 1e-14
-    (True, True)
-    """
-    at = low.union(high)  # a ball about both ends is a little wider: where the slope is below 0, no zero more is in it
-    while True:
-        middle, fall, near = at.mid(), slope(at), None
-        if fall < 0:
-            near = middle - value(middle) / fall
-            if not near.overlaps(at):
-                return None
-            near = near.intersection(at)
-            if near.rad() < at.rad() * arb(0.25):
-                at, low, high = near, near.lower(), near.upper()
-                continue
-        sign = sign_of(value(middle)) if low < middle < high else None  # where Newton's rule is slow, at is halved
-        if not sign:
-            return near
-        low, high = (middle, high) if sign > 0 else (low, middle)
-        narrower = low.union(high)
-        if not narrower.rad() < at.rad() * arb(0.75):
-            return near
-        at = narrower
-
-
 # -- Exactly, where coefficients are rational.
 
 
@@ -547,6 +514,7 @@ class RoundFalls(Generic[N]):
 
     scene: Scene
     zero: N
+    one: N
     constant: Callable[[Quantity], N]
     root: Callable[[N], N]
     falling: Gravity[N] | None
@@ -641,7 +609,7 @@ class RoundFalls(Generic[N]):
         """
         body = self.faller(link)
         last, (at, links) = body.flight.last, self.contacts.get(body.index, (-1, dict[Link, int]()))
-        begun = links if at == last else {}
+        begun = links if at == last else dict[Link, int]()
         if last == 0:
             begun = {**dict.fromkeys((*touching_at_start(self.scene), *rims_at_start(self.scene)), 1), **begun}
         if link in begun or not is_arc(link):
@@ -659,15 +627,47 @@ class RoundFalls(Generic[N]):
     # -- when they meet
 
     def peg_hit(self, link: Round) -> tuple[N, N]:
-        """As `Flights.round_hit`: in closed numbers there is none, but for what falls straight onto the middle.
+        """As `Flights.round_hit`: in closed numbers where it falls straight onto the middle, or the gap has factors.
 
         Raises:
             LeavesField, TowerLimit, NoClosedForm: by the kind of the numbers.
         """
-        gap, approach, half = self.axial_fall(link)
-        root, clock = self.root(fall_discriminant(gap, approach, half)), self.faller(link).flight.t
+        clock = self.faller(link).flight.t
+        try:
+            gap, approach, half = self.axial_fall(link)
+        except (LeavesField, TowerLimit):
+            p, turn, square = self._factored(link)
+            return clock, p + turn * self.root(square)
+        root = self.root(fall_discriminant(gap, approach, half))
         back = field_sign(half) < 0  # pyright: ignore[reportArgumentType]
         return clock, fall_time_back(approach, half, root) if back else fall_time(gap, approach, root)
+
+    def peg_parts(self, link: Round) -> tuple[N, N, N]:
+        """As `Flights.round_parts`, where `peg_hit` has a number."""
+        clock = self.faller(link).flight.t
+        try:
+            gap, approach, half = self.axial_fall(link)
+        except (LeavesField, TowerLimit):
+            p, turn, square = self._factored(link)
+            return clock + p, turn, square
+        pull = half + half
+        return clock - approach / pull, -(self.one / pull), fall_discriminant(gap, approach, half)
+
+    def _factored(self, link: Round) -> tuple[N, N, N]:
+        """The wait as p + turn sqrt(D), where the gap is a polynomial of fractions, with a factor of low degree.
+
+        Raises:
+            LeavesField, TowerLimit: where it is not.
+        """
+        found = self.peg_fall(link).polynomial(self.stood(link))
+        known = [value.fraction() if isinstance(value, Element) else value for value in found]
+        c = [value for value in known if isinstance(value, fmpq)]
+        if not is_pair(link) or len(c) < len(known) or not c[0] > 0:
+            self.no_closed_form()
+        zero = falling_zero_exactly(c)
+        told = None if isinstance(zero, bool) else in_square_roots(*zero[:3])
+        zeros: Any = self.zero
+        return zeros + (told or self.no_closed_form())[0], zeros + told[1], zeros + told[2]
 
     def axial_fall(self, link: Round) -> tuple[N, N, N]:
         """Of a circle that falls along the line through the middle of another: gap, approach, half of the pull.

@@ -16,7 +16,6 @@ from ...scenarios.work import product_units
 from ..laws.formulas import (
     advance,
     damped,
-    fall_discriminant,
     pair_approach,
     pair_discriminant,
     pair_gap,
@@ -369,10 +368,7 @@ class Flights(RoundFalls[N], WallFlights[N]):
     def round_parts(self, link: Round) -> tuple[N, N, N]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
         if self.curved and self.stands and self.on_peg(link):
-            gap, approach, half = self.axial_fall(link)
-            pull = half + half
-            t, disc = self.faller(link).flight.t, fall_discriminant(gap, approach, half)
-            return t - approach / pull, -(self.one / pull), disc
+            return self.peg_parts(link)
         t, dx, dy, vx, vy, reach = self.relation(link)
         a = vx * vx + vy * vy
         disc = pair_discriminant(dx, dy, vx, vy, reach)

@@ -294,6 +294,41 @@ def test_what_comes_next_after_a_touch_is_what_zeros_in_fractions_say() -> None:
     assert min(kinds[kind] for kind in ("none", "presses", "same", "other")) >= 2
 
 
+def beside(x: str) -> Scene:
+    """A ball that falls from (0, 4) beside a peg at (x, 1), 1 and a quarter away at a hit, onto a floor."""
+    peg = Circle(x, 1, "1/4", m="oo", id="peg")
+    return Scene([Circle(0, 4, id="ball"), peg], [Wall(0, -9, 1, -9, id="floor")], gravity=(0, -2))
+
+
+@pytest.mark.parametrize(
+    ("x", "time"),
+    [
+        ("3/4", "sqrt(2)"),  # the gap, (3 - t^2)^2 - 1, has factors of second degree
+        ("-3/4", "sqrt(2)"),
+        ("1", "3/2"),  # (3 - t^2)^2 - 9/16
+        ("1/3", None),  # (3 - t^2)^2 = 209/144: of no such factors
+    ],
+)
+def test_a_zero_of_a_quartic_with_factors_is_closed(x: str, time: str | None) -> None:
+    run = ExactEngine().run(beside(x), events=3)
+    assert tuple(run.events[0].contacts[0]) == ("ball", "peg")
+    if time is None:
+        with pytest.raises(NoClosedForm):
+            run.events[0].time.sympy()
+        return
+    assert Quantity.of(run.events[0].time.text()) == Quantity.of(time)
+    assert run.plan["bits"] == 256
+
+
+def test_what_comes_exactly_at_a_limit_after_such_a_zero_is_told() -> None:
+    first = ExactEngine().run(beside("1"), events=2)
+    assert first.events[1].time.text() is not None
+    second = Quantity.of(first.events[1].time.text())
+    at = ExactEngine().run(beside("1"), until=second)
+    assert len(at.events) == 2
+    assert len(ExactEngine().run(beside("1"), until=second - Quantity.of("1/10**60")).events) == 1
+
+
 def passing(off: str) -> Scene:
     """A ball whose way has its top below a peg, which it grazes there; the peg is so much higher."""
     peg = Circle(1, f"3/2+({off})", "1/2", m="oo", id="peg")
