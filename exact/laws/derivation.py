@@ -18,6 +18,7 @@ from sympy import (
     field,
     integrate,
     limit,
+    linear_eq_to_matrix,
     linsolve,
     oo,
     sqf_list,
@@ -25,6 +26,7 @@ from sympy import (
     symbols,
 )
 from sympy.polys.fields import FracElement
+from sympy.polys.matrices import DomainMatrix
 
 # -- Solve a system of polynomial equations by eliminating the unknowns that occur linearly.
 #
@@ -525,10 +527,14 @@ def wall_instant_speed() -> Expr:
 
 
 def _linear(statement: Statement) -> tuple[Expr, ...]:
-    """The one solution of a system that is linear in its unknowns."""
-    solutions: Any = linsolve(list(statement.equations), statement.unknowns)
-    (solution,) = solutions
-    return tuple(cancel(value) for value in solution)
+    """The one solution of a system that is linear in its unknowns, in lowest terms; rational, but for denominators."""
+    residuals = [numerator(equation.lhs - equation.rhs) for equation in statement.equations]
+    matrix, right = linear_eq_to_matrix(residuals, *statement.unknowns)
+    domain = QQ.frac_field(*sorted(matrix.free_symbols | right.free_symbols, key=str))
+    rows = [[domain.from_sympy(x) for x in row] for row in matrix.row_join(right).tolist()]
+    system = DomainMatrix([row[:-1] for row in rows], matrix.shape, domain)
+    sides = DomainMatrix([row[-1:] for row in rows], right.shape, domain)
+    return tuple(domain.to_sympy(x) for x in system.lu_solve(sides).to_list_flat())
 
 
 def _first_of_each(statement: Statement, count: int) -> tuple[Expr, ...]:
