@@ -16,7 +16,7 @@ from ..numbers import ball
 from ..numbers.system import Undecided
 from ..question import Abreast, Approach, Beside, FallsStraight, Gap, Question
 from ..replay.contact import AtArc, AtWall, Body, Entry, Link, Pair, Round, is_arc, is_flat, is_pair, name_of
-from ..replay.landings import DoubleZero, Landing, begins_at, face_gone_onto, grazes_of, landing, passes, within_arc
+from ..replay.landings import DoubleZero, Landing, face_gone_onto, grazes_of, landing, passes, within_arc
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import DEEPEST, MOST_PARTS, Started, halves, sharpened_in_doubles, started
 from ..replay.state import ReplayState
@@ -482,8 +482,6 @@ class PegPredictor(FallingPredictor):
             sign: answers a question where balls do.
             decide: answers it in full, or raises `Undecided`.
         """
-        if self._slides_off(link):
-            return None
         for question in FallsStraight(link), Abreast(link):
             if sign(question) not in (0, None):
                 return None
@@ -509,17 +507,6 @@ class PegPredictor(FallingPredictor):
             return left
         beyond = is_arc(link) and all(self._grazes_within(link, time) == -1 for time in left)
         return [] if beyond else None  # its gap is minus that square: what is in the range, or at its end, is across
-
-    def _slides_off(self, link: Round) -> bool:
-        """Whether a face begins at an end along gravity, along which a circle slides that passes the end straight."""
-        circle, end = (
-            next((i for i in link.circles if (i in self.scene.ends) is of_end), None) for of_end in (False, True)
-        )
-        if circle is None or end is None:
-            return False
-        there, sides = self.scene.circles[end], self.refinable.balls.sides
-        faces = (k for k in self.scene.faces if begins_at(self.scene.walls[k], there))
-        return any(sides.pull(circle, k) == 0 for k in faces)
 
     def grazed(self, link: Round, zeros: Sequence[DoubleZero | arb]) -> Landing:
         """The first of the times at which two graze, none, or that it is unclear; the others are queued."""

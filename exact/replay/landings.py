@@ -462,7 +462,7 @@ def face_gone_onto(state: Flights[FieldNumber], link: Round) -> int | None:
     fall, twice, there = state.peg_fall(link), whole.gcd(whole.derivative()), scene.circles[end]
     for k, face in enumerate(scene.walls):
         beside = k in scene.faces and (face.vx, face.vy) == there.drift and begins_at(face, there)
-        if not beside or state.sides.pull(circle, k) > 0:
+        if not beside or state.sides.pull(circle, k) >= 0:
             continue
         nx, ny = (state.constant(part) for part in face.normal)
         along = [ny * x - nx * y for x, y in ((fall.dx, fall.dy), (fall.vx, fall.vy), (-fall.hx, -fall.hy))]

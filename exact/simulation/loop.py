@@ -572,7 +572,8 @@ def part_from_round(
             decider.do(Leave(link, 1))
         if sign or not (new or faller is None):
             continue
-        fold, bend, alone = 0, 0, [other for other in standing if not standing[other] and faller in other.circles] == [link]
+        fold, bend = 0, 0
+        alone = [other for other in standing if standing[other] == 0 and faller in other.circles] == [link]
         if faller is not None and not _leads_on(decider, scene, link, faller):
             fold, bend = next(((k, sign) for k in (2, 3, 4) if (sign := decider.ask(Bend(link, k)))), (0, 0))
         if bend > 0:

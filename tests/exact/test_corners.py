@@ -432,3 +432,17 @@ def test_two_sides_of_one_line_are_not_one() -> None:
     data = scene_data(Scene([ball], [FLOOR], segments=[back], gravity=(0, -10)).surfaces)
     lines = [data.line_of(AtWall(0, k)) for k in range(3)]
     assert sorted(lines.count(line) for line in lines) == [1, 2, 2]
+
+
+@pytest.mark.parametrize(("start", "end", "events"), [(1, 90, 2), (1, 30, 1), (40, 90, 1)])
+def test_what_falls_along_an_upright_face_passes_its_ends_and_leans_on_it_between_them(start, end, events) -> None:
+    # it rises along x = 3/2 and is struck at 3, at a height of 63/2, towards the face, which it touches all along
+    bar = Segment("1/2", start, "1/2", end, id="bar")
+    ball = Circle("3/2", 0, vy=12, id="ball")
+    side = Circle("19/2", 0, vx=-2, vy=12, id="side")
+    run = ExactEngine().run(Scene([ball, side], segments=[bar], gravity=(0, -1)), until="7/2")
+    (hit,) = run.events
+    assert hit.time.text() == "3"
+    assert len(hit.contacts) == events
+    speeds = [run.final[name].vx.text() for name in ("ball", "side")]
+    assert speeds == (["0", "2"] if events == 2 else ["-2", "0"])
