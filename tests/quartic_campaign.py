@@ -19,6 +19,7 @@ from flint import arb, fmpq
 from quartic_referee import Poly, first_fall
 
 from truebreak.exact.numbers import ball
+from truebreak.exact.numbers.ball import sharpened
 from truebreak.exact.replay import round_falls
 from truebreak.exact.replay.round_falls import (
     PRIMES,
@@ -31,7 +32,6 @@ from truebreak.exact.replay.round_falls import (
     gap_quartic,
     horner,
     horner_slope,
-    sharpened,
 )
 
 WIDTH = Fraction(1, 2**220)

@@ -37,7 +37,6 @@ from truebreak.exact.replay.round_falls import (
     falling_zero_exactly,
     falling_zero_in_balls,
     gap_quartic,
-    sharpened,
 )
 
 
@@ -137,7 +136,7 @@ def test_a_double_zero_is_a_graze_and_no_hit() -> None:
 
 def test_newton_sharpens_to_the_working_precision() -> None:
     with ball.precision(2000):
-        zero = sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
+        zero = ball.sharpened(arb(1.25), arb(1.5), lambda t: 2 - t * t, lambda t: -2 * t)
         assert zero is not None
         assert zero.rel_accuracy_bits() > 1980
         assert (zero * zero - 2).contains(0)
