@@ -192,7 +192,9 @@ class RefinableState:
         bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
         if len(exact) == len(bodies):
-            if self.field is None or self.numbers.tower.depth or not is_pair(link) or self.field.on_peg(link):
+            if self.field is None or self.numbers.tower.depth or not is_pair(link):
+                return False
+            if self.field.stands and self.field.on_peg(link):
                 return False
             if not self.numbers.leaves(self.field.discriminant(link)):
                 return False

@@ -13,6 +13,7 @@ from typing import Generic, NamedTuple, TypeAlias
 
 from ...scenarios.engine import endable
 from ...scenarios.errors import TimeIsUp
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
@@ -35,7 +36,7 @@ from ..replay.contact import (
 )
 from ..replay.landings import begins_at
 from ..replay.state import Constant, Kick, Leave
-from .decider import Decider, History, K, Limits, Ordinary, Reading
+from .decider import Decider, History, K, Limits, Ordinary
 from .endings import Carrier, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
 from .policies import Accumulating, Collapse, Outlasts, Policy, policy_for
@@ -454,11 +455,6 @@ class Loop(Generic[N, K]):
         done.moved |= more.moved
         return True
 
-    def _outlast(self, end: Accumulating) -> bool:
-        """Whether the limit on time comes before infinitely many hits have all happened: those by then are listed."""
-        until = self.limits.until
-        return until is not None and self.decider.ask(Outlasts(end, until)) > 0
-
     def _look_for_endings(self, instant: Instant, done: Resolved[K], standing: Mapping[Link, int]) -> None:
         """Notes where an instant under gravity leaves a circle at rest, or bouncing to an end."""
         endings = self.endings
@@ -474,7 +470,7 @@ class Loop(Generic[N, K]):
                 wait = self.decider.reading.bounces(Accumulating(link))
                 lasting = self.resolver.touching.all()
                 ends = endings.ends(link, other, time, wait, rows, lasting)
-                if ends and self._outlast(Accumulating(link)):
+                if ends and outlasts(self.decider, Accumulating(link), self.limits.until):
                     continue
                 if ends and not self._calmed(link, other, instant, done):
                     endings.found, both = Accumulating(link), [link.wall, *([other] if other >= 0 else [])]
@@ -485,7 +481,7 @@ class Loop(Generic[N, K]):
         if endings.lines is not None:
             for _, _, impulses, _, _ in done.events:
                 found = endings.lines.note(impulses)
-                self._ended = _collapse(self.scene, self.decider.reading, endings, found, self._outlast)
+                self._ended = _collapse(self.scene, self.decider, endings, found, self.limits.until)
                 if self._ended is not None:
                     return
         if endings.closes and done.events and self.history.last is not None:
@@ -601,21 +597,27 @@ def _leads_on(decider: Decider[N, K], scene: Scene, link: Touch, faller: int) ->
     return any(decider.ask(Gap(other)) == 0 for other in (*faces, *sides))
 
 
+def outlasts(decider: Decider[N, K], end: Accumulating, until: Quantity | None) -> bool:
+    """Whether a limit on time comes before infinitely many hits have all happened: those by then are listed."""
+    return until is not None and decider.ask(Outlasts(end, until)) > 0
+
+
 def _collapse(
     scene: Scene,
-    reading: Reading[N, K],
+    decider: Decider[N, K],
     endings: Endings,
     found: Iterable[Collapse],
-    outlast: Callable[[Accumulating], bool],
+    until: Quantity | None,
 ) -> Stop | None:
     """Why hits in turns on a line end a run, if they do: as they have no last one before a limit on time."""
+    reading = decider.reading
     for collapse in found:
         time, rows = reading.fallen(collapse.link[0])
         end = Accumulating(collapse.link, collapse.other)
         wait = reading.bounces(end)
         if not wait > 0 or endings.lines is None or not endings.lines.lately(collapse, time, wait):
             continue
-        if endings.collapses(collapse, wait, rows) and not outlast(end):
+        if endings.collapses(collapse, wait, rows) and not outlasts(decider, end, until):
             endings.found = end
             names = " as well as ".join(name_of(scene, link) for link in (collapse.link, collapse.other))
             told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"

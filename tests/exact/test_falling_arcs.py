@@ -681,7 +681,9 @@ def test_a_disc_that_comes_to_an_arc_along_its_end_is_not_let_through(y: str, ar
 def test_what_slides_on_along_a_face_from_its_end_is_not_told_to_graze_it() -> None:
     bar = Segment(1, "1/2", 1, -5, id="bar")
     scene = Scene([Circle(0, "9+sqrt(2)", r=1, id="ball")], [], segments=[bar], gravity=(0, -2))
-    assert ExactEngine().run(scene, until=9).stop.reason is StopReason.UNDECIDED
+    run = ExactEngine().run(scene, until=9)
+    assert (run.stop.reason, run.events) == (StopReason.HORIZON, ())
+    assert run.final["ball"].y.text() == "sqrt(2) - 72"
 
 
 @pytest.mark.parametrize("k", [100, 300])
