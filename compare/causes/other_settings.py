@@ -15,7 +15,7 @@ from ...exact.laws.formulas import pair_approach, pair_discriminant, pair_gap, w
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
-from ..alignment.align import align
+from ..alignment.align import UNKNOWING, align
 from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED, history
 from ..audit.passages import passes_between
@@ -78,6 +78,9 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         except EngineError as refused:  # that is evidence of nothing
             why = f"a step of {finer.step:.3g} cannot be judged: {refused}"
             break
+        if ends_early(lab, run, until, finer.step):
+            why = f"with a step of {finer.step:.3g} it ends at time {float(run.final_time):.6g}"
+            break
         agrees.append(gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
         if agrees[-2:] == [True, True] and not _by_chance(lab):
@@ -121,9 +124,12 @@ def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     for times in ("four", "sixteen"):
         more = firmer_of(firmer_of(more) or more) or more if told else firmer_of(more) or more
         try:
-            agrees = gone(lab, lab.run(more, lab.study.scene, until), more.step)
+            run = lab.run(more, lab.study.scene, until)
         except EngineError as refused:
             return [Experiment(cause, f"not tried: with {times} times as many it cannot be judged: {refused}")]
+        if ends_early(lab, run, until, more.step):
+            return [Experiment(cause, f"not tried: with {times} times as many it ends at {float(run.final_time):.6g}")]
+        agrees = gone(lab, run, more.step)
         told.append(f"with {times} times as many it {'agrees' if agrees else 'differs too'}")
         if agrees:
             break
@@ -160,6 +166,14 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
             through = True
         return [Experiment(cause, told, None, through)]
     return [Experiment(cause, "no circle that it should meet is passed through", None, False)]
+
+
+def ends_early(lab: Laboratory, run: Trajectory, until: float, step: float | None) -> bool:
+    """Whether an engine has ended a run of its own accord before it was asked to, and has not diverged by then: that is
+    evidence of nothing."""
+    if run.stop.reason not in UNKNOWING or float(run.final_time) >= until:
+        return False
+    return align(lab.reference, run, span=lab.passing, step=step, bits=lab.engine.bits).divergence is None
 
 
 def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:

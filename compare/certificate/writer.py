@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict, T
 from flint import arb
 
 from ...exact.certified.certified_decider import FIRST_BITS
-from ...exact.exact_motion import ExactValue
+from ...exact.exact_motion import ExactValue, motion_of
 from ...exact.replay.contact import AtWall, places_of
-from ...exact.replay.state import Kick, Lift, Settle, Step
+from ...exact.replay.state import Kick, Leave, Lift, Settle, Step
 from ...exact.simulation.endings import ENDS
 from ...scenarios.disk import InSchema
 from ...scenarios.errors import SceneError
@@ -374,12 +374,19 @@ def _without_search_for_cycles() -> Iterator[None]:
             gc.enable()
 
 
+MOST_FOLD = 2
+"""Of the zero of a gap from which two part that touch as a flight begins: checkers look no further."""
+
+
 def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
     """As `certificate_of`, of a run that may have a certificate."""
     try:
         frame = _frame(trajectory)
     except Unsettled as doubt:
         raise CertificateError(f"the scene's numbers: {doubt}") from None
+    motion = motion_of(trajectory)
+    if motion is not None and any(isinstance(step, Leave) and step.fold > MOST_FOLD for step in motion.log.steps):
+        raise CertificateError("two that touch part by a zero of their gap of third or fourth fold: that has none")
     log, contacts, times = instants(trajectory)
     had = int(trajectory.plan["bits"])
     short = had <= FIRST_BITS or trajectory.stop.reason is StopReason.UNDECIDED  # it took more to tell what comes next

@@ -619,9 +619,11 @@ class Recording:
         k = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
         (ux, uy), (vx, vy), falls = rows[k][2:], before[k][2:], self.scene.gravity is not None
         remedy = "report the contacts by hit(time, a, b)" + (", or mend how it falls" if falls else "")
+        shown = [[f"{x:.{n}g}, {y:.{n}g}" for x, y in ((ux, uy), (vx, vy))] for n in (6, 9, 13, 17)]
+        given, flown = next((pair for pair in shown if pair[0] != pair[1]), shown[-1])
         raise EngineError(
-            f"{self.where}: at time {now!r} the velocity of {self.scene.ids[k]!r} is ({ux:.6g}, {uy:.6g}), where its "
-            f"flight has ({vx:.6g}, {vy:.6g}), and no contact near it explains how; {remedy}"
+            f"{self.where}: at time {now!r} the velocity of {self.scene.ids[k]!r} is ({given}), where its "
+            f"flight has ({flown}), and no contact near it explains how; {remedy}"
         )
 
     def _turn_before(self, now: float) -> None:

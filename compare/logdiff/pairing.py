@@ -321,7 +321,7 @@ class ByBodies(RecordPairs):
         found.pairs += x.role
         found.last_common = a
         found.compared["contacts"] += x.role
-        if found.reordered is None and (x.event != y.event or x.partners != y.partners or x.role != y.role):
+        if found.reordered is None and (x.event != y.event or x.partners != y.partners):
             found.reordered = x.event, y.event
         if body not in growing.bodies:
             self.last_record[0][body], self.last_record[1][body] = _letters(a), _letters(b)

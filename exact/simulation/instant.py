@@ -146,8 +146,7 @@ class Resolver(Generic[N, K]):
             self._contacts(instant.hits, instant.touches, instant, done)
         if self.carrier is not None:
             standing = {**instant.touches, **done.standing}
-            for link in self.carrier.settle(standing):
-                self.touching.add(link)
+            self.touching.settle(self.carrier.settle(standing), self.carrier.begun)
             for i in self.carrier.slide(standing, self.decider.reading.fallen, self.decider.history.steps):
                 self.leave(i, done)
             here = range(self.n) if done.number == 0 else done.advanced | done.moved

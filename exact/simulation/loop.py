@@ -18,7 +18,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.things import Squeeze
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided
-from ..question import Bend, Closing, Gap, Leans
+from ..question import Bend, Beside, Closing, Gap, Leans, Moment
 from ..replay.contact import (
     AtArc,
     AtWall,
@@ -411,7 +411,9 @@ class Loop(Generic[N, K]):
     def _resolve(self, instant: Instant) -> Resolved[K]:
         """Resolves an instant and notes it; one at which a circle is crushed is none."""
         if self.endings is not None and self.endings.closes:
-            found = self.endings.crushed((*instant.hits, *instant.touches, *self.resolver.touching.all()))
+            moment = None if instant.clock is None else Moment(instant.clock)
+            lasting = between_ends(self.scene, self.decider, self.resolver.touching.all(), moment)
+            found = self.endings.crushed((*instant.hits, *instant.touches, *lasting))
             if found is not None:
                 self._crush(found)
                 return Resolved(instant.number)
@@ -595,6 +597,16 @@ def _leads_on(decider: Decider[N, K], scene: Scene, link: Touch, faller: int) ->
     faces = (AtWall(faller, k) for k in scene.faces if begins_at(scene.walls[k], scene.circles[end]))
     sides = (AtArc(faller, k) for k in range(len(scene.arc_sides)))
     return any(decider.ask(Gap(other)) == 0 for other in (*faces, *sides))
+
+
+def between_ends(scene: Scene, decider: Decider[N, K], lasting: Iterable[Touch], moment: Moment | None) -> list[Touch]:
+    """Of contacts that last those that are there: with a face's line a circle touches the face between its ends."""
+    return [
+        link
+        for link in lasting
+        if not (is_flat(link) and link.wall in scene.faces)
+        or all(decider.ask(Beside(link, far, moment)) > 0 for far in (False, True))
+    ]
 
 
 def outlasts(decider: Decider[N, K], end: Accumulating, until: Quantity | None) -> bool:

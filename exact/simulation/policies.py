@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
 from importlib import import_module
 from itertools import pairwise
@@ -200,6 +200,11 @@ class Lasting:
     def discard(self, link: Touch) -> None:
         """A contact that ends."""
         self._links -= {link}
+
+    def settle(self, links: Iterable[Touch], carried: Collection[int]) -> None:
+        """Contacts that last as walls carry circles; what falls goes from what is carried, though both are as fast."""
+        kept = (link for link in self._links if not (is_pair(link) and (link.a in carried) is not (link.b in carried)))
+        self._links = frozenset((*kept, *links))
 
     def all(self) -> frozenset[Touch]:
         """Every lasting contact."""

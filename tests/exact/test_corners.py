@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -446,3 +447,33 @@ def test_what_falls_along_an_upright_face_passes_its_ends_and_leans_on_it_betwee
     assert len(hit.contacts) == events
     speeds = [run.final[name].vx.text() for name in ("ball", "side")]
     assert speeds == (["0", "2"] if events == 2 else ["-2", "0"])
+
+
+@pytest.mark.parametrize("speed", ["0", "1"])
+def test_what_falls_goes_from_what_lies_though_they_have_one_velocity(speed: str) -> None:
+    # they touch side by side; one lies, the other falls by 1/2, and was pushed apart from it at its landing
+    low = Circle(1, 1, 1, vx=speed, id="lies")
+    fall = Circle("5/2", 1, "1/2", vx=speed, id="falls")
+    law = {"gravity": (0, -1), "restitution": 1, "settle": True}
+    run = ExactEngine().run(Scene([fall, low], [FLOOR], **law), until=6)
+    assert [tuple(event.contacts[0]) for event in run.events] == [("falls", "floor")] * 3
+    assert [event.time.text() for event in run.events] == ["1", "3", "5"]
+    assert run.final["falls"].vx.text() == speed
+
+
+def test_between_a_wall_and_the_line_of_a_face_beyond_its_ends_nothing_is_crushed() -> None:
+    top, ball = Wall(0, 6, 1, 6, id="top"), Circle(0, 1, vy=1, id="ball")
+    beside = Segment(-4, 0, "-7/2", 0, vy=1, id="face")
+    run = ExactEngine().run(Scene([ball], [top], segments=[beside]), until=6)
+    assert (run.stop.reason, [event.time.text() for event in run.events]) == (StopReason.HORIZON, ["4"])
+    below = Segment(-4, 0, 4, 0, vy=1, id="face")
+    assert ExactEngine().run(Scene([ball], [top], segments=[below]), until=6).stop.reason is StopReason.CRUSHED
+
+
+def test_what_parts_by_a_fourfold_zero_has_no_certificate_and_says_so() -> None:
+    peg, ball = Circle(0, 0, 1, m="oo", id="peg"), Circle(2, 0, 1, id="ball")
+    run = ExactEngine().run(Scene([ball, peg], gravity=(0, -1)), until=1)
+    with pytest.raises(CertificateError, match="fourth fold"):
+        certificate_of(run)
+    faster = ExactEngine().run(Scene([replace(ball, vy=1), peg], gravity=(0, -1)), until=1)
+    assert is_verified(faster)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,6 +13,7 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.causes.diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import rounded
+from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Quantity, Scene, Wall, catalogue
@@ -291,3 +293,51 @@ def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.UNKNOWN
     assert "its errors act on each other too much to be distinguished" in found.diagnosis.finding
+
+
+# -- What a run that ends early tells.
+
+
+@dataclass(frozen=True)
+class Large(RecordedEngine):
+    """Takes discs for larger than they are, pushes what overlaps at the end of a step, and ends after so many steps."""
+
+    step: float = 1 / 64
+    most: int = 10**6
+    name = "large"
+    scene_keys = frozenset({"gravity", "restitution"})
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """See `RecordedEngine.play`."""
+        dt, ids = self.step, scene.ids
+        place = [[float(c.x), float(c.y)] for c in scene.circles]
+        speed = [[float(c.vx), float(c.vy)] for c in scene.circles]
+        k = 0
+        while recording.open and k < self.most:
+            k += 1
+            for p, v in zip(place, speed, strict=True):
+                v[1] -= dt
+                p[0], p[1] = p[0] + v[0] * dt, p[1] + v[1] * dt
+            (ax, ay), (bx, by) = place
+            dx, dy = bx - ax, by - ay
+            far = math.hypot(dx, dy)
+            closing = ((speed[1][0] - speed[0][0]) * dx + (speed[1][1] - speed[0][1]) * dy) / far
+            if far < 2.1 and closing < 0:
+                for v, sign in ((speed[0], 1), (speed[1], -1)):
+                    v[0], v[1] = v[0] + sign * closing / 2 * dx / far, v[1] + sign * closing / 2 * dy / far
+                rows = {name: (*p, *v) for name, p, v in zip(ids, place, speed, strict=True)}
+                recording.hits(k * dt, [(ids[0], ids[1])], rows)
+            recording.state(k * dt, [(*p, *v) for p, v in zip(place, speed, strict=True)])
+        if recording.open:
+            recording.spent(f"{self.most} steps")
+
+
+def test_a_finer_step_that_ends_before_the_event_is_evidence_of_nothing() -> None:
+    discs = [Circle(0, 0, vx=2, id="a"), Circle(8, "2.03", id="b")]
+    scene = Scene(discs, gravity=(0, -1), restitution=0)
+    for most, told in ((10**6, "differs"), (325, "it ends at time 2.5")):
+        (found,) = compare(scene, [Large(most=most)], until=5).candidates
+        assert found.diagnosis is not None
+        (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName["STEP"]]
+        assert told in str(row)
+        assert "agrees" not in str(row)

@@ -100,6 +100,14 @@ def test_order_names_and_clock_are_no_difference(compared: Any) -> None:
     assert compared(told, again).verdict.name is Finding.IDENTICAL
 
 
+def test_the_two_of_a_contact_have_no_order(compared: Any) -> None:
+    states = {"a": [1.0, 0.0, 0.5, 0.0], "b": [3.0, 0.0, 0.25, 0.0], "c": [5.0, 0.0, 0.75, 0.0]}
+    lines = [{"time": float(k), "contact": pair, "states": states} for k, pair in enumerate(("ab", "bc", "ab"), 1)]
+    one, other = ([{**line, "contact": list(line["contact"])} for line in lines] for _ in range(2))
+    other[1]["contact"] = ["c", "b"]
+    assert compared(one, other).verdict.name is Finding.IDENTICAL
+
+
 def test_what_a_log_lacks_is_said(compared: Any) -> None:
     told = full(pile())
     for other, why in (
