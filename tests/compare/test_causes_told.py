@@ -230,6 +230,7 @@ def test_one_finer_step_that_agrees_is_not_enough(monkeypatch: pytest.MonkeyPatc
             return finer
 
     monkeypatch.setattr(other_settings, "gone", lambda lab, run, step: lab.answers[lab.took - 1])
+    monkeypatch.setattr(other_settings, "ends_early", lambda lab, run, until, step: False)
     monkeypatch.setattr(other_settings, "series_steps", lambda engine: 300)  # to two halvings of 1/64
     for answers, enough, runs in (
         ([False, True, False], False, 3),
