@@ -63,6 +63,7 @@ LEFT_OUT = (
     *("compare/report/pictures", "compare/play/play_server.py", "compare/play/page_files.py", "tools/building.py"),
     *("compare/play/engine_process.py", "exact/digest.py", "floating/pymunk_engine.py", "floating/pymunk_run.py"),
     *("floating/pymunk_space.py", "floating/interval.py", "floating/single.py", "floating/rounded.py"),
+    "floating/quad.py",
 )
 """What no message of the page reaches; `tests/compare/play/test_in_browser.py` runs the catalogue without it."""
 
