@@ -146,7 +146,7 @@ class Resolver(Generic[N, K]):
             self._contacts(instant.hits, instant.touches, instant, done)
         if self.carrier is not None:
             standing = {**instant.touches, **done.standing}
-            self.touching.settle(self.carrier.settle(standing), self.carrier.begun)
+            self.touching.settle(self.carrier.settle(standing), self.carrier.begun | self.scene.pegs)
             for i in self.carrier.slide(standing, self.decider.reading.fallen, self.decider.history.steps):
                 self.leave(i, done)
             here = range(self.n) if done.number == 0 else done.advanced | done.moved

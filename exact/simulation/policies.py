@@ -201,9 +201,9 @@ class Lasting:
         """A contact that ends."""
         self._links -= {link}
 
-    def settle(self, links: Iterable[Touch], carried: Collection[int]) -> None:
+    def settle(self, links: Iterable[Touch], stand: Collection[int]) -> None:
         """Contacts that last as walls carry circles; what falls goes from what is carried, though both are as fast."""
-        kept = (link for link in self._links if not (is_pair(link) and (link.a in carried) is not (link.b in carried)))
+        kept = (link for link in self._links if not (is_pair(link) and (link.a in stand) is not (link.b in stand)))
         self._links = frozenset((*kept, *links))
 
     def all(self) -> frozenset[Touch]:

@@ -477,3 +477,13 @@ def test_what_parts_by_a_fourfold_zero_has_no_certificate_and_says_so() -> None:
         certificate_of(run)
     faster = ExactEngine().run(Scene([replace(ball, vy=1), peg], gravity=(0, -1)), until=1)
     assert is_verified(faster)
+
+
+def test_what_lies_beside_something_round_touches_it_on_while_others_bounce() -> None:
+    peg, lies = Circle(2, 1, m="oo", id="peg"), Circle(0, 1, id="lies")
+    other, blow = Circle(9, 2, id="other"), Circle(-6, 1, vx=1, id="blow")
+    run = ExactEngine().run(scene([peg, lies, other, blow], [FLOOR], "1/2"), until=5)
+    hit = run.events[-1]
+    assert hit.time.text() == "4"
+    assert {frozenset(pair) for pair in hit.contacts} >= {frozenset(("lies", "blow")), frozenset(("lies", "peg"))}
+    assert len(run.events) > 5
