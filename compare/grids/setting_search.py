@@ -42,6 +42,10 @@ LOW, MIDDLE, HIGH = range(3)
 """Of `LEVELS`: where one run in twenty has diverged, a half, and all but one in twenty."""
 
 
+ROOMIER = 16
+"""Times the budget: a step halved, with the most iterations, costs no more than that of the one before."""
+
+
 class SearchEnd(Enum):
     """How a search ended."""
 
@@ -136,8 +140,8 @@ class Advice:
         beyond: costlier settings, tried after that.
         cost: of the setting that is right.
         why: where none is, why.
-        next: where the budget ended the search, the setting that it did not suffice for; where a prediction did, the
-            next one.
+        next: where the budget ended the search, the setting that it did not suffice for, be it beyond the one that is
+            right; where a prediction did, the next one.
         instead: where none is right, truebreak's own engines of doubles and of pairs of doubles, up to one that is.
         instances: the scenes, as far as they were needed.
     """
@@ -508,7 +512,13 @@ class _Search:
             beyond.extend(self._try(setting, None) for setting in costlier[:BEYOND])
         except _Spent:
             pass
-        return replace(self._told(tuple(tried), SearchEnd.FOUND), beyond=tuple(beyond), cost=took)
+        after = None if beyond else next(iter(costlier or self._beyond_budget()), None)
+        return replace(self._told(tuple(tried), SearchEnd.FOUND, after=after), beyond=tuple(beyond), cost=took)
+
+    def _beyond_budget(self) -> list[Setting]:
+        """The settings that come next in the ladder, had the budget more room."""
+        rungs = ladder(self.engine, RunSize.of(self.home.study.reference), ROOMIER * self.budget)
+        return [setting for setting in rungs if setting.work > self.budget]
 
     def _none(self, tried: list[Tried], end: SearchEnd, after: Setting | None) -> Advice:
         self.tasks.end()

@@ -339,7 +339,7 @@ def _luck(advice: Advice) -> list[str]:
         told.append(f"Costlier ones tried, and right everywhere too: {'; '.join(good)}.")
     elif advice.named is not None and not advice.beyond:
         told.append("No costlier one was looked at: "
-                    + ("the budget is spent." if advice.next is not None else "there is none."))  # fmt: skip
+                    + ("the budget has no room for it." if advice.next is not None else "there is none."))  # fmt: skip
     return told
 
 

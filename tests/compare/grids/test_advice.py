@@ -7,6 +7,7 @@ import math
 import random
 from dataclasses import replace
 from fractions import Fraction
+from itertools import count
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -207,6 +208,18 @@ class Unsure(ExactEngine):
         told = super().run(scene, **limits)
         stop = Stop(StopReason.UNDECIDED, "undecided: for this test")
         return replace(told, stop=stop) if scene.digest in self.on else told
+
+
+def test_why_no_costlier_setting_was_looked_at_is_told() -> None:
+    one = advise(drawn(1), HistoryGoal(3), "double", perturbed=1)
+    assert (one.next, one.beyond) == (None, ())
+    assert "No costlier one was looked at: there is none." in advice_sentences(one)
+    # the budget grows until it suffices for the first setting that is right, and for no more
+    tried = (advise(drawn(1), HistoryGoal(3), "interval", perturbed=0, budget=int(100 * 1.1**k)) for k in count())
+    told = next(advice for advice in tried if advice.named is not None)
+    assert told.beyond == ()
+    assert told.next is not None
+    assert "No costlier one was looked at: the budget has no room for it." in advice_sentences(told)
 
 
 def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
