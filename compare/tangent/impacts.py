@@ -39,7 +39,7 @@ from ...exact.replay.contact import (
     places_of,
 )
 from ...exact.replay.landings import begins_at
-from ...exact.replay.state import Go, Kick, ReplayState
+from ...exact.replay.state import Go, Kick, Leave, ReplayState
 from ...scenarios.lazy import Later
 from ...scenarios.numbers.quantity import ZERO, Quantity
 from ...scenarios.things import Circle
@@ -485,7 +485,9 @@ def _replayed(
                 if isinstance(step, Kick):
                     mine.append(list(_struck(state, step.links, together)))
                 elif not isinstance(step, Go):
-                    raise NoTangentMap(f"event {event.index}: the run turns back at it", event.index)
+                    touch = "two touch there without a push of their own: a displacement would make them overlap"
+                    why = touch if isinstance(step, Leave) else "the run turns back at it"
+                    raise NoTangentMap(f"event {event.index}: {why}", event.index)
                 state.do(step)
             done = upto
             found.append(mine)
