@@ -69,6 +69,11 @@ class Candidate:
         return self.laws is not None and self.laws.kept is False
 
     @property
+    def by_law(self) -> bool:
+        """Whether a law that it does not keep is why its history differs, or may be: nothing else is known to be."""
+        return self.lawless and (self.diagnosis is None or self.diagnosis.name.name in ("LAW", "UNKNOWN"))
+
+    @property
     def right(self) -> bool:
         """Whether it agrees, and is not known to break a law."""
         return self.verdict == "agree" and not self.lawless

@@ -42,8 +42,7 @@ class Audit:
         kept: whether the engine keeps the laws; None where that cannot be told.
         reason: why it cannot be told, or that a finer step shows it; "" elsewhere.
         impacts, flights: how many steps were audited: contacts, and straight flights.
-        violations: the first step of each kind that misses a law, in order of time.
-        counts: how many steps of each kind do.
+        missed: the steps that miss a law, in order of time.
         worst: for each kind, the largest residual as a share of what rounding may make of it.
         unit: of the engine's numbers.
         fit: the simplest description of what is missed.
@@ -58,8 +57,7 @@ class Audit:
     reason: str = ""
     impacts: int = 0
     flights: int = 0
-    violations: tuple[Violation, ...] = ()
-    counts: Mapping[str, int] = field(default_factory=dict[str, int])
+    missed: tuple[Violation, ...] = field(default=(), repr=False)
     worst: Mapping[str, float] = field(default_factory=dict[str, float])
     unit: float = TOLD
     fit: Fit | None = None
@@ -72,7 +70,18 @@ class Audit:
     @property
     def first(self) -> Violation | None:
         """The first step that misses a law."""
-        return self.violations[0] if self.violations else None
+        return self.missed[0] if self.missed else None
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """The first step of each kind that misses a law, in order of time."""
+        firsts = {found.kind: found for found in reversed(self.missed)}
+        return tuple(found for found in self.missed if firsts[found.kind] is found)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many steps of each kind miss a law."""
+        return dict(Counter(found.kind for found in self.missed))
 
     @property
     def steps(self) -> str:
@@ -162,8 +171,7 @@ class _Notes:
 
     def __init__(self, ids: tuple[str, ...], allows: Mapping[str, float]) -> None:
         self.ids, self.allows = ids, allows
-        self.first: dict[str, Violation] = {}
-        self.counts, self.declared = Counter[str](), Counter[str]()
+        self.found, self.declared = list[Violation](), Counter[str]()
         self.worst: dict[str, float] = dict.fromkeys(KINDS, 0.0)
         self.phantoms: tuple[int, int, float] | None = None
 
@@ -180,9 +188,7 @@ class _Notes:
         if size > self.worst[kind] * room:
             self.worst[kind] = size / room if room else math.inf
         if size > room:
-            self.counts[kind] += 1
-            if kind not in self.first or (time, event) < (self.first[kind].time, self.first[kind].event):
-                self.first[kind] = Violation(kind, event, time, tuple(self.ids[k] for k in bodies), size, room)
+            self.found.append(Violation(kind, event, time, tuple(self.ids[k] for k in bodies), size, room))
 
     def _allowed(self, kind: str, over: float, speed: float, flown: float) -> str | None:
         """Which declaration of the engine's grants a residual, if one does."""
@@ -200,9 +206,9 @@ class _Notes:
         return None
 
     @property
-    def violations(self) -> tuple[Violation, ...]:
-        """The first of each kind, by time."""
-        return tuple(sorted(self.first.values(), key=lambda violation: (violation.time, violation.event)))
+    def missed(self) -> tuple[Violation, ...]:
+        """What misses a law, by time."""
+        return tuple(sorted(self.found, key=lambda found: (found.time, found.event)))
 
 
 def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mapping[str, float]) -> Audit:
@@ -237,13 +243,12 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
             continue  # what slides along is carried into it by the rounding of no speed at all, in endless time
         event, at = bisect_right(times, passage.time), passage.time
         notes.take(passage.residual, event, at, flown=at - passage.began)
-    fit = None
-    if notes.first:
+    fit, missed = None, notes.missed
+    if missed:
         samples, ways = _described(transcript, laws)
-        fit = description_of(descriptions(laws, samples, ways, ids), notes.counts)
-    kept = None if reason and not notes.first else not notes.first
+        fit = description_of(descriptions(laws, samples, ways, ids), missed)
     return Audit(
-        kept, reason, impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
+        None if reason and not missed else not missed, reason, impacts, flights, missed, notes.worst, laws.unit, fit,
         declared=dict(notes.declared), phantoms=notes.phantoms,
     )  # fmt: skip
 
@@ -282,9 +287,8 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
             begun.take(found, 0, 0.0)
         fits = _described_steps(laws, measures, {"impulse"})
         bounced = None if run.scene.elastic else bounces_of(transcript, laws)
-    if begun.first:
-        counts = dict(begun.counts)
-        return Audit(False, "", measures.impacts, measures.flights, begun.violations, counts, {}, unit, bounces=bounced)
+    if begun.found:
+        return Audit(False, "", measures.impacts, measures.flights, begun.missed, {}, unit, bounces=bounced)
     law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
     law = law and not _of_iterations(run, engine, measures, unit)
     unseen = transcript.fall is not None and not transcript.fall.step and 2 * transcript.fall.size * step
@@ -301,14 +305,11 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
         reason = f"at step {broken[0].step:.3g} it flies {broken[0].size:.3g} into what it does not collide with"
     kinds = {"impulse"} if law else {d.kind for d in broken}
     violations = _step_violations(measures, laws, kinds, step, law) if kept is False else []
-    counts = Counter(violation.kind for violation in violations)
     with ball.precision(AUDIT_BITS):
-        fit = description_of(fits if law else _described_steps(laws, measures, kinds), counts)
-    firsts = {violation.kind: violation for violation in reversed(violations)}
+        fit = description_of(fits if law else _described_steps(laws, measures, kinds), violations)
     return Audit(
-        kept, reason, measures.impacts, measures.flights,
-        tuple(sorted(firsts.values(), key=lambda violation: violation.time)), dict(counts), {}, unit, fit, told,
-        declared, bounces=bounced,
+        kept, reason, measures.impacts, measures.flights, tuple(violations), {}, unit, fit, told, declared,
+        bounces=bounced,
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb
 
 from ...exact.numbers import ball
-from .residual import along, length_of
+from .residual import EXPLAINS, FLIGHTS, Violation, along, length_of
 from .residuals import Laws
 
 if TYPE_CHECKING:
@@ -152,10 +152,6 @@ class Fit:
 
     def __str__(self) -> str:
         return f"{self.what} fits {self.explained} of {self.of} {'flights' if self.kind in FLIGHTS else 'impacts'}"
-
-
-FLIGHTS = ("damping", "acceleration", "lag", "correction")
-"""Kinds of description that are of flights."""
 
 
 def sampled(laws: Laws, instant: ReportedInstant, events: int, back: float = 0.0) -> list[Sample]:
@@ -658,25 +654,16 @@ def _once(laws: Laws, missed: _Missed) -> list[Fit]:
     return [Fit(f"{what} ({ids[only.pair[0]]} and {ids[only.pair[1]]})", 1, 1, only.restitution, 0.0, "once")]
 
 
-EXPLAINS = {
-    "restitution": {"impulse", "energy"},
-    "mass": {"impulse", "energy"},
-    "friction": {"impulse", "energy"},
-    "once": {"impulse"},
-    "radius": {"gap", "depth"},
-    "wall": {"gap", "depth"},
-    "gap": {"gap", "depth"},
-    **{kind: {"flight", "impulse", "energy", "gap", "depth"} for kind in FLIGHTS},
-}
-"""Of each kind of description, the kinds of steps that miss a law for what it says."""
+def description_of(fits: Sequence[Fit], missed: Sequence[Violation]) -> Fit | None:
+    """The one description that explains all steps that miss a law; None where there is none, or more than one."""
+    able = [fit for fit in fits if all(_explains(fit, found) for found in missed)]
+    return able[0] if len(able) == 1 and (able[0].kind != "once" or len(missed) == 1) else None
 
 
-def description_of(fits: Sequence[Fit], counts: Mapping[str, int]) -> Fit | None:
-    """The one description that explains every step that misses a law; None where there is none, or more than one."""
-    able = [fit for fit in fits if counts.keys() <= EXPLAINS[fit.kind]]
-    if len(able) != 1 or (able[0].kind == "once" and sum(counts.values()) > 1):
-        return None
-    return able[0]
+def _explains(fit: Fit, found: Violation) -> bool:
+    """Whether a description is of a step's kind; a radius, or a wall's place, of who flies into another."""
+    named = fit.kind not in ("radius", "wall") or any(f" {name} taken " in f" {fit.what}" for name in found.bodies)
+    return found.kind in EXPLAINS[fit.kind] and named
 
 
 def _told(value: float, law: float) -> str:

@@ -78,7 +78,24 @@ that is carried where no wall can do so; a contact of a circle that a pocket has
 below rounding, which breaks no law."""
 
 
-@dataclass(frozen=True)
+FLIGHTS = ("damping", "acceleration", "lag", "correction")
+"""Kinds of description that are of flights."""
+
+
+EXPLAINS = {
+    "restitution": {"impulse", "energy"},
+    "mass": {"impulse", "energy"},
+    "friction": {"impulse", "energy"},
+    "once": {"impulse"},
+    "radius": {"gap", "depth"},
+    "wall": {"gap", "depth"},
+    "gap": {"gap", "depth"},
+    **{kind: {"flight", "impulse", "energy", "gap", "depth"} for kind in FLIGHTS},
+}
+"""Of each kind of description, the kinds of steps that miss a law for what it says."""
+
+
+@dataclass(frozen=True, slots=True)
 class Violation:
     """A step that misses a law by more than rounding.
 

@@ -15,7 +15,8 @@ the decision, or kinds of errors of steps act on each other too much for that, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -23,6 +24,8 @@ from typing import TYPE_CHECKING
 from flint import arb
 
 from ...exact.numbers import ball
+from ..alignment.instants import Kind
+from ..validation import falls
 from .continuation import (
     CORRECTION,
     FLIGHTS,
@@ -37,11 +40,15 @@ from .continuation import (
     THRESHOLD,
     Continuation,
     NoContinuation,
+    Stretch,
 )
-from .diagnosis import CauseName
+from .diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
+    from ..audit.audit import Audit
+    from ..audit.residual import Violation
     from .continuation import Rows
+    from .laboratory import Laboratory
 
 TENTH = 0.1
 """Two answers that differ by so much of a group's contribution are not taken as one."""
@@ -50,7 +57,8 @@ SMALL = 0.1
 """Groups that contribute less than this share of the displacement are not cut."""
 
 FAINT = 0.01
-"""Contributions below this share of the displacement act on each other by a hundredth of themselves."""
+"""Contributions below this share of the displacement act on each other by a hundredth of themselves; steps that miss a
+law and add less than this share of the margin are told from rounding."""
 
 ALONE = 0.1
 """Share of the margin up to which a kind is not run alone: it changes nothing. Above it, what a kind does alone need
@@ -85,6 +93,9 @@ differences by 2**-60 are no derivatives."""
 
 CLOSED = 2.0**-40
 """Share of a displacement up to which an account is closed: what is left is of the enclosures."""
+
+LOST = "neither with that alone nor without it do the contacts that lead to the decision exist"
+"""Why it is not determined what steps that miss a law come to."""
 
 Group = tuple[CauseName, tuple[str, ...]]
 """A kind of error that is told, and the kinds of defects that it holds."""
@@ -279,7 +290,7 @@ class _Sum:
         before, kinds = first, list[str]()
         for cause, of in groups[:-1]:
             kinds += of
-            value = self.run.value(begin, rows, kinds, end, exact=rows is None)
+            value = self.run.value(begin, rows, kinds, range(begin, end), exact=rows is None)
             if value is None:
                 return None
             found[cause], before = value - before, value
@@ -382,3 +393,98 @@ def _near(value: arb) -> float:
 
 def _size(value: arb) -> float:
     return abs(float(value.mid()))
+
+
+# -- laws
+
+
+def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """A row where steps that miss a law lead to the divergence, and whether what they miss changes it.
+
+    A step leads there through the circles that it moves and the contacts that these have from then on. Whether it
+    changes the decision is told by a continuation, in which these steps alone err; where the contacts that lead to the
+    decision do not exist then, by one in which all others do.
+    """
+    laws = lab.candidate.laws
+    if laws is None or laws.kept is not False:
+        return []
+    cause = CauseName["LAW"]
+    if not laws.missed:
+        return [Experiment(cause, laws.finding, None, True)]
+    way = _on_the_way(lab, laws)
+    if not way:
+        return []
+    found = laws.finding if laws.fit is not None else str(way[0])
+    run, margin = lab.continued, lab.margin
+    if isinstance(run, str) or margin is None or any(_decides(lab, missed) for missed in way):
+        return [Experiment(cause, found, None, True)]
+    broken = [place for place, stretch in enumerate(run.stretches) if any(_is_of(run, stretch, v) for v in way)]
+    value = run.value(kinds=KINDS, among=broken, exact=True)
+    changes = lab.changes(value)
+    with ball.precision(run.bits):
+        shift = None if value is None else _near(value - margin)
+    if not changes:
+        rest = run.value(kinds=KINDS, among=[place for place in range(len(run.stretches)) if place not in broken])
+        if rest is None and value is None:
+            return [Experiment(cause, f"{found}; not determined: {LOST}")]
+        if rest is not None and not lab.changes(rest):
+            return [Experiment(cause, f"{found}; without that the decision is the exact one", shift, True)]
+        size = float(margin.mid())
+        if shift and size and -shift / size > FAINT:  # what steps miss by less than rounding is not told from it
+            return [Experiment(cause, f"{found}; that adds {shift:+.3g} to the margin of {size:.3g}", shift, True)]
+        found = f"{found}; that does not change the decision by itself"
+    return [Experiment(cause, found, shift, changes)]
+
+
+def _on_the_way(lab: Laboratory, laws: Audit) -> list[Violation]:
+    """The steps that miss a law and lead to the divergence, by the engine's own contacts."""
+    parted, walks, run = lab.divergence, lab.candidate.alignment.walks, lab.candidate.trajectory
+    latest, got = lab.last_time, parted.got_time
+    if got is not None and got < (math.inf if parted.expected_time is None else parted.expected_time):
+        latest = max(got, parted.time)  # what it has too much is there by then
+    asked = {parted.body, parted.expected, parted.got} | {n for p in lab.pairings for n in (p.body, p.partner)}
+    needed = dict.fromkeys(asked & {*walks}, latest)
+    for event in reversed(run.events):
+        time = float(event.time)
+        if time > latest:
+            continue
+        pairs = [{*pair} & {*walks} for pair in event.contacts]
+        while more := [p for p in pairs if any(needed.get(n, -1.0) >= time for n in p) and not p <= needed.keys()]:
+            needed.update((n, time) for p in more for n in p if n not in needed)
+    return [missed for missed in laws.missed if _leads(lab, missed, needed, latest)]
+
+
+def _leads(lab: Laboratory, missed: Violation, needed: Mapping[str, float], latest: float) -> bool:
+    """Whether a step that misses a law is one of some circles, each up to a time, or misses what is expected."""
+    if any(not falls(missed.time, needed[n], lab.engine.bits) for n in missed.bodies if n in needed):
+        return True
+    parted = lab.divergence
+    both = {parted.body, parted.expected}
+    if missed.kind != "depth" or {*missed.bodies} != both:
+        return False
+    # how deep they fly into each other is known when they are deepest, later: unless they meet others before
+    met = {c for m, c in lab.candidate.alignment.walks[parted.body].pairs if m == parted.expected_event}
+    events = [e for k, e in enumerate(lab.candidate.trajectory.events) if k not in met]
+    times = [float(e.time) for e in events if any(both & {*pair} for pair in e.contacts)]
+    return not any(latest < time < missed.time for time in times)
+
+
+def _decides(lab: Laboratory, missed: Violation) -> bool:
+    """Whether a step that misses a law is the divergence itself: a contact too many or too few, or a tie's impulses."""
+    parted = lab.divergence
+    if missed.kind == "depth":
+        return {*missed.bodies} == {parted.body, parted.expected}
+    if missed.kind == "bystander" and parted.candidate_event is None:  # it has the impulse, and tells no contact
+        return parted.body in missed.bodies and not falls(parted.time, missed.time, lab.engine.bits)
+    return missed.event == parted.candidate_event and (missed.kind == "gap" or parted.kind is Kind.TIE)
+
+
+def _is_of(run: Continuation, stretch: Stretch, missed: Violation) -> bool:
+    """Whether a step that misses a law is one of a stretch."""
+    places = {run.places[name] for name in missed.bodies} & {*stretch.bodies}
+    if stretch.links or not places:  # two may fly into each other just before they meet, or after
+        events = {missed.event, missed.event - (missed.kind == "depth")}
+        return bool(places) and not events.isdisjoint(stretch.own)
+    if missed.kind == "start":
+        return stretch is run.stretches[0]
+    return any(stretch.before[k][0] < missed.time <= stretch.after[k][0] for k in places)

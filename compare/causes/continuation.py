@@ -94,6 +94,7 @@ class Stretch:
         beside: others whose flights the exact law asks for.
         links: what the exact law does; none where the engine changes a flight without a contact.
         before, after: the engine's own flights.
+        own: the engine's own events that it holds.
         at_once: whether the engine has it at one moment.
         changes: how many changes without contact it holds.
         defects: by kind, and by circle, what is added to (t, x, y, vx, vy).
@@ -105,6 +106,7 @@ class Stretch:
     links: tuple[Link, ...]
     before: Rows
     after: Rows
+    own: frozenset[int] = frozenset()
     at_once: bool = True
     changes: int = 0
     defects: dict[str, Rows] = field(default_factory=dict[str, Rows])
@@ -156,6 +158,7 @@ class Continuation:
 
     Attributes:
         stretches: what leads to the decision, in order.
+        places: of circles and walls, by id.
         runs: how many continuations were made, each from its state to the decision.
         forestalled: whether in the last of them the hit in question comes after the meeting that the other run has
             instead; None where that is not known.
@@ -183,9 +186,8 @@ class Continuation:
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene.surfaces  # whose places the log has
         self._turned, self._unit, self._until, self._threshold = turned, unit, until, threshold
-        self._step, self._back = step, 0.0
-        self._log = motion.log.steps
-        self._places = {name: k for k, name in enumerate(self.scene.ids)}
+        self._step, self._back, self._log = step, 0.0, motion.log.steps
+        self.places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.runs = 0
         self.forestalled: bool | None = False
@@ -272,7 +274,7 @@ class Continuation:
         limits: dict[int, int] = {}
         for pairing in pairings:
             for name in (pairing.body, pairing.partner):
-                place, anchor = self._places.get(name), pairing.anchors.get(name)
+                place, anchor = self.places.get(name), pairing.anchors.get(name)
                 if place is not None and anchor is not None:
                     limits[place] = max(limits.get(place, -1), anchor)
         flips = self._flip()
@@ -409,8 +411,8 @@ class Continuation:
                     at += 1
                 done[k] = at
             left.update(dict.fromkeys(bodies, event))
-            found.append(Stretch(event, bodies, beside, tuple(links), before, after, first == last))
-        for k in {self._places[name] for pairing in self._pairings for name in pairing.anchors}:
+            found.append(Stretch(event, bodies, beside, tuple(links), before, after, frozenset(events), first == last))
+        for k in {self.places[name] for pairing in self._pairings for name in pairing.anchors}:
             drifted(k, next((n for n, instant in enumerate(told) if instant.time >= self._until), len(told)))
             mine = changes.get(k, [])[: done[k]]
             found += self._flown_by_steps(k, left.get(k, -1), mine[-1][2] if mine else self.first[k])
@@ -561,15 +563,15 @@ class Continuation:
         return rows
 
     def value(
-        self, begin: int = 0, rows: Rows | None = None, kinds: Collection[str] = (), upto: int | None = None,
-        *, exact: bool = False,
+        self, begin: int = 0, rows: Rows | None = None, kinds: Collection[str] = (),
+        among: Collection[int] | None = None, *, exact: bool = False,
     ) -> arb | None:  # fmt: skip
         """The number that decides, continued from a state, with some defects of some stretches added.
 
         Args:
             begin: the stretch before which the state is.
             rows: the state; None: the scene as the engine is given it.
-            kinds: of defects, which are added in the stretches from `begin` to `upto`, which is not among them.
+            kinds: of defects, which are added; `among`: in which stretches; None: in all.
             exact: whether radii, masses and walls are the scene's, not those that the engine is given.
 
         Returns:
@@ -578,7 +580,7 @@ class Continuation:
         with ball.precision(self.bits):
             state = self._exact if exact else self._given
             first = (self.start if exact else self.entered) if rows is None else rows
-            return self._carried(state, first, begin, upto, {tuple(kinds): None})
+            return self._carried(state, first, begin, among, {tuple(kinds): None})
 
     def value_at(self, input_share: arb, shares: Mapping[tuple[str, ...], arb]) -> arb | None:
         """The number that decides, where the input is rounded by a share of what it is, and defects are scaled.
@@ -596,18 +598,17 @@ class Continuation:
         state: RoundedState,
         first: Mapping[int, Row],
         begin: int,
-        upto: int | None,
+        among: Collection[int] | None,
         added: Mapping[tuple[str, ...], arb | None],
     ) -> arb | None:
         """The number that decides; see `value`. `added`: groups of defects, each with its scale; None: as they are."""
         self.runs, self.forestalled = self.runs + 1, False
         flying, seen, turned = dict(first), dict[tuple[int, int], Row](), Rows()
-        last = len(self.stretches) if upto is None else upto
         for place in range(begin, len(self.stretches)):
             stretch = self.stretches[place]
             if stretch.links:
                 flying.update(self._law(state, stretch, flying))
-            if place < last:
+            if among is None or place in among:
                 for kinds, scale in added.items():
                     for k, defect in stretch.of(kinds).items():
                         own = flying[k] if stretch.links else flown(flying[k], stretch.after[k][0])
@@ -641,8 +642,7 @@ def _load(state: ReplayState[arb], rows: Mapping[int, Row]) -> None:
     bodies = state.bodies
     for k, (t, x, y, vx, vy) in rows.items():
         bodies[k].flight = Flight(x, y, vx, vy, t, t, None, 1)
-    state.steps_done = 2
-    state.instant, state.late, state.met = state.zero, None, None
+    state.steps_done, state.instant, state.late, state.met = 2, state.zero, None, None
 
 
 def _own_events(run: Continuation, link: Link) -> set[int]:
@@ -650,7 +650,7 @@ def _own_events(run: Continuation, link: Link) -> set[int]:
     found: set[int] = set()
     for k in link.pushed:
         walked = run.walks.get(str(run.scene.ids[k]))
-        mine = {c for m, c in walked.pairs if m == link.event} if walked is not None else set[int]()
+        mine = set[int]() if walked is None else {c for m, c in walked.pairs if m == link.event}
         if not mine:
             raise NoContinuation("it does not have every contact that leads to the decision")
         found |= mine

@@ -44,7 +44,7 @@ TUNNELS = "The time step let circles pass through what they should hit"
 SOLVER_HEAD = "The solver's iterations changed what happened"
 
 CAUSES: dict[str, Cause] = {
-    "LAW": Cause("law not kept", "evidence:law", LAW_RANK, head="The engine does not keep the law"),
+    "LAW": Cause("law not kept", "budget:law", LAW_RANK, head="The engine does not keep the law"),
     "STEP": Cause("time step", "other_settings:step", head=STEP_HEAD, settings=True),
     "TUNNELLING": Cause("tunnelling", "other_settings:tunnelling", FACT_RANK, head=TUNNELS),
     "ITERATIONS": Cause("solver iterations", "other_settings:iterations", head=SOLVER_HEAD, settings=True),

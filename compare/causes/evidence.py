@@ -25,7 +25,6 @@ from ..alignment.walk import history
 from ..audit.residual import AUDIT_BITS
 from ..audit.residuals import Laws
 from ..audit.transcript import Transcript
-from ..validation import falls
 from .budget import ALONE
 from .decision import RunReader, answer
 from .diagnosis import CauseName, Experiment
@@ -63,28 +62,6 @@ ORDERS = 6
 
 MOST_INSTANTS = 64
 """Events for which the exact law is run from an engine's own state before a tie."""
-
-
-# -- laws
-
-
-def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    """A row where a step misses a law before the divergence: then no rounding has to be looked for."""
-    laws, parted = lab.candidate.laws, lab.divergence
-    if laws is None or laws.kept is not False:
-        return []
-    latest, got = lab.last_time, parted.got_time
-    if got is not None and got < (math.inf if parted.expected_time is None else parted.expected_time):
-        latest = max(got, parted.time)  # what it has too much is there by then
-    missed = {parted.body, parted.expected}  # how deep they fly into each other is known when they are deepest, later
-    met = {c for m, c in lab.candidate.alignment.walks[parted.body].pairs if m == parted.expected_event}
-    others = [e for k, e in enumerate(lab.candidate.trajectory.events) if k not in met]  # beside those of one instant
-    times = [float(e.time) for e in others if any(missed & {*pair} for pair in e.contacts)]
-    deep = [found.time for found in laws.violations if found.kind == "depth" and {*found.bodies} == missed]
-    elsewhere = all(any(latest < time < then for time in times) for then in deep)
-    if elsewhere and laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
-        return []
-    return [Experiment(CauseName["LAW"], laws.finding, None, True)]
 
 
 # -- contacts whose impulse is below rounding

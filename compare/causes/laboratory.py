@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..study import Study
     from .budget import Account
+    from .continuation import Continuation
     from .diagnosis import Diagnosis
 
 
@@ -328,23 +329,34 @@ class Laboratory:
         return self.engine.rounds_input and (self.given is None or self.given.digest != self.study.scene.digest)
 
     @cached_property
-    def accounted(self) -> Account | str:
-        """What the displacement is made of; or why there is no such account."""
-        from .budget import account_of
+    def continued(self) -> Continuation | str:
+        """What continues the engine's run to the decision; or why nothing does."""
         from .continuation import Continuation, NoContinuation
 
         if self.decision is None or self.margin is None:
             return "no contact can be named"
         if carried := self._leads_over_carried():
             return f"a wall carries {' and '.join(sorted(carried))} on the way there"
-        stepped = self.engine.step is not None
         try:
-            run = Continuation(
+            return Continuation(
                 self.reference, self.candidate.trajectory, self.candidate.alignment.walks, self.decision, self.turned,
-                self._rounds_to, 2.0**-self.bits if stepped else None, self.first_time,
+                self._rounds_to, 2.0**-self.bits if self.engine.step is not None else None, self.first_time,
                 allowances(self.engine, self.study.scene).get("threshold", 0.0), self.engine.step or 0.0,
             )  # fmt: skip
-            return account_of(run, self.margin, self.got, stepped, self.input_rounded)
+        except NoContinuation as why:
+            return str(why)
+
+    @cached_property
+    def accounted(self) -> Account | str:
+        """What the displacement is made of; or why there is no such account."""
+        from .budget import account_of
+        from .continuation import NoContinuation
+
+        run, margin = self.continued, self.margin
+        if isinstance(run, str) or margin is None:
+            return str(run)
+        try:
+            return account_of(run, margin, self.got, self.engine.step is not None, self.input_rounded)
         except NoContinuation as why:
             return str(why)
 

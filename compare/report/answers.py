@@ -129,8 +129,8 @@ def verdict_line(comparison: Comparison) -> str:
     """
     if (first := headline(comparison)) is None or first.alignment.divergence is None:
         return verdict_sentence(comparison).partition(f": {comparison.reference.stop.message}")[0].rstrip(".") + "."
-    head = "" if first.lawless else f"{head_phrase(first).partition(' (')[0]}: "
-    law = "does not keep the law, and diverges" if first.lawless else "diverges"
+    head = "" if first.by_law else f"{head_phrase(first).partition(' (')[0]}: "
+    law = "does not keep the law, and diverges" if first.by_law else "diverges"
     event, total = first.alignment.divergence.event, len(comparison.reference.events)
     place = f"at event {event:,}" if event < total else "after the last"
     return f"{head}{first.engine} {law} {f'{place} of {total:,}' if total else 'where the exact run has no event'}."
@@ -237,8 +237,10 @@ def why(comparison: Comparison, candidate: Candidate, foreseen: Foreseen | None 
     if candidate.unable:
         return f"{_capital(candidate.trajectory.stop.message)}."
     if candidate.lawless and candidate.laws is not None:
-        earlier = f"{_share_words(candidate)} Later " if found and found.name.name not in ("LAW", "UNKNOWN") else ""
-        return f"{earlier}{name} does not keep the law: {candidate.laws.finding}."
+        law, first = f"{name} does not keep the law: {candidate.laws.finding}.", candidate.laws.first
+        if candidate.by_law or (at := candidate.alignment.divergence) is None:
+            return law
+        return f"{_share_words(candidate)} {'Later' if first and first.time > at.time else 'Besides,'} {law}"
     if found is None:
         if stopped(comparison, candidate):
             return f"{_capital(comparison.reference.stop.message)}."

@@ -45,8 +45,9 @@ def verdict_sentence(comparison: Comparison) -> str:
         first = headline(comparison)
         assert first is not None
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
-        others = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in lawless if c is not first)
-        law = f"{law_phrase(first)}; " if first.lawless else ""
+        besides = [c for c in lawless if c is not first or not first.by_law]
+        others = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in besides)
+        law = f"{law_phrase(first)}; " if first.by_law else ""
         return f"{head_phrase(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
     if lawless and by_verdict["agree"] and lawless[0].verdict == "agree":
         first = lawless[0]
@@ -91,7 +92,7 @@ def headline(comparison: Comparison) -> Candidate | None:
     One that does not keep the law comes before all others, and one whose rounding did it before the rest.
     """
     left = [c for c in comparison.candidates if c.verdict == "diverged"]
-    first = [c for c in left if c.lawless] or [c for c in left if _is_rounding(c)] or left
+    first = [c for c in left if c.by_law] or [c for c in left if _is_rounding(c)] or left
     return min(first, key=_place, default=None)
 
 
@@ -110,18 +111,18 @@ def further_phrase(candidate: Candidate) -> str | None:
 
 def _is_rounding(candidate: Candidate) -> bool:
     """Whether rounding is to blame, as far as is known: not a law, a time step, or a difference of model."""
-    if candidate.lawless:
+    if candidate.by_law:
         return False
     found = candidate.diagnosis
     known = None if found is None else found.name.entry.rounding
-    unseen = candidate.laws is not None and candidate.laws.kept is None  # another law may have done it
+    unseen = candidate.laws is not None and not candidate.laws.kept  # another law may have done it
     unseen = unseen or (found is not None and found.unexplained)
     return not (candidate.stepped or unseen) if known is None else known
 
 
 def head_phrase(candidate: Candidate) -> str:
     """What changed what happened, as far as is known."""
-    if candidate.lawless:
+    if candidate.by_law:
         return f"{candidate.engine} does not keep the law"
     if _is_rounding(candidate):
         cause = "" if candidate.diagnosis is None else f" ({candidate.diagnosis})"

@@ -205,7 +205,7 @@ def print_comparison(comparison: Comparison, *, verbose: bool = False, scene: st
 def first_line(comparison: Comparison) -> str:
     """The verdict in a line; other engines that do not keep the law are never left out."""
     first = headline(comparison)
-    others = [c for c in comparison.candidates if c.lawless and c is not first] if first is not None else []
+    others = [c for c in comparison.candidates if c.lawless and not (c is first and c.by_law)] if first else []
     return verdict_line(comparison) + "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in others)
 
 

@@ -12,7 +12,7 @@ from audit.planted import PlantedSteps
 
 from truebreak.compare import compare
 from truebreak.compare.audit import residuals
-from truebreak.compare.causes import evidence, other_settings
+from truebreak.compare.causes import budget, other_settings
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Candidate
 from truebreak.compare.foreign.log_engine import LogEngine
@@ -323,7 +323,7 @@ def test_of_two_contacts_at_one_instant_the_one_that_is_met_does_not_stand_for_b
     judged: list[bool] = []
     gone = other_settings.gone
     monkeypatch.setattr(other_settings, "gone", lambda *asked: judged.append(gone(*asked)) or judged[-1])
-    monkeypatch.setattr(evidence, "law", lambda lab, rows: [])
+    monkeypatch.setattr(budget, "law", lambda lab, rows: [])
     only(AT_ONCE, PlantedSteps(step, "ground"), until=12)
     assert judged and not any(judged)
 

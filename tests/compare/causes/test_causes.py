@@ -11,7 +11,7 @@ import pytest
 from truebreak.compare import comparison as comparison_module
 from truebreak.compare import study
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import evidence, laboratory
+from truebreak.compare.causes import budget, laboratory
 from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import nearest, rounded
 from truebreak.compare.comparison import Comparison, compare
@@ -234,7 +234,7 @@ def test_the_contact_itself_has_to_be_in_the_exact_run_of_the_rounded_scene(
         seen.append(laboratory.given_does(lab))
         return []
 
-    monkeypatch.setattr(evidence, "law", law)
+    monkeypatch.setattr(budget, "law", law)
     found = compare(scene, [judged]).candidates[0]
     assert seen == [False]
     assert found.alignment.divergence is not None and found.diagnosis is not None

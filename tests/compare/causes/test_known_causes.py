@@ -14,6 +14,7 @@ from truebreak.compare import compare
 from truebreak.compare.causes.diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from truebreak.compare.causes.given_scene import rounded
 from truebreak.compare.foreign import RecordedEngine, Recording
+from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Quantity, Scene, Wall, catalogue
@@ -285,6 +286,57 @@ def test_an_engine_that_follows_no_policy_resolves_a_tie_otherwise_and_no_roundi
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.TIE
     assert "does not follow the tie policy simultaneous" in found.diagnosis.finding
+
+
+def beside(scene: Scene, far: str) -> Scene:
+    """A scene with two discs elsewhere, of which one is the first, and soon strikes the other."""
+    pair = [Circle(-100, 50, vx=1, id="heavy"), Circle(f"{far} - 100", "50.5", id="struck")]
+    return scene.with_changes(circles=[*pair, *scene.circles])
+
+
+@pytest.mark.parametrize("far", ["2.1", "10"])
+@pytest.mark.parametrize("scene", [graze("0", "-5/3"), catalogue.build("near-tie:k=30")], ids=["graze", "near tie"])
+def test_a_law_broken_elsewhere_is_no_cause(scene: Scene, far: str) -> None:
+    comparison = compare(beside(scene, far), [Heavy()])
+    (found,) = comparison.candidates
+    assert found.lawless
+    assert found.diagnosis is not None
+    assert found.diagnosis.name in (CauseName.FLIGHTS, CauseName.INPUT)
+    assert verdict_sentence(comparison).startswith("Floating point changed what happened")
+    assert "heavy does not keep the law: event" in verdict_sentence(comparison)
+
+
+@dataclass(frozen=True)
+class Dull(Heavy):
+    """Doubles that take contacts one after the other, at a restitution of 9/10."""
+
+    scene_keys = Declared.scene_keys - {"tie_policy"}
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        other = scene.with_changes(tie_policy="sequential:order=scene", restitution="9/10")
+        return replace(DoubleEngine().run(other, **limits), scene=scene)
+
+
+def test_a_law_broken_at_a_tie_outranks_the_order() -> None:
+    (found,) = compare(tied("1/2"), [Dull()]).candidates
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.LAW, found.diagnosis
+
+
+def test_a_law_broken_on_the_way_is_a_cause_only_if_it_changes_the_decision() -> None:
+    """A disc bounces between two walls, too slowly by a share, and passes another at a distance that no speed changes.
+
+    The distance is 1e-30, so that rounding hits: at whatever speed.
+    """
+    circles = [Circle(-5, "0.3", vx=-1, id="mover"), Circle(0, "2.3 + 1e-30", id="target")]
+    scene = Scene(circles, [Wall(-9, 1, -9, 0, id="left"), Wall(20, 0, 20, 1, id="right")], until=60)
+    (found,) = compare(scene, [Dull()]).candidates
+    assert found.lawless
+    assert found.diagnosis is not None
+    (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName.LAW]
+    assert row.suffices is False
+    assert "does not change the decision by itself" in row.result
+    assert found.diagnosis.name is not CauseName.LAW
 
 
 def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
