@@ -250,7 +250,7 @@ class Laboratory:
         self.study, self.candidate, self.engine, self.progress = study, candidate, judged, progress
         self.divergence = divergence
         self.reference = study.longest or study.reference
-        self.name = judged.name
+        self.name = candidate.engine
         self.bits = judged.bits or DOUBLE_BITS
         self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
         turned = self.reference.reversal
