@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ..foreign.guard import allowances, finer_of, firmer_of, run_guarded
+from ..foreign.guard import allowances, cut_short, finer_of, firmer_of, run_guarded
 from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
 from .passages import passages, passes_between
 from .residual import AUDIT_BITS, KINDS, Defect, Passage, Residual, Violation, falls_through
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 TOLD = 2.0**-53
 """The unit of doubles, in which states are reported, whatever an engine computes in."""
+
+Asked = Mapping[tuple[int, ...], int]  # impacts of each contact that a run is to have; under (), in all
 
 LEAST_UNIT = 2.0**-200
 """The least unit by which wide numbers are audited, of whatever bits."""
@@ -290,7 +292,9 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     if begun.found:
         return Audit(False, "", measures.impacts, measures.flights, begun.missed, {}, unit, bounces=bounced)
     law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
-    law = law and not _of_iterations(run, engine, measures, unit)
+    if law:  # unless more iterations of its solver leave at most half of what its impulses miss
+        half, asked = defects(engine, measures).get("impulse", 0.0) / 2, {(): sum(map(len, measures.met.values()))}
+        law = _iterated(engine, run, unit, float(run.final_time), asked, "impulse", half) > half
     unseen = transcript.fall is not None and not transcript.fall.step and 2 * transcript.fall.size * step
     if law and unseen and all(s.defect * s.speed <= unseen for s in measures.samples):
         told = f"its states do not say how it falls within a step, and 2 g dt, {unseen:.3g}, may be all that they miss"
@@ -323,44 +327,41 @@ def _described_steps(laws: Laws, measures: Measures, kinds: set[str]) -> list[Fi
     return descriptions(laws, samples, measures.drifts if "correction" in kinds else (), laws.scene.ids)
 
 
-def _of_iterations(run: Trajectory, engine: Engine, measures: Measures, unit: float) -> bool:
-    """Whether more iterations of the engine's solver leave at most half of what its impulses miss."""
-    half = defects(engine, measures).get("impulse", 0.0) / 2
-    return _iterated(engine, run, unit, float(run.final_time), "impulse", half) <= half
-
-
-def _iterated(engine: Engine, run: Trajectory, unit: float, until: float, kind: str, most: float) -> float:
-    """What is left of a kind of defect with up to 16 times the iterations of the solver; infinite without a run."""
+def _iterated(
+    engine: Engine, run: Trajectory, unit: float, until: float, asked: Asked, kind: str, most: float
+) -> float:
+    """What is left of a kind of defect with up to 16 times the iterations; infinite without a run as far as `asked`."""
     left, firmer, more = math.inf, firmer_of(engine), 4
     while more and left > most and firmer is not None and firmer.step is not None:
-        found = _defects_of(firmer, run, unit, until, {}, until)
-        left, firmer, more = math.inf if found is None else found[0].get(kind, 0.0), firmer_of(firmer), more - 1
+        found = _defects_of(firmer, run, unit, until, asked, until * sum(WAITS))
+        left = found[0].get(kind, 0.0) if found is not None and found[1] else math.inf
+        firmer, more = firmer_of(firmer), more - 1
     return left
 
 
 def _defects_of(
-    engine: Engine, run: Trajectory, unit: float, until: float, asked: Mapping[tuple[int, ...], int], most: float
+    engine: Engine, run: Trajectory, unit: float, until: float, asked: Asked, most: float
 ) -> tuple[dict[str, float], bool, float] | None:
-    """The defects of another engine on a run's scene, up to a time or, past it, as many impacts; None if it refuses.
-
-    `asked`: how many; `most`: for how long it may be run. Told besides: whether it has them, and for how long it ran.
-    """
+    """The defects of another engine on a run's scene, up to a time or, past it, to what is asked; None if it refuses
+    or ends before. `most`: for how long it may be run. Told besides: whether it has what is asked, how long it ran."""
     flown, sizes = 0.0, dict[str, float]()
     for end in (min(until * more, most) for more in WAITS):
         if flown and flown + end > most:
             break
         try:
-            told = run_guarded(engine, run.scene, until=end, events=4 * len(run.events) + 64)
+            told = run_guarded(engine, run.scene, until=end, events=2**HALVINGS * (4 * len(run.events) + 64))
             found = measured(told, unit, engine.step or 0.0, engine.rounds_input)
         except SceneError:
-            return (sizes, False, flown) if flown else None
+            break
+        if cut_short(told, until):
+            break
         reached = _reached(found, asked)
         if not flown or reached < math.inf:
             sizes |= _within(engine, found, reached if flown else math.inf)
         flown += end
         if reached < math.inf:
             return sizes, True, flown
-    return sizes, False, flown
+    return (sizes, False, flown) if flown else None
 
 
 def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[Measures, dict[str, int]]:
@@ -635,7 +636,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     judged = [_judged(kind, size, step, at, kind in known, kind in without) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         asks, half = defect.kind in ("several", "impulse") and not defect.of_step, defect.size / 2
-        if asks and (left := _iterated(engine, run, unit, until, defect.kind, half)) <= half:
+        if asks and (left := _iterated(engine, run, unit, until, asked, defect.kind, half)) <= half:
             judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
     return [*integrator, *judged, *seen]
 
@@ -667,15 +668,15 @@ def _within(engine: Engine, measures: Measures, until: float) -> dict[str, float
     return defects(engine, part)
 
 
-def _asked(measures: Measures, until: float) -> dict[tuple[int, ...], int]:
-    """How many impacts a finer run is asked for: of each contact whose impulse is wrong, and, under (), in all."""
+def _asked(measures: Measures, until: float) -> Asked:
+    """What a finer run is asked for: as many impacts of each contact whose impulse is wrong, and in all."""
     bad = {s.pair for s in measures.samples if s.defect > NEAR * s.room and s.time <= until}
     counts = {whole: bisect_right(times, until) for whole, times in measures.met.items()}
     wholes = {whole for pair in bad for whole in measures.wholes(pair)}
     return {whole: counts.get(whole, 0) for whole in wholes} | {(): sum(counts.values())}
 
 
-def _reached(measures: Measures, asked: Mapping[tuple[int, ...], int]) -> float:
+def _reached(measures: Measures, asked: Asked) -> float:
     """When a run has as many impacts; infinite where it has not."""
     met = {**measures.met, (): sorted(time for times in measures.met.values() for time in times)}
     rows = [(met.get(whole, []), count) for whole, count in asked.items() if count]

@@ -15,12 +15,12 @@ from ...exact.laws.formulas import pair_approach, pair_discriminant, pair_gap, w
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
-from ..alignment.align import UNKNOWING, align
+from ..alignment.align import align
 from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED, history
 from ..audit.passages import passes_between
 from ..deadline import NO_TIME
-from ..foreign.guard import finer_of, firmer_of, wider_of
+from ..foreign.guard import cut_short, finer_of, firmer_of, wider_of
 from ..study import finer_by, series_steps
 from ..validation import EngineError
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
@@ -171,7 +171,7 @@ def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 def ends_early(lab: Laboratory, run: Trajectory, until: float, step: float | None) -> bool:
     """Whether an engine has ended a run of its own accord before it was asked to, and has not diverged by then: that is
     evidence of nothing."""
-    if run.stop.reason not in UNKNOWING or float(run.final_time) >= until:
+    if not cut_short(run, until):
         return False
     return align(lab.reference, run, span=lab.passing, step=step, bits=lab.engine.bits).divergence is None
 

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ...scenarios.errors import SceneError
-from ...scenarios.trajectory import Trajectory
+from ...scenarios.trajectory import AT_AN_END, StopReason, Trajectory
 from ..engines import engine as engine_named
 from ..validation import EngineError, check_engine
 
@@ -68,6 +68,12 @@ def run_guarded(
     if isinstance(told, Trajectory) and not _of_truebreak(type(told.motion)):
         return replace(told, motion=GuardedMotion(engine, told.motion, scene.ids[: len(scene.circles)]))
     return told
+
+
+def cut_short(run: Trajectory, until: float) -> bool:
+    """Whether an engine has ended a run before it was asked to, though it does not say that nothing is left to happen:
+    what the run has not by then is evidence of nothing."""
+    return float(run.final_time) < until and run.stop.reason not in (StopReason.QUIET, *AT_AN_END)
 
 
 def run(

@@ -7,7 +7,7 @@ import random
 import shlex
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
@@ -276,6 +276,65 @@ def test_an_impulse_that_is_too_strong_at_every_step_is_no_matter_of_the_step(he
         assert found.kept is kept, found.sentence
     (defect,) = (defect for defect in found.defects if defect.kind == "impulse")
     assert defect.size == pytest.approx(0.2) and defect.finest == pytest.approx(0.2) and defect.of_step is False
+
+
+@dataclass(frozen=True)
+class Tired(PlantedSteps):
+    """Ends its runs at some time, with a finer step or with more iterations, of which it says that it has some."""
+
+    patience: float = math.inf
+    says: bool = True
+    given: bool = True
+
+    def finer(self) -> Tired:
+        return replace(self, step=self.step / 2, given=False)
+
+    def firmer(self) -> Tired:
+        return replace(self, given=False)
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        super().play(scene, recording if self.given else Ending(recording, self))  # pyright: ignore
+
+
+class Ending:
+    """Hands on what is reported until patience ends."""
+
+    def __init__(self, told: Recording, engine: Tired) -> None:
+        self.told, self.engine, self.hits = told, engine, told.hits
+
+    @property
+    def open(self) -> bool:
+        return self.told.open
+
+    def state(self, time: float, rows: Any) -> None:
+        self.told.state(time, rows)
+        if time >= self.engine.patience:
+            _ = self.told.spent("patience") if self.engine.says else self.told.end(time)
+
+
+@pytest.mark.parametrize("says", [True, False])
+@pytest.mark.parametrize("patience", [1.0, 4.0, math.inf])
+def test_a_run_that_ends_before_the_impact_is_evidence_of_nothing(patience: float, says: bool) -> None:
+    """Too strong an impulse is not one of too few iterations, for a run with more that does not come to it."""
+    scene = Scene([Circle(-2, 0, vx=1, id="a"), Circle(2, "3/4", id="b")], [Wall(0, 6, 1, 6, id="top")])
+    chosen = Tired(strong=("top", 1.1), patience=patience, says=says)
+    found = audit_run(chosen.run(scene, until=30), chosen)
+    assert found.kept is (False if patience == math.inf else None), found.sentence
+    assert "iterations" not in {defect.kind for defect in found.defects}
+
+
+@pytest.mark.parametrize(("events", "until"), [(2, None), (None, 30)])
+def test_an_impact_that_comes_a_hair_later_is_looked_for_there(events: int | None, until: float | None) -> None:
+    """Of a run that ends with the impact, one with more iterations may not have it by then."""
+
+    class Later(PlantedSteps):
+        def firmer(self) -> PlantedSteps:
+            return Later(self.step * 63 / 64, strong=self.strong)
+
+    scene = Scene([Circle(-2, 0, vx=1, id="a"), Circle(2, "3/4", id="b")], [Wall(0, 6, 1, 6, id="top")])
+    chosen = Later(strong=("top", 1.1))
+    found = audit_run(chosen.run(scene, events=events, until=until), chosen)
+    assert found.kept is False, found.sentence
 
 
 def test_cells_find_the_passages_that_pairs_find() -> None:

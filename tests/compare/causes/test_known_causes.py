@@ -352,10 +352,15 @@ def test_a_run_that_ends_too_early_to_tell_is_no_agreement() -> None:
 
 @dataclass(frozen=True)
 class Large(RecordedEngine):
-    """Takes discs for larger than they are, pushes what overlaps at the end of a step, and ends after so many steps."""
+    """Takes discs for larger than they are, pushes what overlaps at the end of a step, and ends after so many steps.
+
+    Attributes:
+        says: whether it says then that it has spent its budget, and not only that it knows no more.
+    """
 
     step: float = 1 / 64
     most: int = 10**6
+    says: bool = True
     name = "large"
     scene_keys = frozenset({"gravity", "restitution"})
 
@@ -380,15 +385,17 @@ class Large(RecordedEngine):
                 rows = {name: (*p, *v) for name, p, v in zip(ids, place, speed, strict=True)}
                 recording.hits(k * dt, [(ids[0], ids[1])], rows)
             recording.state(k * dt, [(*p, *v) for p, v in zip(place, speed, strict=True)])
-        if recording.open:
+        if recording.open and self.says:
             recording.spent(f"{self.most} steps")
+        elif recording.open:
+            recording.end(k * dt)
 
 
 def test_a_finer_step_that_ends_before_the_event_is_evidence_of_nothing() -> None:
     discs = [Circle(0, 0, vx=2, id="a"), Circle(8, "2.03", id="b")]
     scene = Scene(discs, gravity=(0, -1), restitution=0)
-    for most, told in ((10**6, "differs"), (325, "it ends at time 2.5")):
-        (found,) = compare(scene, [Large(most=most)], until=5).candidates
+    for most, says, told in ((10**6, True, "differs"), (325, True, "it ends at time 2.5"), (325, False, "ends at time")):
+        (found,) = compare(scene, [Large(most=most, says=says)], until=5).candidates
         assert found.diagnosis is not None
         (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName["STEP"]]
         assert told in str(row)
