@@ -36,6 +36,17 @@ def last_entry(scene: Scene, motion: DoubleMotion, end: float) -> float:
     return max([end, *(float(entry.time) for entry in entries(scene, motion, math.inf))])
 
 
+def entering(scene: Scene, row: tuple[float, float, float, float], room: float) -> bool:
+    """Whether a centre at x, y, with vx, vy, is in a pocket, or flies into it from its rim, to a rounding of places."""
+    x, y, vx, vy = row
+    for pocket in scene.pockets:
+        dx, dy = x - float(pocket.x), y - float(pocket.y)
+        beyond = math.hypot(dx, dy) - float(pocket.r)
+        if beyond < -room or (beyond <= room and dx * vx + dy * vy < 0.0):
+            return True
+    return False
+
+
 def left_play(run: Trajectory, steps: bool, loose: float) -> dict[str, float]:
     """When circles have left play, by the pockets that they have entered.
 

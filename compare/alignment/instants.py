@@ -136,7 +136,7 @@ def order_reproduces(
     return all(
         math.hypot(impact.velocities[c.id][0] - float(c.vx), impact.velocities[c.id][1] - float(c.vy)) <= room
         for c in after.circles
-        if c.id in touched
+        if c.id in touched - captured_by(trajectory, index)
     )
 
 
@@ -415,12 +415,23 @@ def velocity_difference(reference: Trajectory, candidate: Trajectory, instant: S
     """The largest difference between the velocities with which the two runs leave an instant."""
     mine = {m: reference.after(m) for m in {last for _, last, _ in instant.bodies}}
     theirs = {c: candidate.after(c) for c in {last for _, _, last in instant.bodies}}
+    gone = {m: captured_by(reference, m) for m in mine}
     return max(
-        math.hypot(
-            float(mine[m][name].vx) - float(theirs[c][name].vx), float(mine[m][name].vy) - float(theirs[c][name].vy)
-        )
-        for name, m, c in instant.bodies
+        (
+            math.hypot(
+                float(mine[m][name].vx) - float(theirs[c][name].vx), float(mine[m][name].vy) - float(theirs[c][name].vy)
+            )
+            for name, m, c in instant.bodies
+            if name not in gone[m]
+        ),
+        default=0.0,
     )
+
+
+def captured_by(run: Trajectory, event: int) -> set[str]:
+    """Circles that a pocket has captured by the end of an event's instant: that they rest is not of its impulses."""
+    time = float(run.events[event].time)
+    return {entry.circle for entry in run.pocketings if run.scene.capture and float(entry.time) <= time}
 
 
 def first_changed_instant(

@@ -20,7 +20,7 @@ from ...floating.knots import (
     bent,
     step_fall,
 )
-from ...floating.pocket_entries import entries, last_entry
+from ...floating.pocket_entries import entering, entries, last_entry
 from ...floating.resting import Resting
 from ...scenarios.numbers.precision import Double
 from ...scenarios.settings import positive_count, positive_time
@@ -346,7 +346,7 @@ class Recording:
         if carried := self._carried_by(0.0, dict(enumerate(rows)), rows):
             self._course.fly(0.0, {k: rows[k] for k in carried}, carried)
         self._budget: str | None = None
-        self._held = 0
+        self._held, self._captured = 0, set[int]()
         self._lasting: Sequence[tuple[str, str]] | None = None
         self._quiet = self._reported = self._closed = False
 
@@ -411,6 +411,7 @@ class Recording:
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
+            given = self._in_play(given, rows, now, links)
             links = self._course.collisions(now, links, rows, given)
         if links:
             self._course.add(self.where, now, links, rows, self.step is not None)
@@ -454,6 +455,7 @@ class Recording:
         for k, wall in (supports or {}).items():
             self._course.bounce_out(k, wall, now)
         before = self._course.rows(now)
+        given = self._in_play(given, before, now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
         share, stands = self._course.rounds(now), self.scene.gravity is None
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
@@ -550,6 +552,32 @@ class Recording:
         )
 
     # -- what is made of it
+
+    def _in_play(
+        self, given: Mapping[int, Row], rows: Sequence[Row], now: float, links: Sequence[Indices] = ()
+    ) -> Mapping[int, Row]:
+        """States without those of circles at rest that a pocket has captured: that is no contact, and their entry is
+        read off the flight to it, as where an engine says no more of them. What collides as it enters has been struck
+        before: it leaves the contact as the laws have it.
+
+        Args:
+            rows: the circles as they come to the report; links: what collides in it.
+        """
+        if not self.scene.capture:
+            return given
+        still, met = {k for k, row in given.items() if not any(row[2:])}, {k for link in links for k in link}
+        self._captured -= (given.keys() - still) | met
+        after = (still & met and self._impacts.bounce(links, rows, now)) or rows
+        if new := {k for k in still - self._captured if any(after[k][2:])}:
+            knots, room = self._course.knots, self._course.rounds(now) * self._scale
+            found = entries(self.scene, self._course.motion(knots, now, self._scale), now)
+            last = {self._places[entry.circle]: float(entry.time) for entry in found}
+            flown = {k for k in new - met if last.get(k, -1.0) >= knots[k][-1][0]}
+            self._captured |= flown | {k for k in new if entering(self.scene, after[k], room)}
+        struck = self._captured & met
+        return {
+            k: after[k] if k in struck else row for k, row in given.items() if k in struck or k not in self._captured
+        }
 
     def _stop_within(self, end: float | None, limit: Quantity | None, count: int | None) -> Stop | None:
         """Why a run with such limits ends; with `end` None, None while it does not."""

@@ -10,8 +10,9 @@ from fuzz.generators import PLAIN, case_of
 
 from truebreak.compare import compare
 from truebreak.compare.foreign import LogEngine, Recording
+from truebreak.compare.validation import EngineError
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, Wall
+from truebreak.scenarios import Circle, Pocket, Scene, StopReason, Trajectory, Wall
 
 WORK = 100_000
 
@@ -85,6 +86,67 @@ def test_a_log_of_the_exact_run_differs_in_nothing(kind: str) -> None:
 @pytest.mark.parametrize("kind", PLAYED)
 def test_many_logs_of_exact_runs_differ_in_nothing(kind: str) -> None:
     assert sum(holds(kind, seed) for seed in range(5, 41)) > 0
+
+
+def with_captures(scene: Scene, run: Trajectory, says: str) -> Recording:
+    """A log of a run in which pockets capture: it is `silent` of that, `stops` what is captured, or says `all`."""
+    recording = Recording(scene, "log")
+    happened = [(float(event.time), 0, k) for k, event in enumerate(run.events)]
+    happened += [(float(entry.time), 1, k) for k, entry in enumerate(run.pocketings)]
+    for time, entered, k in sorted(happened):
+        state = run.at(run.pocketings[k].time) if entered else run.after(k)
+        rows = {str(c.id): (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in state.circles}
+        if entered and says != "silent":
+            name = run.pocketings[k].circle
+            recording.state(time, {name: (*rows[name][:2], 0.0, 0.0)})
+        elif not entered:
+            pairs = [(pair.first, pair.second) for pair in run.events[k].impulses]
+            met = {name for pair in pairs for name in pair if name in rows}
+            recording.hits(time, pairs, rows if says == "all" else {name: rows[name] for name in met})
+    recording.end(float(run.final_time))
+    return recording
+
+
+@pytest.mark.parametrize("says", ["silent", "stops", "all"])
+def test_what_a_pocket_stops_breaks_no_law_and_an_ignored_pocket_does(says: str) -> None:
+    """Whatever an engine says of it, also where a circle is struck at the instant at which it is captured."""
+    seen = 0
+    for kind, seed in (("entry_ties", 0), ("entry_ties", 11), ("pressed", 20), ("pressed", 25)):
+        scene = case_of(kind, seed).scene
+        run = ExactEngine(work=WORK).run(scene, events=12)
+        seen += len(run.pocketings) if scene.capture and run.events else 0
+        for capture in (True, False):  # the log of an engine that ignores the pocket, too
+            own = ExactEngine(work=WORK).run(scene.with_changes(capture=capture), events=12)
+            log = LogEngine(with_captures(scene, own, says if capture else "silent"), lacks=frozenset())
+            (found,) = compare(scene, [log], until=float(own.final_time) or 1, causes=False).candidates
+            same = capture or [e.contacts for e in own.events] == [e.contacts for e in run.events]
+            assert found.verdict == "agree" or not same, (kind, seed)
+            assert same or found.lawless or found.verdict == "diverged", (kind, seed)
+            assert not capture or (found.laws is not None and found.laws.kept), (kind, seed)
+    assert seen >= 6
+
+
+@pytest.mark.parametrize("place", [(6.75, 0.0), (8.0, 1 / 3), (-50.0, -50.0)])
+@pytest.mark.parametrize("step", [None, 1 / 64])
+def test_a_captured_disc_may_lie_anywhere_and_stays_out_of_play(place: tuple[float, float], step: float | None) -> None:
+    scene = Scene(
+        [Circle(0, 0, vx=1, id="a"), Circle(4, 7, vx=1, id="b")],
+        [Wall(20, 0, 20, 1, id="w")],
+        pockets=[Pocket(8, "1/3", "7/5", id="p")],
+        capture=True,
+    )
+    recording = Recording(scene, "log", step=step)
+    recording.state(6.75, {"a": (*place, 0.0, 0.0), "b": (10.75, 7.0, 1.0, 0.0)})
+    rest = {"a": (*place, 0.0, 0.0), "b": (19.0, 7.0, -1.0, 0.0)}
+    recording.hit(15.0, "b", "w", rest)
+    recording.state(15.0, rest)
+    recording.end(16.0)
+    (found,) = compare(scene, [LogEngine(recording, step=step, lacks=frozenset())], until=16).candidates
+    assert found.verdict == "agree" and found.laws is not None and found.laws.kept is not False, found.laws
+    assert [entry.circle for entry in recording.trajectory().pocketings] == ["a"]
+    early = Recording(scene, "log", step=step)
+    with pytest.raises(EngineError, match="no contact near it explains how"):  # nothing has captured it yet
+        early.state(5.0, {"a": (8.0, 1 / 3, 0.0, 0.0), "b": (9.0, 7.0, 1.0, 0.0)})
 
 
 def test_a_velocity_that_is_rounded_otherwise_is_no_contact() -> None:
