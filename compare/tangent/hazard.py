@@ -453,7 +453,8 @@ class ErrorModel(Enum):
 def model_of(engine: Engine) -> tuple[ErrorModel, float] | None:
     """The model of an engine, and log2 of its unit of error; None for one that has none: its numbers are exact.
 
-    By what it declares: a time step; bits and rounded input; bits alone.
+    By what it declares: a time step, or bits. Of enclosures are those of truebreak's own intervals alone: an engine
+    of floats that does not round its input rounds what it computes.
 
     >>> from truebreak.floating import DoubleEngine
     >>> model_of(DoubleEngine())
@@ -463,7 +464,9 @@ def model_of(engine: Engine) -> tuple[ErrorModel, float] | None:
         return ErrorModel.STEPPED, log2(engine.step)
     if engine.bits is None:
         return None
-    return (ErrorModel.ROUNDING if engine.rounds_input else ErrorModel.ENCLOSED), -float(engine.bits)
+    from ...floating.interval import IntervalEngine  # here, since most have none
+
+    return (ErrorModel.ENCLOSED if isinstance(engine, IntervalEngine) else ErrorModel.ROUNDING), -float(engine.bits)
 
 
 SAMPLES = 16

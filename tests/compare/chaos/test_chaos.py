@@ -16,15 +16,19 @@ import jsonschema
 import numpy as np
 import pytest
 
+from truebreak.compare import compare
 from truebreak.compare.chaos.certified_chaos import Chaos, chaos, mapped
 from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon, Seen
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.chaos.spectrum import rate, spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
+from truebreak.compare.foreign import LogEngine, RecordedEngine, Recording
+from truebreak.compare.report.answers import encloses
 from truebreak.compare.report.chaos_page import horizon_rows, lead, sentences
 from truebreak.compare.report.documents import chaos_json
 from truebreak.compare.report.schema import schema
+from truebreak.compare.scene_argument import scene_from
 from truebreak.compare.tangent.hazard import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
@@ -181,6 +185,27 @@ def test_models_go_by_what_an_engine_declares() -> None:
     assert names["interval:bits=100"] == (ErrorModel.ENCLOSED, -100.0)
     assert names["pymunk:dt=1/64"] == (ErrorModel.STEPPED, -6.0)
     assert names["exact"] is None
+
+
+def test_floats_that_do_not_round_their_input_are_no_enclosures() -> None:
+    """They do not stop where rounding decides, and are wrong there: what is predicted is that of their precision."""
+
+    class Floats(RecordedEngine):
+        name, bits, rounds_input = "floats", 24, False
+
+        def play(self, scene: Scene, recording: Recording) -> None:
+            run = engine("single").run(scene, until=recording.until, events=recording.events)
+            for event in run.events:
+                moving = [c for c in run.after(event.index).circles if c.id in {x for p in event.impulses for x in p}]
+                states = {str(c.id): (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in moving}
+                recording.hits(float(event.time), [(p.first, p.second) for p in event.impulses], states)
+
+    scene = scene_from("gas")
+    own, floats = (compare(scene, [name], events=60).candidates[0] for name in ("single", Floats()))
+    assert model_of(Floats()) == (ErrorModel.ROUNDING, -24.0) == model_of(engine("single"))
+    log = LogEngine.of([(1.0, "c1", "c2")], scene, rounds_input=False)
+    assert model_of(log) == (ErrorModel.ROUNDING, -53.0)
+    assert not encloses(floats) and own.error == floats.error
 
 
 def test_the_hazard_adds_up_and_is_met_where_it_reaches_a_level() -> None:
