@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from decimal import ROUND_CEILING, Context, Decimal
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, TypedDict
@@ -530,7 +531,9 @@ def shadow_sentences(told: Shadow) -> list[str]:
             f"The run diverges from the certified history of the scene's own start at event {left.event} "
             f"({left.body} meets {got} instead of {met}){more}."
         )
-    if told.drift is not None:
+    if told.drift is not None and told.drift <= (4 + len(told.scene.circles)) * sys.float_info.epsilon:
+        found.append("The engine's energy stays what it was, but for the rounding of its states.")
+    elif told.drift is not None:
         found.append(f"The engine's energy drifts by {told.drift:.2g} of itself, that of a true orbit by nothing.")
     return found
 

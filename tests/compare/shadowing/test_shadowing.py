@@ -16,7 +16,7 @@ from flint import arb
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.report.schema import schema
-from truebreak.compare.report.search_text import at_most
+from truebreak.compare.report.search_text import at_most, shadow_sentences
 from truebreak.compare.shadowing import shadows
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
 from truebreak.compare.shadowing.pseudo_orbit import (
@@ -159,6 +159,14 @@ def test_an_engine_that_loses_energy_is_not_shadowed_and_the_drift_is_named() ->
     assert told.proof is None and told.blocked is not None
     assert told.drift == pytest.approx(1 - 0.64**12)
     assert told.blocked.obstacle is Obstacle.DRIFT, told.blocked
+
+
+def test_an_ulp_of_one_state_is_no_drift_of_the_energy() -> None:
+    scene = Scene([Circle(0, 0, vx=1, vy="1/7"), Circle(5, "1/3")])
+    told = shadow(scene, "double", events=1)
+    assert told.drift is not None and 0.0 < told.drift < 2.0**-51
+    assert shadow_sentences(told)[-1] == "The engine's energy stays what it was, but for the rounding of its states."
+    assert "drifts by 1e-14" in shadow_sentences(replace(told, drift=1e-14))[-1]
 
 
 def test_a_proof_is_not_given_for_another_order() -> None:
