@@ -33,14 +33,14 @@ class Change:
     sentence: str
 
 
-def changes_of(comparison: Comparison) -> list[Change]:
-    """The change from each candidate to the next."""
+def changes_of(comparison: Comparison, span: str = "") -> list[Change]:
+    """The change from each candidate to the next; `span` says up to where they were judged, if not to their ends."""
     listed = comparison.candidates
-    return [change(before, after) for before, after in pairwise(listed)]
+    return [change(before, after, span) for before, after in pairwise(listed)]
 
 
-def change(before: Candidate, after: Candidate) -> Change:
-    """What became of the verdict, and of the laws kept, from one candidate to another."""
+def change(before: Candidate, after: Candidate, span: str = "") -> Change:
+    """What became of the verdict, and of the laws kept, from one candidate to another, within a span."""
     verdict = before.verdict != after.verdict
     divergence = _place(before) != _place(after)
     laws = before.lawless != after.lawless
@@ -58,6 +58,7 @@ def change(before: Candidate, after: Candidate) -> Change:
         told = "The change left the verdict, but not the law."
     else:
         where = f" at event {after.alignment.divergence.event}" if after.alignment.divergence else ""
+        where += f", {span}" if span else ""
         told = f"The change changed no verdict: {before.engine} and {after.engine} both {_verb(after)}{where}."
     if laws:
         told += f" {_kept(before)}; {_kept(after)}."

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ....scenarios.errors import SceneError
+from ....scenarios.trajectory import StopReason
 from .. import completion
 from ..options import SCENE, SCENE_HELP, ReferenceOptions, Whole, a_file, examples, exit_zero, reference_options
 from ..progress import DONE, of_comparison
@@ -93,8 +94,9 @@ def judge(
         check_writable(asked.html)
     engines = [_log(path, loaded, bits, step, exact_input, lacks) for path in logs]
     limits: dict[str, Any] = {"until": asked.until, "events": asked.events}
+    shortest = ""
     if asked.until is None and asked.events is None:
-        limits = _as_far_as(engines, loaded)
+        limits, shortest = _as_far_as(engines, loaded)
     with showing_progress(loaded.name) as progress:
         comparison = compare(
             loaded,
@@ -111,7 +113,9 @@ def judge(
     from ...files.amounts import counted
     from ...report.changes import changes_of
 
-    changes = changes_of(comparison)
+    if comparison.reference.stop.reason is not StopReason.HORIZON:  # it ends before that of itself
+        shortest = ""
+    changes = changes_of(comparison, shortest)
     if asked.html is not None:
         from ...report.html import html_report
         from ..options import command_of
@@ -134,6 +138,8 @@ def judge(
                 say(out, f"{candidate.engine}: {candidate.laws.bounces}.")
         for change in changes:
             say(out, change.sentence, "bold")
+        if shortest:
+            say(out, f"All logs are judged {shortest}; judge one by itself to go as far as it does.")
     return DONE if exit_zero else of_comparison(comparison)
 
 
@@ -152,18 +158,21 @@ def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool
     return LogEngine.of(path, scene, bits=bits, step=dt, rounds_input=not exact_input, lacks=missing)
 
 
-def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
-    """Limits that no log goes beyond: the earliest end of those that are not over, and the scene's own."""
+def _as_far_as(engines: list[LogEngine], scene: Scene) -> tuple[dict[str, Any], str]:
+    """Limits that no log goes beyond: the earliest end of those that are not over, and the scene's own; and which log
+    ends there, in words, where others go on."""
 
     ends = {log.name: float(log.last.final_time) for log in engines if not log.over}
     if not ends:
-        return {}
+        return {}, ""
     name = min(ends, key=lambda key: ends[key])
     if ends[name] <= 0:
         raise SceneError(f"file {name!r}: ends at time 0, so that there is nothing to judge; record it farther")
     if scene.until is not None and float(scene.until) <= ends[name]:
-        return {}
-    return {"until": ends[name], "events": scene.events}
+        return {}, ""
+    shown = {log.name: "" if log.over else f"{ends[log.name]:.9g}" for log in engines}
+    told = f"up to time {shown[name]}, where {name} ends" if len({*shown.values()}) > 1 else ""
+    return {"until": ends[name], "events": scene.events}, told
 
 
 @click.command(epilog=examples("export"))

@@ -121,6 +121,17 @@ def test_two_logs_say_whether_a_change_changed_a_verdict(
     code, out, _ = said(capsys, "judge", "gas", old, same)
     assert code == 0
     assert "The change changed no verdict" in out
+    assert "ends" not in out
+    long, short = written(tmp_path / "long.jsonl", lines), written(tmp_path / "short.jsonl", lines[:20])
+    told = f"up to time {lines[19]['time']:.9g}, where {short} ends"
+    for logs in ((long, short), (short, long), (long, short, old)):
+        code, out, _ = said(capsys, "judge", "gas", *logs)
+        assert code == 0
+        assert f"All logs are judged {told}; judge one by itself" in out.replace("\n", " ")
+        code, out, _ = said(capsys, "judge", "gas", *logs, "--json")
+        assert told in json.loads(out)["changes"][0]["sentence"]
+    code, out, _ = said(capsys, "judge", "gas", long, short, "--events", "5")
+    assert "All logs are judged" not in out
     code, out, _ = said(capsys, "judge", "gas", old, dropped, "--events", "50", "--json")
     assert code == 1
     data = json.loads(out)
