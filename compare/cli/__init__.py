@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import atexit
 import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 __all__ = ["main"]
 
@@ -15,20 +13,14 @@ a program imports none is garbage."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Runs the command line and exits with its code: `entry.main`, which is imported here."""
-    with _rarely_collecting():
-        from .entry import main as run
+    """Runs the command line and exits with its code: `entry.main`, which is imported here.
 
-        run(arguments)
+    Without arguments, which are then those of the program, the program ends with it: garbage is looked for seldom, and
+    not at all at the end, which is a tenth of a short command.
+    """
+    if arguments is None:
+        atexit.register(gc.freeze)
+        gc.set_threshold(RARELY, *gc.get_threshold()[1:])
+    from .entry import main as run
 
-
-@contextmanager
-def _rarely_collecting() -> Iterator[None]:
-    """Looks for garbage seldom, and not at all once the program ends: a tenth of a short command."""
-    atexit.register(gc.freeze)
-    before = gc.get_threshold()
-    gc.set_threshold(RARELY, *before[1:])
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
+    run(arguments)

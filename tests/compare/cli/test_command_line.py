@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import re
@@ -14,6 +15,7 @@ from pathlib import Path
 import click
 import pytest
 from click.shell_completion import ShellComplete
+from command_line import said
 
 from truebreak.compare.cli import main, progress
 from truebreak.compare.cli.entry import cli
@@ -298,3 +300,30 @@ def test_no_line_where_nobody_looks(capsys: pytest.CaptureFixture[str]) -> None:
     with showing("quiet") as show:
         assert show is None
     assert capsys.readouterr().err == ""
+
+
+COLLECTED = """
+import atexit, gc, sys
+from truebreak.compare.cli import main
+seen = []
+gc.callbacks.append(lambda phase, told: seen.append(len(sys.modules)) if phase == "start" else None)
+atexit.register(lambda: print(len(seen), sum(many > 200 for many in seen), file=sys.stderr))
+main()
+"""
+"""The command line as a program; how often garbage is looked for, and how often once most modules are there."""
+
+
+def test_a_short_command_does_not_look_for_garbage_as_it_ends() -> None:
+    words = [sys.executable, "-P", "-c", COLLECTED, "run", "gas", "--events", "5"]
+    told = subprocess.run(words, capture_output=True, text=True, check=True).stderr
+    assert int(told.split()[-1]) == 0, told
+
+
+def test_called_from_python_it_leaves_the_collector_as_it_was(capsys: pytest.CaptureFixture[str]) -> None:
+    before = gc.get_threshold()
+    gc.set_threshold(777, 11, 12)
+    try:
+        assert said(capsys, "run", "gas", "--events", "5")[0] == 0
+        assert gc.get_threshold() == (777, 11, 12)
+    finally:
+        gc.set_threshold(*before)
