@@ -20,7 +20,7 @@ from ..exact.numbers import ball
 from ..exact.numbers.system import Undecided
 from ..exact.replay.contact import Gravity, Round, is_arc, is_pair
 from ..exact.replay.landings import Unsharp, falling_zeros, gap_of, within_arc
-from ..exact.replay.round_falls import Isolated, RoundFall, Unclear, falling_zero, horner, horner_slope
+from ..exact.replay.round_falls import Isolated, RoundFall, Unclear, falling_zero_in_balls, horner, horner_slope
 from ..scenarios.engine import ALL_KEYS, EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull
@@ -191,7 +191,7 @@ class IntervalState(PlainState[Any]):
     """See `PlainState`; which zero of a quartic a fall ends at is certain, or not told."""
 
     def fall_wait(self, link: Round) -> Any:
-        """See `Flights.fall_wait`: in doubles with a bound of what they are off, then by interval Newton."""
+        """See `Flights.fall_wait`: in doubles with a bound on their errors, else in balls, then by interval Newton."""
         fall, stood = self.peg_fall(link), self.stood(link)
         if is_pair(link) and not stood and (fall.gap() > ZERO) is not True:
             raise Unsharp(0.0)
@@ -214,21 +214,16 @@ class IntervalState(PlainState[Any]):
 
     def _zeros(self, link: Round, fall: RoundFall[Any], c: Sequence[Any]) -> Iterator[Isolated | Unclear]:
         """Where the gap of a contact falls; of two circles, the first time."""
-        ends = [(0.0, 0.0) if value.a == 0 == value.b else bounds(value) for value in c]
-        if is_pair(link):
-            mids = [low + (high - low) / 2 for low, high in ends]
-            off = [
-                nextafter(max(high - mid, mid - low), inf) if low < high else 0.0
-                for mid, (low, high) in zip(mids, ends, strict=True)
-            ]
-            found = falling_zero(mids, off)
-            return iter(() if found is None else (found,))
 
         def beyond(low: fmpq, high: fmpq) -> bool:
             return (self._within(link, fall, _span_of(low, high)) < ZERO) is True
 
         with ball.precision(max(QUARTIC_BITS, mpmath.iv.prec)):
-            return iter([*falling_zeros([IntervalNumber(value).ball(0) for value in c], inf, beyond)])
+            balls = [IntervalNumber(value).ball(0) for value in c]
+            if is_pair(link):
+                found = falling_zero_in_balls(balls)
+                return iter(() if found is None else (found,))
+            return iter([*falling_zeros(balls, inf, beyond)])
 
 
 def _span_of(low: float | fmpq, high: float | fmpq) -> Any:

@@ -7,11 +7,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations, product
+from itertools import combinations, product, starmap
 from typing import TYPE_CHECKING, Any, cast
 
 from ...exact.laws import formulas as law
-from ...exact.laws.formulas import pair_approach, pair_discriminant, pair_gap, wall_approach
+from ...exact.laws.formulas import pair_approach, pair_discriminant, pair_gap, wall_approach, wall_gap
+from ...exact.replay.landings import double_zeros_exactly
+from ...exact.replay.round_falls import gap_quartic
+from ...scenarios.arcs import NearSide
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity, real
 from ...scenarios.trajectory import StopReason
@@ -296,11 +299,16 @@ def tied(stopped: Stopped) -> list[Experiment]:
 # -- the width of enclosures: what wider numbers decide, found by running
 
 WORK = 8
-"""Runs as long as the engine's own that the bits may be doubled for, counted in events times the length of numbers."""
-LEAST_WORK = 256
+"""Runs as long as the engine's own that the bits may be doubled for, counted in events times the length of numbers;
+under gravity its square: as many halvings as bits part two zeros of a quartic, or do not part a double one."""
+LEAST_WORK = 320
 """The same in events, where its own run is short."""
 SHORT_BITS = 512
 """Bits up to which an operation costs about the same, whatever their number."""
+TO_THE_END = 4096
+"""The same for the bits that lead to the end, where they are asked for."""
+NEARLY = 2.0**-40
+"""The share by which one number in doubles may be beyond another that it is not beyond."""
 FAR = 3
 """How often the bits are doubled at once beside a number that is proved to be zero: one run says which it is."""
 SPARE_BITS = 48
@@ -330,7 +338,8 @@ def width(stopped: Stopped) -> list[Experiment]:
         told = f"exactly zero: {found}; no enclosure can decide it: with {past.short} bits it stops there too"
         return [Experiment(CauseName["ZERO"], told, None, True)]
     if past.enough is None:
-        return [Experiment(CauseName["WIDTH"], f"with {past.short} bits it stops there too", None, False)]
+        told = f"with {past.short} bits it stops there too{past.left}"
+        return [Experiment(CauseName["WIDTH"], told, None, False)]
     told = f"with {past.enough.bits} bits it goes on past event {event}, with {past.short} it does not"
     if stopped.bits:
         told = f"{told}; {_to_the_end(stopped)}"
@@ -346,11 +355,13 @@ class Widened:
     Attributes:
         tried: the widest that was seen not to do what is asked.
         enough: the first that does, with its run; None if none of those that were tried does.
+        left: which bits were not tried, in words; empty if all were.
     """
 
     tried: Engine
     enough: Engine | None = None
     run: Trajectory | None = None
+    left: str = ""
 
     @property
     def short(self) -> int | None:
@@ -365,6 +376,7 @@ def _doubled(
     allowed: float,
     tried: Engine | None = None,
     chosen: Engine | None = None,
+    ties: bool = False,
 ) -> Widened:
     """Doubles the bits until a run does what is asked, or the work is done that is allowed.
 
@@ -372,17 +384,22 @@ def _doubled(
         does: whether a run that is undecided does what is asked; one that is not does.
         allowed: events, of numbers of up to `SHORT_BITS` bits.
         tried, chosen: what is known not to do, and what is tried first; the engine that stopped, and the next wider.
+        ties: whether to ask, where twice the bits come no farther, whether a tie is proved there, and go no wider.
     """
     if tried is None:
         tried, chosen = stopped.engine, wider_of(stopped.engine)
+    before, power = -1, 1 if stopped.study.scene.gravity is None else 2
     while chosen is not None and chosen.bits is not None:
         run = stopped.study.whole_run(chosen, stopped.study.scene, until, stopped.progress)
         if run.stop.reason is not StopReason.UNDECIDED or does(run):
             return Widened(tried, chosen, run)
-        allowed -= (len(run.events) + 1) * (1 + chosen.bits / SHORT_BITS)
+        allowed -= (len(run.events) + 1) * (1 + chosen.bits / SHORT_BITS) ** power
         tried = chosen
+        before, come = len(run.events), before == len(run.events)
+        if ties and come and (told := exact_tie(stopped.reference, before)) is not None:
+            return Widened(tried, left=f"; at event {before} it stops however wide: {told}")
         if allowed <= 0:
-            break
+            return Widened(tried, left="; more were not tried: the work that may be done for it is over")
         chosen = wider_of(chosen)
     return Widened(tried)
 
@@ -394,9 +411,9 @@ def _to_the_end(stopped: Stopped) -> str:
     some to spare, confirms it.
     """
     end = stopped.study.span.time
-    wide = _doubled(stopped, end, lambda run: False, math.inf)
+    wide = _doubled(stopped, end, lambda run: False, TO_THE_END * (stopped.event + 1), ties=True)
     if wide.enough is None or wide.run is None or wide.enough.bits is None:
-        return f"with {wide.short} it does not come to the end"
+        return f"with {wide.short} it does not come to the end{wide.left}"
     bits = _bits_lost(wide.run, wide.enough.bits) + SPARE_BITS
     if (wide.short or 0) < bits < wide.enough.bits:
         try:
@@ -424,6 +441,13 @@ def _bits_lost(run: Trajectory, bits: int) -> int:
 # -- exact zeros before an event
 
 
+def exact_tie(reference: Trajectory, event: int) -> str | None:
+    """Why no enclosure decides an event, however narrow, in words; None if that is not proved."""
+    if event < len(reference.events) and len(reference.events[event].contacts) > 1:
+        return "several contacts fall on exactly one instant"
+    return exact_zero(reference, event)
+
+
 def exact_zero(reference: Trajectory, event: int) -> str | None:
     """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
 
@@ -443,15 +467,18 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
         if float(pair_approach(dx, dy, vx, vy)) < 0 and is_zero(pair_discriminant, dx, dy, vx, vy, reach):
             return f"{one} and {other} graze"
     whole = reference.scene.surfaces
-    falls = falls or reference.scene.moving_solid is not None  # whose ends and faces are where they move to
     for name, (*_, vx, vy) in flights.items():
         for wall in whole.walls:
             ux, uy = vx - wall.vx, vy - wall.vy
             along = whole.gravity is None or is_zero(wall_approach, *whole.gravity, *wall.normal)
             if along and (ux.sign() or uy.sign()) and is_zero(wall_approach, ux, uy, *wall.normal):
                 return f"{name} flies parallel to {wall.id}"
+    if reference.scene.moving_solid is not None:  # whose ends and faces are where they move to
+        return None
     if falls:
-        return None  # what else stands is met where flights are bent
+        return next(
+            (told for told in starmap(partial(_zero_of_a_fall, reference, event), flights.items()) if told), None
+        )
     for (name, flight), k in product(flights.items(), whole.ends):
         end = whole.circles[k]
         apart = apart_at(flight, resting(end))
@@ -465,6 +492,63 @@ def exact_zero(reference: Trajectory, event: int) -> str | None:
             zero = _zero_at_side(flight, side, radii[name])
             if zero is not None:
                 return f"{name} {zero}"
+    return None
+
+
+def _zero_of_a_fall(reference: Trajectory, event: int, name: str, flight: ExactFlight) -> str | None:
+    """What is exactly zero of a circle that falls and of what stands, no later than an event: a double zero of their
+    gap, or the place along a face at which it comes to its line."""
+    scene = reference.scene
+    circle = next(c for c in scene.circles if c.id == name)
+    if circle.fixed or scene.gravity is None:
+        return None
+    whole, (hx, hy), (t, x, y, vx, vy) = scene.surfaces, (part / 2 for part in scene.gravity), flight
+    x, y, vx, vy = x + hx * t * t, y + hy * t * t, vx + hx * t * 2, vy + hy * t * 2  # where it truly is
+    last = float(reference.events[event].time) if event < len(reference.events) else math.inf
+
+    def in_time(wait: float) -> bool:
+        return float(t) + wait <= last * (1 + NEARLY)
+
+    ends = [whole.circles[k] for k in whole.ends]
+    stand = [(f"grazes {c.id}", c, circle.r + c.r, None) for c in scene.circles if c.fixed]
+    stand += [(f"grazes an end of {end.id}", end, circle.r + end.r, None) for end in ends]
+    stand += [(f"grazes the rim of {hole.id}", hole, hole.r, None) for hole in scene.pockets]
+    for arc in scene.arcs:
+        outside, hollow = NearSide.both(arc)
+        stand.append((f"grazes {arc.id}", arc, circle.r + arc.r, outside))
+        if (circle.r - arc.r).sign() < 0:
+            stand.append((f"touches {arc.id} from within, along it", arc, circle.r - arc.r, hollow))
+    for told, thing, reach, side in stand:
+        gap = gap_quartic(thing.x - x, thing.y - y, -vx, -vy, hx, hy, reach)
+        c = [value.rational for value in gap if value.rational is not None]
+        if len(c) < len(gap):
+            continue
+        for wait in [0.0] * (c[0] == c[1] == 0) + [float(zero.in_ball()) for zero in double_zeros_exactly(c)]:
+            far = [float(at + v * wait + h * wait * wait) for at, v, h in ((x, vx, hx), (y, vy, hy))]
+            dx, dy = far[0] - float(thing.x), far[1] - float(thing.y)
+            if in_time(wait) and (side is None or side.within(dx, dy, abs(float(reach))) > -NEARLY):
+                return f"{name} {told}" if wait else f"{name} and {thing.id} touch and do not approach"
+    for k in whole.faces:
+        face = whole.walls[k]
+        nx, ny = face.normal
+        gap = wall_gap(x, y, face.x0, face.y0, nx, ny, circle.r * (nx * nx + ny * ny).sqrt())
+        approach, half = wall_approach(vx, vy, nx, ny), wall_approach(hx, hy, nx, ny)
+        slide, bend = law.face_along(vx, vy, ZERO, ZERO, nx, ny), law.face_along(hx, hy, ZERO, ZERO, nx, ny)
+        try:
+            root = law.fall_discriminant(gap, approach, half).sqrt()
+            wait = law.fall_time_back(approach, half, root) if half.sign() else law.wall_hit_time(gap, approach)
+            foot = slide * wait + bend * wait * wait
+            if (
+                wait.sign() > 0
+                and in_time(float(wait))
+                and any(
+                    (law.face_along(x, y, x0, y0, nx, ny) + foot).sign() == 0
+                    for x0, y0 in ((face.x0, face.y0), (face.x1, face.y1))
+                )
+            ):
+                return f"{name} meets {face.id} where a face becomes an end"
+        except (ValueError, ZeroDivisionError):  # it does not come there, or that is not known
+            continue
     return None
 
 

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from fractions import Fraction
 from random import Random
+from typing import Any
 
 import pytest
 from segment_faults import SegmentFault
 from segment_scenes import scene_of
 
 from truebreak.compare import compare
+from truebreak.compare.causes import other_settings
 from truebreak.compare.causes.decision import DecidingNumber, Pairing, RunReader
 from truebreak.compare.causes.other_settings import exact_zero
+from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
-from truebreak.scenarios import Circle, Quantity, Scene, Segment
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, Segment, Wall
+from truebreak.scenarios.engine import Engine
+from truebreak.scenarios.trajectory import Trajectory
 
 SMALL = Quantity.of(Fraction(1, 2**60))
 
@@ -119,3 +124,84 @@ def test_where_intervals_stop_is_named() -> None:
     assert exact_zero(run, 0) == "disc meets bar where a face becomes an end"
     graze = Scene([Circle(3, 5, vy=-1, id="disc")], segments=bar)
     assert exact_zero(ExactEngine().run(graze, until=9), 0) == "disc grazes an end of bar"
+
+
+FALL: dict[str, Any] = {"gravity": (0, -8), "events": 3}
+BELOW = [Wall(0, -9, 1, -9, id="below")]
+TIES = {
+    "disc grazes the rim of hole": Scene(
+        [Circle(0, 5, "1/2", id="disc")], BELOW, pockets=[Pocket(1, 0, 1, id="hole")], **FALL
+    ),
+    "disc grazes an end of bar": Scene(
+        [Circle("-5/2", 2, "1/2", id="disc")], BELOW, segments=[Segment(-2, 0, 2, 0, id="bar")], **FALL
+    ),
+    "disc meets bar where a face becomes an end": Scene(
+        [Circle("1/3", 5, "1/2", vx="2/3", id="disc")],
+        BELOW,
+        segments=[Segment("4/3", "-9/2", 7, "-9/2", id="bar")],
+        **FALL,
+    ),
+    "disc and bar touch and do not approach": Scene(
+        [Circle("-5/2", 0, "1/2", vy=1, id="disc")], BELOW, segments=[Segment(-2, 0, 2, 0, id="bar")], **FALL
+    ),
+    "disc grazes ring": Scene(
+        [Circle("-5/2", 2, "1/2", id="disc")], BELOW, arcs=[Arc(0, 0, 2, full=True, id="ring")], **FALL
+    ),
+    "disc grazes peg": Scene([Circle("-5/2", 2, "1/2", id="disc"), Circle(-1, 0, fixed=True, id="peg")], BELOW, **FALL),
+}
+
+
+def widths_tried(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The bits of all runs of intervals from now on, beside a study's own."""
+    tried: list[int] = []
+    whole_run = Study.whole_run
+
+    def noted(self: Study, engine: Engine, *args: Any) -> Trajectory:
+        tried.append(engine.bits or 0)
+        return whole_run(self, engine, *args)
+
+    monkeypatch.setattr(Study, "whole_run", noted)
+    return tried
+
+
+@pytest.mark.parametrize("told", TIES)
+def test_no_width_is_raised_where_a_zero_is_proved_under_gravity(told: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = widths_tried(monkeypatch)
+    found = compare(TIES[told], ["interval"]).candidates[0].diagnosis
+    assert found is not None
+    assert [cause.name for cause in found.causes] == ["ZERO"]
+    assert told in found.finding
+    assert tried == [106, 848]
+
+
+def test_what_is_beyond_the_next_event_is_no_zero_that_leads_to_it() -> None:
+    scene = TIES["disc grazes the rim of hole"]
+    above = scene.with_changes(walls=[Wall(0, 3, 1, 3, id="above")])
+    run = ExactEngine().run(above)
+    assert float(run.events[0].time) < 1
+    assert exact_zero(run, 0) is None
+
+
+def test_widths_are_raised_by_counted_work_and_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(other_settings, "exact_zero", lambda *_: None)
+    tried = widths_tried(monkeypatch)
+    found = compare(TIES["disc grazes an end of bar"], ["interval"]).candidates[0].diagnosis
+    assert found is not None
+    assert tried[-1] == 13568
+    assert "with 13568 bits it stops there too; more were not tried: the work that may be done" in found.finding
+
+
+def test_the_bits_that_lead_to_the_end_are_not_looked_for_past_a_tie(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = widths_tried(monkeypatch)
+    high, bar = Segment(-3, 5, -1, 5, id="high"), Segment(0, 0, 3, 0, id="bar")
+    early, late = Circle("-7/2 - 10**-30", 9, "1/2", id="misses"), Circle("7/2", 20, "1/2", id="grazes")
+    scene = TIES["disc grazes an end of bar"].with_changes(circles=[early, late], segments=[high], events=None, until=4)
+    (found,) = compare(scene, ["interval"], bits=True).candidates
+    assert found.diagnosis is not None
+    assert "with 212 it comes to the end, with 106 it does not" in found.diagnosis.finding
+    tried.clear()
+    (found,) = compare(scene.with_changes(segments=[high, bar]), ["interval"], bits=True).candidates
+    assert found.diagnosis is not None
+    told = "with 424 it does not come to the end; at event 1 it stops however wide: grazes grazes an end of bar"
+    assert told in found.diagnosis.finding
+    assert max(tried) == 424
