@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import inf, nan, nextafter
 from typing import Any, TypeAlias
 
@@ -275,25 +276,65 @@ def field_sign(value: FieldNumber) -> int:
     return value.sign()
 
 
-def in_square_roots(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, int, fmpq] | None:
-    """The only zero of a polynomial between two numbers as p + turn sqrt(square), with a turn of -1, 0 or 1; None where
-    no factor of first or second degree has it.
+CONVERTED = 2.0**-51
+"""Relative error of the double taken for a ball's middle, and of what is reckoned of its radius: more than both."""
 
-    >>> in_square_roots(fmpq_poly([2, 0, -3, 0, 1]), fmpq(11, 10), fmpq(2))
-    (0, 1, 2)
-    >>> in_square_roots(fmpq_poly([-3, 5, -3, 1]), fmpq(1, 2), fmpq(2))
+SMALLEST = 1e-280
+"""Absolute error of a coefficient besides, more than any underflow."""
+
+
+def doubles_of(c: Sequence[arb]) -> tuple[list[float], list[float]]:
+    """Doubles beside some balls, and bounds of how far off they are."""
+    mids = [float(x.mid()) for x in c]
+    off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
+    return mids, [0.0 if x.is_zero() else error for x, error in zip(c, off, strict=True)]
+
+
+def bits_of(c: Sequence[arb]) -> int:
+    """How deep an interval may be parted: as far as the coefficients are known."""
+    return 16 + min(bits_in_use(), max([0, *(x.rel_accuracy_bits() for x in c if not x.is_zero())]))
+
+
+SQUARE_BITS = 512
+"""Precision in which zeros of polynomials of fractions are told apart, and from the ends of a range."""
+
+
+def falling_in_square_roots(c: Sequence[fmpq], within: Callable[[arb], int | None]) -> tuple[fmpq, int, fmpq] | None:
+    """The first positive zero at which a polynomial falls through 0 within a range, as p + turn sqrt(square), with a
+    turn of -1, 0 or 1; None where no factor of first or second degree has it, or balls do not tell which it is.
+
+    Args:
+        c: the coefficients, the constant one first.
+        within: whether what is in a ball is within the range, as a sign.
+
+    >>> falling_in_square_roots([fmpq(2), fmpq(0), fmpq(-3), fmpq(0), fmpq(1)], lambda t: 1)
     (1, 0, 0)
-    >>> in_square_roots(fmpq_poly([-2, 0, 0, 1]), fmpq(1), fmpq(2))
+    >>> falling_in_square_roots([fmpq(6), fmpq(0), fmpq(-5), fmpq(0), fmpq(1)], lambda t: 1)
+    (0, 1, 2)
+    >>> falling_in_square_roots([fmpq(2), fmpq(3), fmpq(0), fmpq(-1)], lambda t: 1)
+    (2, 0, 0)
+    >>> falling_in_square_roots([fmpq(2), fmpq(0), fmpq(0), fmpq(-1)], lambda t: 1)
     """
-    for factor, _ in poly.numer().factor()[1]:
-        f, degree = fmpq_poly(factor), factor.degree()
-        if not 0 < degree < 3 or f(low) * f(high) > 0:
-            continue
-        if degree == 1:
-            return -f[0] / f[1], 0, fmpq(0)
-        middle = -f[1] / (2 * f[2])
-        below = middle >= high or (middle > low and f(middle) * f(low) < 0)
-        return middle, -1 if below else 1, middle * middle - f[0] / f[2]
+    found: list[tuple[arb, fmpq_poly]] = []
+    with precision(SQUARE_BITS):
+        for factor, times in fmpq_poly([*c]).numer().factor()[1]:
+            zeros: Any = factor.complex_roots()  # each with how often
+            found += [(zero.real, fmpq_poly(factor)) for zero, _ in zeros if times % 2 and zero.imag == 0]
+        found.sort(key=lambda zero: float(zero[0].mid()))
+        if c[0] == 0 or not all(one < other for (one, _), (other, _) in pairwise(found)):
+            return None
+        falls = c[0] > 0
+        for zero, f in ((zero, f) for zero, f in found if not zero < 0):
+            side = within(zero) if falls else -1
+            if not side or not zero > 0:
+                return None
+            if side > 0 and f.degree() == 1:
+                return -f[0] / f[1], 0, fmpq(0)
+            if side > 0:
+                middle = -f[1] / (2 * f[2]) if f.degree() == 2 else fmpq(0)
+                turn = sign_of(zero - middle)
+                return (middle, turn, middle * middle - f[0] / f[2]) if f.degree() == 2 and turn else None
+            falls = not falls
     return None
 
 

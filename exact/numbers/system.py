@@ -148,3 +148,23 @@ def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N], nothing: N
                 value = value - rows[k][column] * solution[size - 1 - column]
         solution.append(value / rows[k][k])
     return solution[::-1]
+
+
+# -- Polynomials in any numbers.
+
+
+def horner(c: Sequence[N], t: N) -> N:
+    """The value of a polynomial."""
+    found = c[-1]
+    for k in range(len(c) - 2, -1, -1):
+        found = found * t + c[k]
+    return found
+
+
+def horner_slope(c: Sequence[Any], t: Any) -> Any:
+    """The value of its derivative."""
+    last = len(c) - 1
+    found = last * c[last]
+    for k in range(last - 1, 0, -1):
+        found = found * t + k * c[k]
+    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from itertools import pairwise
 from math import frexp, inf, isfinite, ldexp
 from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias
@@ -15,9 +16,22 @@ from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ..compiled import predictions
-from ..laws.formulas import advance, fall_discriminant, fall_time, fall_time_back
-from ..numbers.ball import LeavesField, bits_in_use, field_sign, in_square_roots, sign_of
-from ..numbers.system import N
+from ..laws.formulas import advance, arc_range, fall_discriminant, fall_time, fall_time_back
+from ..numbers.ball import (
+    SMALLEST,
+    SQUARE_BITS,
+    LeavesField,
+    bits_in_use,
+    bits_of,
+    doubles_of,
+    falling_in_square_roots,
+    field_sign,
+    known_ball,
+    precision,
+    sharpened,
+    sign_of,
+)
+from ..numbers.system import N, horner, horner_slope
 from .contact import (
     AtArc,
     Body,
@@ -44,12 +58,6 @@ from .contact import (
 
 UNIT = 2.0**-53
 """Half the distance of doubles at 1: the greatest relative error of one rounding."""
-
-CONVERTED = 2.0**-51
-"""Relative error of the double taken for a ball's middle, and of what is reckoned of its radius: more than both."""
-
-SMALLEST = 1e-280
-"""Absolute error of a coefficient besides, more than any underflow."""
 
 LEAST, GREATEST = 1e-60, 1e60
 """Ends of intervals that doubles are used for: their fourth powers, times coefficients, neither vanish nor overflow."""
@@ -249,23 +257,6 @@ EXACT_WEIGHTS = [_weights(degree) for degree in range(5)]
 WEIGHTS = [[[int(w.p) / int(w.q) for w in row] for row in rows] for rows in EXACT_WEIGHTS]
 
 
-def horner(c: Sequence[N], t: N) -> N:
-    """The value of a polynomial."""
-    found = c[-1]
-    for k in range(len(c) - 2, -1, -1):
-        found = found * t + c[k]
-    return found
-
-
-def horner_slope(c: Sequence[Any], t: Any) -> Any:
-    """The value of its derivative."""
-    last = len(c) - 1
-    found = last * c[last]
-    for k in range(last - 1, 0, -1):
-        found = found * t + k * c[k]
-    return found
-
-
 def _doubt(c: Sequence[float], off: Sequence[float], t: float) -> float:
     """How far `horner` may be off: Horner's rule by 2 n roundings of the sum of the terms' sizes, here twice that."""
     found = 0.0
@@ -325,18 +316,6 @@ def falling_zero_in_balls(c: Sequence[arb], end: float = inf) -> Found:
     if not LEAST < last < GREATEST:
         return found
     return _isolated(c, fmpq(*bernstein_end(last).as_integer_ratio()), sign_of, bits_of(c))
-
-
-def doubles_of(c: Sequence[arb]) -> tuple[list[float], list[float]]:
-    """Doubles beside some balls, and bounds of how far off they are."""
-    mids = [float(x.mid()) for x in c]
-    off = [float(x.rad()) * (1 + CONVERTED) + abs(mid) * CONVERTED + SMALLEST for x, mid in zip(c, mids, strict=True)]
-    return mids, [0.0 if x.is_zero() else error for x, error in zip(c, off, strict=True)]
-
-
-def bits_of(c: Sequence[arb]) -> int:
-    """How deep an interval may be parted: as far as the coefficients are known."""
-    return 16 + min(bits_in_use(), max([0, *(x.rel_accuracy_bits() for x in c if not x.is_zero())]))
 
 
 def _isolated(c: Sequence[Any], top: fmpq, sign: Callable[[Any], int | None], most: int | None) -> Found:
@@ -439,24 +418,34 @@ def first_zero_exactly(poly: fmpq_poly) -> tuple[fmpq, fmpq] | None:
         return None
     c = [fmpq(poly[k]) for k in range(degree + 1)]
     top = fmpq(1) + max(abs(value / c[-1]) for value in c[:-1])
-    found = _isolated(c, top, _sign, None)
+    found = _isolated(c, top, field_sign, None)
     assert not isinstance(found, Unclear)
     return None if found is None else (fmpq(found.low), fmpq(found.high))  # pyright: ignore[reportArgumentType]
 
 
-def _sign(value: fmpq) -> int:
-    return (value > 0) - (value < 0)
-
-
 def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
     """Half of an interval, or a little more, with the zero at which a polynomial changes sign there."""
-    before = _sign(poly(low))
     for share in SPLITS:
         at = low + (high - low) * share
-        sign = _sign(poly(at))
+        sign = field_sign(poly(at))
         if sign:
-            return (at, high) if sign == before else (low, at)
+            return (at, high) if sign == field_sign(poly(low)) else (low, at)
     raise AssertionError("a polynomial has more zeros than its degree: a defect")
+
+
+def fraction_at_which_it_falls(c: Sequence[Any]) -> tuple[fmpq, int, fmpq] | None:
+    """As `falling_in_square_roots`, of a polynomial of any numbers, positive at 0: where it is a fraction."""
+    with precision(SQUARE_BITS):
+        balls = [known_ball(value, SQUARE_BITS) for value in c]
+        zero = falling_zero_in_balls(balls)
+        if not isinstance(zero, Isolated):
+            return None
+        low, high = (fmpq(*end.as_integer_ratio()) if isinstance(end, float) else end for end in zero)
+        near = sharpened(arb(low), arb(high), lambda t: horner(balls, t), lambda t: horner_slope(balls, t))
+    mantissa, power = (0, 0) if near is None else map(int, near.mid().man_exp())
+    told = (Fraction(mantissa) * Fraction(2) ** power).limit_denominator(2 ** (SQUARE_BITS // 4))
+    at = fmpq(told.numerator, told.denominator)
+    return (at, 0, fmpq(0)) if low < at < high and field_sign(horner(list(c), at)) == 0 else None
 
 
 QUARTIC = "the time at which a circle falls onto something round, a zero of a quartic"
@@ -654,20 +643,31 @@ class RoundFalls(Generic[N]):
         return clock - approach / pull, -(self.one / pull), fall_discriminant(gap, approach, half)
 
     def _factored(self, link: Round) -> tuple[N, N, N]:
-        """The wait as p + turn sqrt(D), where the gap is a polynomial of fractions, with a factor of low degree.
+        """The wait as p + turn sqrt(D): of a polynomial of fractions, where a factor of low degree has the zero; of any
+        other, where that is a fraction.
 
         Raises:
-            LeavesField, TowerLimit: where it is not.
+            LeavesField, TowerLimit: where it is neither.
         """
-        found = self.peg_fall(link).polynomial(self.stood(link))
+        fall = self.peg_fall(link)
+        found: list[Any] = [-value if link.hollow else value for value in fall.polynomial(self.stood(link))]
         known = [value.fraction() if isinstance(value, Element) else value for value in found]
         c = [value for value in known if isinstance(value, fmpq)]
-        if not is_pair(link) or len(c) < len(known) or not c[0] > 0:
-            self.no_closed_form()
-        zero = falling_zero_exactly(c)
-        told = None if isinstance(zero, bool) else in_square_roots(*zero[:3])
+        if len(c) == len(known):
+            told = falling_in_square_roots(c, lambda wait: self._faces(link, fall, wait))
+        else:
+            told = None if is_arc(link) or isinstance(self.zero, arb) else fraction_at_which_it_falls(found)
         zeros: Any = self.zero
         return zeros + (told or self.no_closed_form())[0], zeros + told[1], zeros + told[2]
+
+    def _faces(self, link: Round, fall: RoundFall[Any], wait: arb) -> int | None:
+        """Whether a circle is within the range of an arc after a time, as a sign: see `landings.within_arc`."""
+        if not is_arc(link) or self.scene.arc_sides[link.arc].full:
+            return 1
+        side, bits = self.scene.arc_sides[link.arc], bits_in_use()
+        then = RoundFall(*(known_ball(value, bits) for value in fall)).after(wait)
+        edge = side.h.ball(bits) * (-then.reach if link.hollow else then.reach)
+        return sign_of(arc_range(then.dx, then.dy, side.nx.ball(bits), side.ny.ball(bits), edge))
 
     def axial_fall(self, link: Round) -> tuple[N, N, N]:
         """Of a circle that falls along the line through the middle of another: gap, approach, half of the pull.

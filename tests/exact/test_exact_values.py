@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import pytest
 from flint import arb, ctx
@@ -11,7 +12,8 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.replay.state import replay
 from truebreak.exact.simulation import decider
 from truebreak.exact.texts import definitions
-from truebreak.scenarios import Circle, Quantity, Scene, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, catalogue
+from truebreak.scenarios.trajectory import StopReason
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])
 
@@ -197,3 +199,54 @@ def test_numbers_of_one_past_are_written_from_one_replay(monkeypatch):
     monkeypatch.setattr(decider, "replay", counted)
     assert [value.text() for value in numbers_at_the_end(scene)] == alone
     assert len(replays) == 3  # one for each disc
+
+
+def met_at(time: Fraction, kind: str, mirrored: bool) -> tuple[Scene, Fraction]:
+    """A disc that comes at a fraction to where (3, 4) of length 5 leads from a middle, and its height then."""
+    hollow = kind in ("ring", "bowl")
+    reach = Fraction(3, 2) if hollow else Fraction(5, 2)
+    x, y = reach * Fraction(3, 5), reach * Fraction(4, 5) * (-1 if hollow else 1)
+    x, toward = (-x if mirrored else x), 1 if mirrored else -1
+    vx, vy = Fraction(toward, 3), Fraction(-3)
+    disc = Circle(x - vx * time, y - vy * time - time * time, "1/2", vx=vx, vy=vy + 2 * time, id="disc")
+    arcs = {
+        "ring": [Arc(0, 0, 2, full=True)],
+        "bowl": [Arc(0, 0, 2, -2, 0, 2, 0)],
+        "outside": [Arc(0, 0, 2, full=True)],
+        "dome": [Arc(0, 0, 2, 2, 0, -2, 0)],
+    }.get(kind, [])
+    pockets = [Pocket(0, 0, "5/2")] if kind == "rim" else []
+    return Scene([disc], arcs=arcs, pockets=pockets, gravity=(0, -2)), y
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("kind", ["ring", "bowl", "outside", "dome", "rim"])
+def test_what_comes_at_a_fraction_is_told_from_it(kind: str, mirrored: bool) -> None:
+    time = Fraction(2, 3)
+    scene, height = met_at(time, kind, mirrored)
+    run = ExactEngine().run(scene, until=3)
+    (first, *_) = [event.time for event in run.events] or [entry.time for entry in run.pocketings]
+    assert first.text() == "2/3"
+    (at,) = run.at(time).circles
+    assert Fraction(at.y.text()) == height
+    before, after = run.at(time - Fraction(1, 10**900)), run.at(time + Fraction(1, 10**900))
+    assert float(before.circles[0].vy) == -3
+    if kind != "rim":
+        assert at.vy.digits(20) == after.circles[0].vy.digits(20) != "-3"
+    ends = ExactEngine().run(scene, until=time)
+    assert ends.stop.reason is StopReason.HORIZON
+    assert len(ends.events) + len(ends.pocketings) == 1
+
+
+def test_a_fraction_is_told_where_the_gap_has_other_numbers() -> None:
+    peg = Circle(0, 0, fixed=True, id="peg")
+    run = ExactEngine().run(Scene([Circle("sqrt(2)", "1 + sqrt(2)", id="disc"), peg], gravity=(0, -2)), until=1)
+    assert [event.time.text() for event in run.events] == ["1"]
+    assert run.at(1)["disc"].vx.text() == "2"
+
+
+def test_a_rim_that_is_gone_through_twice_is_entered_at_both_fractions() -> None:
+    disc = Circle("3/5", "-23/5", "1/2", vy="24/5", id="disc")
+    run = ExactEngine().run(Scene([disc], pockets=[Pocket(0, 0, 1)], gravity=(0, -2)), until=4)
+    assert [entry.time.text() for entry in run.pocketings] == ["1", "3"]
+    assert [run.at(time)["disc"].y.text() for time in (1, 3)] == ["-4/5", "4/5"]
