@@ -77,8 +77,7 @@ class Audit:
     @property
     def violations(self) -> tuple[Violation, ...]:
         """The first step of each kind that misses a law, in order of time."""
-        firsts = {found.kind: found for found in reversed(self.missed)}
-        return tuple(found for found in self.missed if firsts[found.kind] is found)
+        return tuple(sorted({v.kind: v for v in reversed(self.missed)}.values(), key=self.missed.index))
 
     @property
     def counts(self) -> dict[str, int]:
