@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flint import arb
@@ -42,7 +41,7 @@ from .continuation import (
     NoContinuation,
     Stretch,
 )
-from .diagnosis import CauseName, Experiment
+from .diagnosis import Account, CauseName, Contribution, Experiment
 
 if TYPE_CHECKING:
     from ..audit.audit import Audit
@@ -118,54 +117,6 @@ OF_STEPS: tuple[Group, ...] = (
     (CauseName["MERGED"], (MERGED,)),
     (CauseName["CORRECTION"], (CORRECTION,)),
 )
-
-
-@dataclass(frozen=True)
-class Contribution:
-    """What one kind of error adds to the number that decides.
-
-    Attributes:
-        cause: the kind.
-        size: signed, in the unit of the number: a length for hit or miss, a time for an order.
-        alone: the number that decides with this kind of error alone; None where that was not run, or does not exist.
-        late: whether the hit that there is with this kind alone comes after the meeting that the run without it has
-            there, which is as good as a miss; None where that is not known.
-    """
-
-    cause: CauseName
-    size: float
-    alone: arb | None = None
-    late: bool | None = False
-
-
-@dataclass(frozen=True)
-class Account:
-    """A displacement and what it is made of.
-
-    Attributes:
-        displacement: the engine's value less the exact margin.
-        contributions: they add up to it.
-        own: all but the input's together: the engine's own errors.
-        runs: how many continuations by the exact law were made.
-        groups: how many groups of steps the run was cut into.
-        lumped: why the engine's own errors are told as one, where they are.
-        along: whether contributions are integrals along the way on which all errors grow together: then a size says
-            nothing of what a kind does alone.
-    """
-
-    displacement: float
-    contributions: tuple[Contribution, ...]
-    own: Contribution
-    runs: int
-    groups: int
-    lumped: str = ""
-    along: bool = False
-
-    def is_of_rounding(self, margin: float) -> bool:
-        """Whether what rounding adds changes the decision, and what the engine's steps add does not."""
-        rounding = sum(part.size for part in self.contributions if part.cause.entry.rounding)
-        rest = sum(part.size for part in self.contributions if not part.cause.entry.rounding)
-        return not self.lumped and margin * (margin + rounding) <= 0 < margin * (margin + rest)
 
 
 class _Sum:
@@ -373,6 +324,21 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
             apart,
             along,
         )
+
+
+def accounted(lab: Laboratory) -> Account | str:
+    """What a displacement is made of; or why there is no such account."""
+    if lab.accounted is None:
+        run, margin = lab.continued, lab.margin
+        try:
+            lab.accounted = (
+                account_of(run, margin, lab.got, lab.engine.step is not None, lab.input_rounded)
+                if not isinstance(run, str) and margin is not None
+                else str(run)
+            )
+        except NoContinuation as why:
+            lab.accounted = str(why)
+    return lab.accounted
 
 
 def _flips(margin: arb, value: arb) -> bool:

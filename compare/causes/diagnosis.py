@@ -6,6 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flint import arb
 
 NO_CAUSE = "The histories differ"
 """The sentence of a report where no cause is known, or none that has a sentence of its own."""
@@ -127,6 +131,54 @@ class Experiment:
     displacement: float | None = None
     suffices: bool | None = None
     share: float | None = None
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What one kind of error adds to the number that decides.
+
+    Attributes:
+        cause: the kind.
+        size: signed, in the unit of the number: a length for hit or miss, a time for an order.
+        alone: the number that decides with this kind of error alone; None where that was not run, or does not exist.
+        late: whether the hit that there is with this kind alone comes after the meeting that the run without it has
+            there, which is as good as a miss; None where that is not known.
+    """
+
+    cause: CauseName
+    size: float
+    alone: arb | None = None
+    late: bool | None = False
+
+
+@dataclass(frozen=True)
+class Account:
+    """A displacement and what it is made of.
+
+    Attributes:
+        displacement: the engine's value less the exact margin.
+        contributions: they add up to it.
+        own: all but the input's together: the engine's own errors.
+        runs: how many continuations by the exact law were made.
+        groups: how many groups of steps the run was cut into.
+        lumped: why the engine's own errors are told as one, where they are.
+        along: whether contributions are integrals along the way on which all errors grow together: then a size says
+            nothing of what a kind does alone.
+    """
+
+    displacement: float
+    contributions: tuple[Contribution, ...]
+    own: Contribution
+    runs: int
+    groups: int
+    lumped: str = ""
+    along: bool = False
+
+    def is_of_rounding(self, margin: float) -> bool:
+        """Whether what rounding adds changes the decision, and what the engine's steps add does not."""
+        rounding = sum(part.size for part in self.contributions if part.cause.entry.rounding)
+        rest = sum(part.size for part in self.contributions if not part.cause.entry.rounding)
+        return not self.lumped and margin * (margin + rounding) <= 0 < margin * (margin + rest)
 
 
 @dataclass(frozen=True)

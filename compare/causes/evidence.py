@@ -25,7 +25,7 @@ from ..alignment.walk import history
 from ..audit.residual import AUDIT_BITS
 from ..audit.residuals import Laws
 from ..audit.transcript import Transcript
-from .budget import ALONE
+from .budget import ALONE, accounted
 from .decision import RunReader, answer
 from .diagnosis import CauseName, Experiment
 from .free_flights import short_quantity
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
     from ..alignment.align import Alignment
-    from .budget import Account, Contribution
+    from .diagnosis import Account, Contribution
     from .free_flights import OwnFlight
     from .laboratory import Laboratory
 
@@ -447,7 +447,7 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         if lab.carried:
             return _by_runs_alone(lab, "a wall has carried one of those that meet")
         return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
-    account = lab.accounted
+    account = accounted(lab)
     if isinstance(account, str) and lab.carried:
         return _by_runs_alone(lab, account)
     if isinstance(account, str):

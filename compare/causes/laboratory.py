@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from ..alignment.walk import Walk
     from ..candidate import Candidate
     from ..study import Study
-    from .budget import Account
     from .continuation import Continuation
-    from .diagnosis import Diagnosis
+    from .diagnosis import Account, Diagnosis
 
 
 # -- what was decided
@@ -239,7 +238,8 @@ class Laboratory:
         margin, got: the number that decides, in each.
         taken: the entries into pockets that only one of the two runs has, in place of a meeting.
         first_time, last_time: when the first and the last of the meetings in question come, in either run.
-        account: what the displacement is made of, once it is known.
+        accounted: what the displacement is made of, or why that is not known, once it has been asked for.
+        account: it, where causes are told by it.
         displacement: it, with what the decision itself is rounded by.
         chosen_before: whether the exact law resolves a tie as the candidate does, from its own state before.
     """
@@ -267,6 +267,7 @@ class Laboratory:
         self.decision = self._decision()
         self.margin = None if self.decision is None else arb(0) if self.tied else self.truth.value(self.decision)
         self.got = None if self.decision is None else self.own.value(self.decision)
+        self.accounted: Account | str | None = None
         self.account: Account | None = None
         self.displacement: float | None = None
         self.chosen_before = False
@@ -343,20 +344,6 @@ class Laboratory:
                 self._rounds_to, 2.0**-self.bits if self.engine.step is not None else None, self.first_time,
                 allowances(self.engine, self.study.scene).get("threshold", 0.0), self.engine.step or 0.0,
             )  # fmt: skip
-        except NoContinuation as why:
-            return str(why)
-
-    @cached_property
-    def accounted(self) -> Account | str:
-        """What the displacement is made of; or why there is no such account."""
-        from .budget import account_of
-        from .continuation import NoContinuation
-
-        run, margin = self.continued, self.margin
-        if isinstance(run, str) or margin is None:
-            return str(run)
-        try:
-            return account_of(run, margin, self.got, self.engine.step is not None, self.input_rounded)
         except NoContinuation as why:
             return str(why)
 

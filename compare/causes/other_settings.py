@@ -26,6 +26,7 @@ from ..deadline import NO_TIME
 from ..foreign.guard import cut_short, finer_of, firmer_of, wider_of
 from ..study import finer_by, series_steps
 from ..validation import EngineError
+from .budget import accounted
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from .free_flights import ExactFlight, OwnFlight, apart_at, exact_flight, is_zero, resting
 from .laboratory import decisions
@@ -103,7 +104,7 @@ def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 def _by_chance(lab: Laboratory) -> bool:
     """Whether finer steps that agree may do so by chance: rounding decides, and what is of the step does not."""
-    account = lab.accounted
+    account = accounted(lab)
     return not isinstance(account, str) and lab.margin is not None and account.is_of_rounding(float(lab.margin.mid()))
 
 

@@ -89,6 +89,7 @@ class RunSoFar:
         self.bounced: list[dict[int, EndlessBounces]] = [{} for _ in rows]
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
+        self._captured = set[int]()
         self._resting = Resting(scene, steps.step) if scene.settle and steps.step is not None else None
 
     def __len__(self) -> int:
@@ -229,6 +230,33 @@ class RunSoFar:
             return FallingMotion((), halves=(gx / 2, gy / 2), pegs=self.scene.pegs)
         return SteppedFall((), math.inf, (gx, gy), step, self.scene.pegs, *fall)
 
+    def in_play(
+        self, given: Mapping[int, Row], rows: Sequence[Row], now: float, scale: float, links: Sequence[Indices] = ()
+    ) -> Mapping[int, Row]:
+        """States without those of circles at rest that a pocket has captured: that is no contact, and their entry is
+        read off the flight to it, as where an engine says no more of them. What collides as it enters has been struck
+        before: it leaves the contact as the laws have it.
+
+        Args:
+            rows: the circles as they come to the report; links: what collides in it.
+            scale: the scene's largest coordinate.
+        """
+        if not self.scene.capture:
+            return given
+        still, met = {k for k, row in given.items() if not any(row[2:])}, {k for link in links for k in link}
+        self._captured -= (given.keys() - still) | met
+        after = (still & met and self._impacts.bounce(links, rows, now)) or rows
+        if new := {k for k in still - self._captured if any(after[k][2:])}:
+            ids, room = self.scene.ids, self.rounds(now) * scale
+            found = entries(self.scene, self.motion(self.knots, now, scale), now)
+            last = {entry.circle: float(entry.time) for entry in found}
+            flown = {k for k in new - met if last.get(ids[k], -1.0) >= self.knots[k][-1][0]}
+            self._captured |= flown | {k for k in new if entering(self.scene, after[k], room)}
+        struck = self._captured & met
+        return {
+            k: after[k] if k in struck else row for k, row in given.items() if k in struck or k not in self._captured
+        }
+
     def motion(self, knots: Sequence[Sequence[DoubleKnot]], end: float, scale: float) -> EventMotion:
         """The flights between what was reported; of an engine of steps as its own states say that it falls."""
         left, reckoned = self.left, tuple(sorted(self.reckoned))
@@ -346,7 +374,7 @@ class Recording:
         if carried := self._carried_by(0.0, dict(enumerate(rows)), rows):
             self._course.fly(0.0, {k: rows[k] for k in carried}, carried)
         self._budget: str | None = None
-        self._held, self._captured = 0, set[int]()
+        self._held = 0
         self._lasting: Sequence[tuple[str, str]] | None = None
         self._quiet = self._reported = self._closed = False
 
@@ -411,7 +439,7 @@ class Recording:
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
-            given = self._in_play(given, rows, now, links)
+            given = self._course.in_play(given, rows, now, self._scale, links)
             links = self._course.collisions(now, links, rows, given)
         if links:
             self._course.add(self.where, now, links, rows, self.step is not None)
@@ -455,7 +483,7 @@ class Recording:
         for k, wall in (supports or {}).items():
             self._course.bounce_out(k, wall, now)
         before = self._course.rows(now)
-        given = self._in_play(given, before, now)
+        given = self._course.in_play(given, before, now, self._scale)
         rows = [given.get(k, row) for k, row in enumerate(before)]
         share, stands = self._course.rounds(now), self.scene.gravity is None
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
@@ -552,32 +580,6 @@ class Recording:
         )
 
     # -- what is made of it
-
-    def _in_play(
-        self, given: Mapping[int, Row], rows: Sequence[Row], now: float, links: Sequence[Indices] = ()
-    ) -> Mapping[int, Row]:
-        """States without those of circles at rest that a pocket has captured: that is no contact, and their entry is
-        read off the flight to it, as where an engine says no more of them. What collides as it enters has been struck
-        before: it leaves the contact as the laws have it.
-
-        Args:
-            rows: the circles as they come to the report; links: what collides in it.
-        """
-        if not self.scene.capture:
-            return given
-        still, met = {k for k, row in given.items() if not any(row[2:])}, {k for link in links for k in link}
-        self._captured -= (given.keys() - still) | met
-        after = (still & met and self._impacts.bounce(links, rows, now)) or rows
-        if new := {k for k in still - self._captured if any(after[k][2:])}:
-            knots, room = self._course.knots, self._course.rounds(now) * self._scale
-            found = entries(self.scene, self._course.motion(knots, now, self._scale), now)
-            last = {self._places[entry.circle]: float(entry.time) for entry in found}
-            flown = {k for k in new - met if last.get(k, -1.0) >= knots[k][-1][0]}
-            self._captured |= flown | {k for k in new if entering(self.scene, after[k], room)}
-        struck = self._captured & met
-        return {
-            k: after[k] if k in struck else row for k, row in given.items() if k in struck or k not in self._captured
-        }
 
     def _stop_within(self, end: float | None, limit: Quantity | None, count: int | None) -> Stop | None:
         """Why a run with such limits ends; with `end` None, None while it does not."""

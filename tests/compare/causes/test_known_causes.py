@@ -394,7 +394,11 @@ class Large(RecordedEngine):
 def test_a_finer_step_that_ends_before_the_event_is_evidence_of_nothing() -> None:
     discs = [Circle(0, 0, vx=2, id="a"), Circle(8, "2.03", id="b")]
     scene = Scene(discs, gravity=(0, -1), restitution=0)
-    for most, says, told in ((10**6, True, "differs"), (325, True, "it ends at time 2.5"), (325, False, "ends at time")):
+    for most, says, told in (
+        (10**6, True, "differs"),
+        (325, True, "it ends at time 2.5"),
+        (325, False, "ends at time"),
+    ):
         (found,) = compare(scene, [Large(most=most, says=says)], until=5).candidates
         assert found.diagnosis is not None
         (row,) = [row for row in found.diagnosis.experiments if row.cause is CauseName["STEP"]]
