@@ -511,6 +511,7 @@ def _zero_of_a_fall(reference: Trajectory, event: int, name: str, flight: ExactF
         return float(t) + wait <= last * (1 + NEARLY)
 
     ends = [whole.circles[k] for k in whole.ends]
+    stand: list[tuple[str, Any, Quantity, NearSide | None]]
     stand = [(f"grazes {c.id}", c, circle.r + c.r, None) for c in scene.circles if c.fixed]
     stand += [(f"grazes an end of {end.id}", end, circle.r + end.r, None) for end in ends]
     stand += [(f"grazes the rim of {hole.id}", hole, hole.r, None) for hole in scene.pockets]

@@ -232,7 +232,7 @@ class RunSoFar:
 
     def in_play(
         self, given: Mapping[int, Row], rows: Sequence[Row], now: float, scale: float, links: Sequence[Indices] = ()
-    ) -> Mapping[int, Row]:
+    ) -> dict[int, Row]:
         """States without those of circles at rest that a pocket has captured: that is no contact, and their entry is
         read off the flight to it, as where an engine says no more of them. What collides as it enters has been struck
         before: it leaves the contact as the laws have it.
@@ -242,10 +242,10 @@ class RunSoFar:
             scale: the scene's largest coordinate.
         """
         if not self.scene.capture:
-            return given
+            return {**given}
         still, met = {k for k, row in given.items() if not any(row[2:])}, {k for link in links for k in link}
         self._captured -= (given.keys() - still) | met
-        after = (still & met and self._impacts.bounce(links, rows, now)) or rows
+        after = (self._impacts.bounce(links, rows, now) if still & met else None) or rows
         if new := {k for k in still - self._captured if any(after[k][2:])}:
             ids, room = self.scene.ids, self.rounds(now) * scale
             found = entries(self.scene, self.motion(self.knots, now, scale), now)
