@@ -654,13 +654,13 @@ class RoundFalls(Generic[N]):
         known = [value.fraction() if isinstance(value, Element) else value for value in found]
         c = [value for value in known if isinstance(value, fmpq)]
         if len(c) == len(known):
-            told = falling_in_square_roots(c, lambda wait: self._faces(link, fall, wait))
+            told = falling_in_square_roots(c, lambda wait: self._in_range(link, fall, wait))
         else:
             told = None if is_arc(link) or isinstance(self.zero, arb) else fraction_at_which_it_falls(found)
         zeros: Any = self.zero
         return zeros + (told or self.no_closed_form())[0], zeros + told[1], zeros + told[2]
 
-    def _faces(self, link: Round, fall: RoundFall[Any], wait: arb) -> int | None:
+    def _in_range(self, link: Round, fall: RoundFall[Any], wait: arb) -> int | None:
         """Whether a circle is within the range of an arc after a time, as a sign: see `landings.within_arc`."""
         if not is_arc(link) or self.scene.arc_sides[link.arc].full:
             return 1
