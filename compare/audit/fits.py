@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from flint import arb
 
 from ...exact.numbers import ball
-from .residual import EXPLAINS, FLIGHTS, Violation, along, length_of
+from .residual import EXPLAINS, FLIGHTS, Violation, along, digits_known, digits_off, length_of, percent
 from .residuals import Laws
 
 if TYPE_CHECKING:
@@ -466,7 +466,7 @@ def _follows(laws: Laws, missed: _Missed, shift: float, turn: float) -> bool:
 def _ratio(laws: Laws, share: float) -> str:
     """A restitution that is a share of the scene's, in digits; see `Sample.restitution`."""
     e = laws.restitution
-    return _told(share * e if e else share - 1, e)
+    return digits_off(share * e if e else share - 1, e)
 
 
 def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> tuple[float, float] | None:
@@ -512,7 +512,7 @@ def _restitutions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
         what = f"restitution {_ratio(laws, found[0])}{words}"
         walls = all(s.pair[1] >= laws.count or s.pair[1] in laws.scene.ends for s in mine)
         if laws.restitution == 1.0 and walls and words.startswith((" at walls", " of ")):
-            what += f" (an impulse {_percent((1 - found[0]) / 2)})"
+            what += f" (an impulse {percent((1 - found[0]) / 2)})"
         yield Fit(what, len(mine), len(mine), *found, "restitution")
 
 
@@ -524,7 +524,7 @@ def _frictions(laws: Laws, missed: _Missed) -> Iterable[Fit]:
         return
     for words, sort in _sorts(laws, missed, mine):
         if all(abs(one[0] - 1) * s.slide < 8 * NEAR * s.room * s.speed for s in {*sort} - {*mine}):  # too slow
-            what = f"the speed across the contact becomes {_told(one[0], 1.0)} of what it was{words}"
+            what = f"the speed across the contact becomes {digits_off(one[0], 1.0)} of what it was{words}"
             yield Fit(what, len(mine), len(mine), *one, "friction")
 
 
@@ -535,7 +535,7 @@ def _masses(laws: Laws, missed: _Missed) -> list[Fit]:
     if len({share[k] for s in bad for k in s.pair}) > 1:
         for power, words in ((1, "equal"), (2, "their inverse")):
             times = [s.masses * (share[s.pair[1]] / share[s.pair[0]]) ** power for s in pairs]
-            if all(abs(t - 1) <= NEAR * s.room + SPREAD * 1e-6 for t, s in zip(times, pairs, strict=True)):
+            if all(abs(t - 1) <= NEAR * s.room for t, s in zip(times, pairs, strict=True)):
                 return [Fit(f"masses taken for {words}", len(pairs), len(pairs), 3.0 - 2 * power, 0.0, "mass")]
     fits: list[Fit] = []
     for k, name in enumerate(missed.ids[: laws.count]):
@@ -545,26 +545,34 @@ def _masses(laws: Laws, missed: _Missed) -> list[Fit]:
         ratios = [s.masses if s.pair[0] == k else 1 / s.masses if s.masses else math.inf for s in mine]
         found = _one_value(ratios, 1.0, [s.room for s in mine])
         if found is not None and found[0] > 0:
-            what = f"the mass of {name} taken for {_told(found[0] / share[k], 1 / share[k])}"
+            what = f"the mass of {name} taken for {digits_off(found[0] / share[k], 1 / share[k])}"
             fits.append(Fit(what, len(mine), len(mine), *found, "mass"))
     return fits or _ratios(share, missed, pairs)
 
 
 def _ratios(share: Sequence[float], missed: _Missed, pairs: Sequence[Sample]) -> list[Fit]:
     """Several masses taken for others, in one ratio to each other; there must be more impacts than masses."""
-    times = {missed.momentum[0].pair[0]: 1.0}  # what each is taken for, as a share of what it is
+    first = missed.momentum[0].pair[0]
+    times, loose = {first: 1.0}, {first: 0.0}  # what each is taken for, as a share of what it is, and within what
     if not all(0.0 < s.masses < math.inf for s in pairs):
         return []
-    for i, j, ratio in [(*s.pair, s.masses) for s in pairs] * len(pairs):
+    for s in sorted(pairs, key=lambda s: s.room) * len(share):
+        i, j = s.pair
         if (i in times) is not (j in times):
-            times.update({j: times[i] / ratio} if i in times else {i: times[j] * ratio})
+            times.update({j: times[i] / s.masses} if i in times else {i: times[j] * s.masses})
+            known = loose.get(i, 0.0) + loose.get(j, 0.0)
+            loose |= {k: known + NEAR * s.room for k in (i, j) if k not in loose}
     mine = [s for s in pairs if s.pair[0] in times]
-    off = [abs(times[s.pair[0]] / times[s.pair[1]] / s.masses - 1) - NEAR * s.room - SPREAD * 1e-6 for s in mine]
+    off = [
+        abs(times[i] / times[j] / s.masses - 1) - NEAR * s.room - loose[i] - loose[j] for s in mine for i, j in [s.pair]
+    ]
     if len(mine) < max(FEWEST, len(times)) or max(off) > 0 or any(s.pair[0] not in times for s in missed.momentum):
         return []
-    taken = {missed.ids[k]: times[k] / share[k] for k in sorted(times)}
-    told = " to ".join(f"{mass / min(taken.values()):.4g}" for mass in taken.values())
-    return [Fit(f"the masses of {', '.join(taken)} taken to be as {told}", len(mine), len(mine), kind="mass")]
+    taken = {k: times[k] / share[k] for k in sorted(times)}
+    least = min(taken, key=lambda k: taken[k])
+    told = " to ".join(digits_known(mass / taken[least], loose[k] + loose[least]) for k, mass in taken.items())
+    names = ", ".join(missed.ids[k] for k in taken)
+    return [Fit(f"the masses of {names} taken to be as {told}", len(mine), len(mine), kind="mass")]
 
 
 def _sizes(laws: Laws, missed: _Missed) -> list[Fit]:
@@ -616,7 +624,7 @@ def _flights(missed: _Missed) -> Iterable[tuple[Fit, float, float]]:
         yield fit, abs(fit.value) * longest**2 * fast, abs(fit.value) * longest * fast
     for fit in tried(
         [d.along / (d.speed * d.span) for d in moving], [d.room / (d.speed * d.span) for d in moving],
-        lambda value: f"ways {_percent(-value)} than speed times time", "damping",
+        lambda value: f"ways {percent(-value)} than speed times time", "damping",
     ):  # fmt: skip
         yield fit, abs(fit.value) * longest * fast, abs(fit.value) * fast
     for axis, name in ((0, "x"), (1, "y")):
@@ -664,24 +672,3 @@ def _explains(fit: Fit, found: Violation) -> bool:
     """Whether a description is of a step's kind; a radius, or a wall's place, of who flies into another."""
     named = fit.kind not in ("radius", "wall") or any(f" {name} taken " in f" {fit.what}" for name in found.bodies)
     return found.kind in EXPLAINS[fit.kind] and named
-
-
-def _told(value: float, law: float) -> str:
-    """A number to three digits of what it differs from the law by.
-
-    >>> _told(0.98, 1.0), _told(0.9990000001, 1.0), _told(1.0000012, 1.0)
-    ('0.98', '0.999', '1.0000012')
-    """
-    off = abs(value - law)
-    digits = max(0, 2 - math.floor(math.log10(off))) if off else 0
-    text = f"{value:.{min(digits, 17)}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
-
-
-def _percent(share: float) -> str:
-    """A share that is less, or more, in words.
-
-    >>> _percent(0.03), _percent(-0.5)
-    ('3 % less', '50 % more')
-    """
-    return f"{abs(100 * share):.3g} % {'less' if share > 0 else 'more'}"

@@ -429,3 +429,38 @@ def rested(laws: Carrying, k: int, flight: ReportedFlight, rest: ReportedFlight,
     size = size_of((after.t - flight.t - speed * per_speed) * speed)
     times = after.time + flight.time + flight.speed * float(per_speed.mid())
     return Residual("support", (k,), size, ROOT_UNITS * laws.unit * times * float(speed.mid()) + LEAST)
+
+
+# -- Numbers of a description, in words.
+
+
+def digits_off(value: float, law: float) -> str:
+    """A number to three digits of what it differs from the law by.
+
+    >>> digits_off(0.98, 1.0), digits_off(0.9990000001, 1.0), digits_off(1.0000012, 1.0)
+    ('0.98', '0.999', '1.0000012')
+    """
+    off = abs(value - law)
+    digits = max(0, 2 - math.floor(math.log10(off))) if off else 0
+    text = f"{value:.{min(digits, 17)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def digits_known(ratio: float, room: float) -> str:
+    """A ratio in four digits, where that is one number in its room and the only one; else in all that it is known to.
+
+    >>> digits_known(1.6, 1e-13), digits_known(1.000001, 1e-13), digits_known(1.23456789, 1e-3)
+    ('1.6', '1.000001', '1.23')
+    """
+    few = f"{ratio:.4g}"
+    only = abs(float(few) / ratio - 1) <= room < 5e-5
+    return few if only or not room else f"{ratio:.{min(17, max(1, math.floor(-math.log10(room))))}g}"
+
+
+def percent(share: float) -> str:
+    """A share that is less, or more, in words.
+
+    >>> percent(0.03), percent(-0.5)
+    ('3 % less', '50 % more')
+    """
+    return f"{abs(100 * share):.3g} % {'less' if share > 0 else 'more'}"

@@ -190,6 +190,9 @@ def of_three(recording: Recording, masses: Sequence[float], late: float, sides: 
         (Own(late=1 / 60), "times told 0.0167 too late fits 3 of 3 flights"),
         (Own(late=-1 / 256), "times told 0.00391 too early fits 3 of 3 flights"),
         (Own((2, 3, 1.25)), "the masses of a, b, c taken to be as 1.6 to 2.4 to 1 fits"),
+        (Own((1 + 1e-6, 3 - 6e-6, 0.5)), "the masses of a, b, c taken to be as 2.000002 to 5.999988 to 1 fits"),
+        (Own((1.0, 1 + 5e-9, 1.0)), "the masses of a, b, c taken to be as 1 to 1.000000005 to 1 fits"),
+        (Own((1.0, 1.0, 1.0)), "masses taken for equal fits"),
         (Own(sides=("left", "top")), "restitution 0.9 at left and top fits"),
     ],
 )
