@@ -404,6 +404,11 @@ def _why_nothing(reach: Reach) -> str:
     return f"an exact tie at event {reach.limit.event}" if reach.limit.tie else str(reach.limit)
 
 
+def _tells_places(candidate: Candidate) -> bool:
+    """Whether an engine tells where circles are: places that are reckoned from its times are not its own."""
+    return not getattr(candidate.trajectory.motion, "reckoned", ())
+
+
 def _span(run: Trajectory) -> tuple[int, float]:
     """How many events a run has, and when it ends."""
     return len(run.events), float(run.final_time)
@@ -446,7 +451,7 @@ class _Case:
             self._same_history(comparison, None)
             self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
             asserted += self._audited(_span(comparison.reference), comparison)
-        return self._done([*asserted, *self.demand.told], None, comparison)
+        return self._done([*asserted, *self._demanded(comparison)], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
         """The history is required to its horizon, and every step is audited."""
@@ -468,12 +473,12 @@ class _Case:
             if comparison is not None:
                 asserted.append(f"past the certified horizon: {reach.limit}")
             asserted += self._tie_resolved(reach.limit)
-        asserted += [*self._audited(span, comparison), *self.demand.told]
+        asserted += [*self._audited(span, comparison), *self._demanded(comparison)]
         return self._done(asserted, reach, comparison)
 
-    @property
-    def _tells_places(self) -> bool:
-        return not (isinstance(self.engine, LogEngine) and self.engine.recording.reckoned)
+    def _demanded(self, comparison: Comparison | None) -> list[str]:
+        """What else was asked of the numbers that were compared."""
+        return [] if comparison is None else self.demand.told(_tells_places(comparison.candidates[0]))
 
     @property
     def _log_end(self) -> float | None:
@@ -556,12 +561,12 @@ class _Case:
         local: LocalError | None = None,
     ) -> list[str]:
         """Times and places are as near to those of a run with the same history as is asked for, and granted."""
-        off = number_off(reference, candidate, self.demand, reach, self._tells_places)
+        off = number_off(reference, candidate, self.demand, reach, _tells_places(candidate))
         if off is not None:
             raise CheckFailed(self._failure(comparison, reach, off), comparison)
         if reach is None or local is None or not reach.linear:
             return []
-        places = "times and places" if self._tells_places else "times"
+        places = "times and places" if _tells_places(candidate) else "times"
         return [f"{places} of {reach.linear} within the errors that the rounding model allows ({local.told})"]
 
     def _up_to_a_tie(self, comparison: Comparison, reach: Reach, local: LocalError) -> None:
@@ -572,7 +577,7 @@ class _Case:
             raise CheckFailed(
                 self._failure(comparison, reach, violations=self._violated(comparison, reach)), comparison
             )
-        off = number_off(comparison.reference, candidate, Demand(), reach, self._tells_places)
+        off = number_off(comparison.reference, candidate, Demand(), reach, _tells_places(candidate))
         off = off or (tie_off(comparison.reference, candidate, reach.limit) if reach.limit else None)
         if off is not None:
             raise CheckFailed(self._failure(comparison, reach, off), comparison)
@@ -590,7 +595,7 @@ class _Case:
             raise kind(f"{text}\n  permitted: {found.relation.value}", comparison)
         own = found.own
         if own is None or own.told is None:
-            if self.demand.told:
+            if self.demand != Demand():
                 raise NotDecided(f"{self.name} on {self.where}: {found.told}; no run is known to hold numbers against")
             return [found.told]
         mine = replace(candidate, trajectory=own.history, alignment=own.alignment)
@@ -655,7 +660,7 @@ class _Case:
     def _violated(self, comparison: Comparison, reach: Reach | None) -> list[str]:
         """The first number that is off before the histories part, and the law that is not kept: what a bug is."""
         (mine,) = comparison.candidates
-        found = [number_off(comparison.reference, mine, self.demand, reach, self._tells_places)]
+        found = [number_off(comparison.reference, mine, self.demand, reach, _tells_places(mine))]
         if mine.laws is not None and mine.laws.kept is False:
             found.append(mine.laws.sentence)
         return [told for told in found if told is not None]

@@ -512,12 +512,12 @@ class Demand:
             if value is not None and not (number and 0 <= value < math.inf):
                 raise SceneError(f"{key} = {value!r}: must be a finite number from 0")
 
-    @property
-    def told(self) -> list[str]:
-        """In words."""
+    def told(self, places: bool) -> list[str]:
+        """In words; `places`: whether the engine tells where circles are."""
         words = [] if self.digits is None else [f"{self.digits} digits of every event's time"]
         if self.atol is not None or self.rtol is not None:
-            words.append(f"times and places within {self.atol or 0:g} + {self.rtol or 0:g} times the true value")
+            what = "times and places" if places else "times"
+            words.append(f"{what} within {self.atol or 0:g} + {self.rtol or 0:g} times the true value")
         return words
 
     def room(self, value: float) -> float:

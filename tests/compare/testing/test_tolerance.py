@@ -11,7 +11,7 @@ from bugs import BUGS, Planted, heavier
 from logs import triples
 
 from truebreak.compare import engine
-from truebreak.compare.foreign import Recording
+from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.compare.tangent.growth import error_growth
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.compare.tolerances.errors_grown import ROUNDINGS, GrownErrors, LocalError, local_error
@@ -391,3 +391,31 @@ def test_a_contact_of_a_tie_that_is_left_out_is_still_found() -> None:
 
     with pytest.raises(CheckFailed):
         check(WithoutFloor(), scene)
+
+
+class TimesAlone(RecordedEngine):
+    """Tells when what happens, in doubles, and not where."""
+
+    name = "times"
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        run = engine("double").run(scene, until=recording.until, events=recording.events)
+        for event in run.events:
+            recording.hits(float(event.time), [(pair.first, pair.second) for pair in event.impulses])
+        recording.end(float(run.final_time))
+
+
+def test_places_are_not_said_to_be_right_that_nobody_told() -> None:
+    own, timed = (check(name, "gas:n=4", atol=1e-2).asserted for name in ("double", TimesAlone()))
+    assert any(words.startswith("times and places of 58") for words in own) and "times and places within" in own[-1]
+    assert any(words.startswith("times of 58") for words in timed) and "times within 0.01" in timed[-1]
+    assert not any("places" in words for words in timed)
+    (span,) = (words for words in check(TimesAlone(), "gas:n=4", events=9, atol=1e-6).asserted if "within" in words)
+    assert span == "times within 1e-06 + 0 times the true value"
+
+
+def test_no_number_is_said_to_be_right_where_none_is_compared() -> None:
+    """An exact tie at the first event: nothing of the history is required."""
+    found = check("double", "lee", atol=1e-6, digits=3)
+    assert "nothing required" in found.asserted[0]
+    assert not any("true value" in words or "digits of" in words for words in found.asserted)
