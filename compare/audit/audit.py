@@ -15,7 +15,7 @@ from ...scenarios.errors import SceneError
 from ..foreign.guard import allowances, cut_short, finer_of, firmer_of, run_guarded
 from .fits import NEAR, Fit, bounces_of, description_of, descriptions, drifts, sampled, with_bounces
 from .passages import passages, passes_between
-from .residual import AUDIT_BITS, KINDS, Defect, Passage, Residual, Violation, falls_through
+from .residual import AUDIT_BITS, KINDS, Defect, Passage, Residual, Violation, falls_through, met_in_pockets
 from .residuals import Laws
 from .transcript import Transcript
 
@@ -284,8 +284,8 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     with ball.precision(AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide, step, transcript.fall)
         begun = _Notes(laws.scene.ids, {})
-        for found in laws.begun(transcript):
-            begun.take(found, 0, 0.0)
+        for found in (*((told, 0, 0.0) for told in laws.begun(transcript)), *met_in_pockets(run, step, unit, LATE)):
+            begun.take(*found)
         fits = _described_steps(laws, measures, {"impulse"})
         bounced = None if run.scene.elastic else bounces_of(transcript, laws)
     if begun.found:

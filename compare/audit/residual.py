@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
     from .transcript import Fall, Leg, ReportedFlight, WallInBalls
 
 AUDIT_BITS = 256
@@ -304,6 +305,31 @@ def uncaptured(
                 aside, deepest = aside / SAMPLES, depth(around)
         if begin < -room:
             yield Residual("capture", (k,), size_of(deepest.max(arb(0))), room)
+
+
+LOOK = 32
+"""Ends of steps, after the entry into a pocket, at which it is looked how deep in it a centre is."""
+
+
+def met_in_pockets(run: Trajectory, step: float, unit: float, late: float) -> Iterator[tuple[Residual, int, float]]:
+    """Of an engine of steps: what collides more than `late` steps after one that ended with its centre in a pocket that
+    captures; with the event and its time. Under gravity, and past a reversal, the ends of steps are not looked at.
+    """
+    asked, ids = run.scene.capture and run.scene.gravity is None and run.reversal is None, run.scene.ids
+    entered = {entry.circle: float(entry.time) for entry in reversed(run.pocketings)}
+    rims = [(float(p.x), float(p.y), float(p.r)) for p in run.scene.pockets]
+    for event in run.events if asked else ():
+        for name in entered.keys() & {name for pair in event.impulses for name in pair}:
+            time, first = float(event.time), math.floor(entered[name] / step) + 1
+            ends = [end for n in range(LOOK) if (end := (first + n) * step) + late * step < time]
+            places = [(float(told.x), float(told.y)) for told in (run.circle(name, end) for end in ends)]
+            deep = max((r - math.hypot(x - px, y - py) for x, y in places for px, py, r in rims), default=0.0)
+            most = max(abs(number) for row in (*places, *rims) for number in row)
+            yield (
+                Residual("capture", (ids.index(name),), max(0.0, deep), 64 * unit * (first + LOOK) * most),
+                event.index,
+                time,
+            )
 
 
 # -- What a wall carries, or two hold between them.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from random import Random
 from typing import Any
 
@@ -9,7 +11,7 @@ import pytest
 from fuzz.generators import PLAIN, case_of
 
 from truebreak.compare import compare
-from truebreak.compare.foreign import LogEngine, Recording
+from truebreak.compare.foreign import LogEngine, RecordedEngine, Recording
 from truebreak.compare.validation import EngineError
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Scene, StopReason, Trajectory, Wall
@@ -147,6 +149,46 @@ def test_a_captured_disc_may_lie_anywhere_and_stays_out_of_play(place: tuple[flo
     early = Recording(scene, "log", step=step)
     with pytest.raises(EngineError, match="no contact near it explains how"):  # nothing has captured it yet
         early.state(5.0, {"a": (8.0, 1 / 3, 0.0, 0.0), "b": (9.0, 7.0, 1.0, 0.0)})
+
+
+@dataclass(frozen=True)
+class Pockets(RecordedEngine):
+    """Steps that see at their ends whose centre is in a pocket, and stop those, or do `nothing`, or say no `more`."""
+
+    step: float = 1 / 64
+    habit: str = "stops"
+    name, scene_keys = "pockets", frozenset({"wall", "pocket", "capture"})
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        rows = [list(row) for row in recording.rows]
+        ((px, py, pr),), number = [(float(p.x), float(p.y), float(p.r)) for p in scene.pockets], 0
+        gone: set[int] = set()
+        while recording.open:
+            number += 1
+            for k, row in enumerate(rows):
+                row[0], row[1] = row[0] + self.step * row[2], row[1] + self.step * row[3]
+                row[2] = -row[2] if abs(row[0]) > 19 and row[0] * row[2] > 0 else row[2]
+                if self.habit != "nothing" and math.hypot(row[0] - px, row[1] - py) < pr:
+                    gone.add(k)
+                    row[2] = row[3] = 0.0
+            told = {name: tuple(row) for k, (name, row) in enumerate(zip(scene.ids, rows, strict=False))
+                    if k not in gone or self.habit != "more"}  # fmt: skip
+            recording.state(number * self.step, told)
+
+
+@pytest.mark.parametrize("habit", ["stops", "more", "nothing"])
+def test_an_engine_of_steps_that_ignores_a_pocket_does_not_keep_the_law(habit: str) -> None:
+    """That was said to be an overlap."""
+    discs = [Circle(0, 0, vx=1, id="a"), Circle(0, 9, vx=1, id="b")]
+    walls = [Wall(20, 0, 20, 1, id="right"), Wall(-20, 0, -20, 1, id="left")]
+    for y in ("0", "1/3", "13/10"):
+        scene = Scene(discs, walls, pockets=[Pocket(8, y, "7/5", id="p")], capture=True)
+        (found,) = compare(scene, [Pockets(habit=habit)], until=50).candidates
+        assert found.laws is not None and found.lawless is (habit == "nothing"), found.laws.sentence
+        assert found.verdict == ("diverged" if habit == "nothing" else "agree")
+        if habit == "nothing":
+            assert found.laws.first is not None and found.laws.first.kind == "capture"
+            assert found.diagnosis is not None and found.diagnosis.name.value == "law not kept"
 
 
 def test_a_velocity_that_is_rounded_otherwise_is_no_contact() -> None:
