@@ -264,6 +264,19 @@ MANY_STEPS, MOST_STEPS, SAME_STEP = 12, 100_000, 1e-9
 """So many equal steps are no chance; how many may be a unit of time; by what share of the time they may differ."""
 
 
+FEW_DIGITS = 14
+"""Digits up to which numbers are of a text that does not have all of a double's."""
+
+
+def _digits(number: float) -> int:
+    """How many decimal digits a double has in the shortest text that is read as it.
+
+    >>> _digits(0.1), _digits(-12.25), _digits(1e300)
+    (1, 4, 1)
+    """
+    return max(1, len(repr(abs(number)).partition("e")[0].replace(".", "").strip("0")))
+
+
 @dataclass(frozen=True)
 class LogEngine(Unchangeable):
     """An engine of which there is a log, and no more: it cannot be run on, nor made finer.
@@ -344,6 +357,9 @@ class LogEngine(Unchangeable):
         long = any(number * SHORT != math.floor(number * SHORT) for number in places)
         if self.bits == 53 and long and all(math.ldexp(math.frexp(place)[0], 24).is_integer() for place in places):
             yield "every place in it has 24 bits: if it computes in such numbers, judge it with --bits 24"
+        elif self.bits == 53 and long and (digits := max(map(_digits, places))) <= FEW_DIGITS:
+            bits = math.floor((digits - 1) * math.log2(10) + 1)  # 2**-bits is no less than half a unit in the last
+            yield f"no place in it has more than {digits} digits: write 17, or judge it with --bits {bits}"
         times = sorted({knot[0] for knot in told})
         gaps = [later - time for time, later in pairwise(times)]
         if self.step is None and len(gaps) >= MANY_STEPS and max(gaps) - min(gaps) <= SAME_STEP * times[-1]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -140,6 +141,22 @@ def test_two_logs_say_whether_a_change_changed_a_verdict(
     assert change["verdict_changed"]
     assert change["divergence_changed"]
     assert "dropped.jsonl diverges at event" in change["sentence"]
+
+
+@pytest.mark.parametrize("digits", [6, 9, 12])
+def test_a_log_with_few_digits_says_so_and_keeps_the_law_in_them(
+    digits: int, gas: Trajectory, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = json.loads(
+        json.dumps(lines_of(gas, states=True)[:12]), parse_float=lambda text: float(f"{float(text):.{digits}g}")
+    )
+    log = written(tmp_path / "few.jsonl", lines)
+    code, out, _ = said(capsys, "judge", "gas", log)
+    assert code == 1
+    hint = re.search(rf"no place in it has more than {digits} digits: write 17, or judge it with --bits (\d+)", out)
+    assert hint is not None, out
+    code, out, _ = said(capsys, "judge", "gas", log, "--bits", hint[1])
+    assert code == 0 and "no place in it" not in out
 
 
 def test_a_log_of_steps_is_judged_with_its_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
