@@ -336,6 +336,7 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
         ),
         ("import truebreak.floating; truebreak.floating.DoubleEngine", "sympy pymunk"),
         ("import truebreak.compare", "sympy pymunk"),
+        ("import truebreak.compare.grids.family_sweep", "sympy numpy pymunk email"),
         (
             "import sys; sys.argv[1:] = ['--help']; from truebreak.compare.cli import main; main()",
             "sympy pymunk",
@@ -358,6 +359,7 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
         "exact-run",
         "floating",
         "compare",
+        "worker",
         "help",
         "scenes",
         "run",

@@ -44,13 +44,15 @@ class Job(Protocol):
 
 
 def prepare() -> None:
-    """Makes a fresh worker count in one thread, and end with the process that started it."""
+    """Makes a fresh worker count in one thread, look for garbage seldom, and end with the process that started it."""
     for name in THREADS:
         os.environ[name] = "1"
+    import atexit
     import gc
     import signal
 
     gc.set_threshold(RARELY)
+    atexit.register(gc.freeze)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:

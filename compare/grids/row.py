@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_type_hints
 
 from ...scenarios.disk import fits
@@ -240,6 +239,8 @@ def reference_of(run: Trajectory) -> dict[str, Any]:
 @cache
 def versions() -> str:
     """What computes rows."""
+    from importlib.metadata import version  # here, since it loads what no worker needs
+
     return ", ".join(f"{name} {version(name)}" for name in ("truebreak", "python-flint", "pymunk"))
 
 

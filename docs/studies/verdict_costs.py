@@ -208,7 +208,7 @@ def side_by_side(scenes: int) -> Subject:
         return lambda: sweep("gas:n=10", [f"seed=1..{scenes}"], ["double"], events=300, jobs=jobs)
 
     what = f"sweep of {scenes} scenes, --jobs {WORKERS} / --jobs 1, on the wall"
-    return Subject(what, 0.588, swept_by(WORKERS), swept_by(1), wall=True)
+    return Subject(what, 0.588, swept_by(WORKERS), swept_by(1), wall=True, most_repeats=3)
 
 
 def advised() -> Subject:
@@ -259,7 +259,7 @@ SUBJECTS: dict[str, Callable[[], Subject]] = {
     "chaos-10000": lambda: measured_chaos(10_000),
     "advise": advised,
     "stress": stressed,
-    "jobs": lambda: side_by_side(60),
+    "jobs": lambda: side_by_side(180),
 }
 """What is measured in this process, by name."""
 

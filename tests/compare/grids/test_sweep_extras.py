@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import subprocess
 import sys
@@ -186,6 +187,28 @@ def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> N
 
 
 # -- executors
+
+
+class Leaver:
+    """Notes in a file that it has gone."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._self = path, self
+
+    def __del__(self) -> None:
+        self._path.write_text("collected", "utf-8")
+
+
+def test_a_worker_does_not_look_for_garbage_as_it_ends(tmp_path: Path) -> None:
+    with executors.pool(1) as workers:
+        assert workers.submit(_leaves, tmp_path / "gone").result() > 700
+    assert not (tmp_path / "gone").exists()
+
+
+def _leaves(path: Path) -> int:
+    """Leaves something in a circle to the collector, and says how seldom that looks."""
+    Leaver(path)
+    return gc.get_threshold()[0]
 
 
 def test_jobs_in_threads_of_one_process_do_not_change_each_other() -> None:
