@@ -13,10 +13,10 @@ from ...scenarios.numbers.quantity import ZERO
 from ...scenarios.scene import Scene
 from ..compiled import Doubles, predictions
 from ..numbers import ball
-from ..replay.contact import Body, Link, is_flat
+from ..replay.contact import Body, Link, is_flat, is_pair
 from ..replay.refinable import RefinableState
 from ..replay.round_falls import Isolated, falling_zero
-from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook, link_of
+from ..simulation.prediction import ArrivalQueue, FloatLine, Outlook
 from .filtered import ACCURATE_BITS, BIG, QUICK_BITS, TINY, UNIT, FilteredPredictor
 
 # -- Walls that fall, or move, and faces under gravity.
@@ -369,23 +369,24 @@ class FallingPredictor(FilteredPredictor):
             a.until = inf
             self._meet_falling(a, range(len(self.scene.walls)), standing)
         for a in moved:
-            for peg in self.pegs_of(a):
-                self.onto_peg(a, peg, standing)
+            self._meet_pegs(a, standing)
 
-    def onto_peg(self, a: Body[arb], peg: FloatPeg, standing: Collection[Link]) -> None:
-        """Queues the next meeting of a circle that falls with one that stands."""
+    def _meet_pegs(self, a: Body[arb], standing: Collection[Link]) -> None:
+        """Queues the next meetings of a circle that falls with those that stand."""
         assert a.f is not None
-        found = peg_in_doubles(a.f, peg, a.until, link_of(a, peg.body) in standing)
-        if isinstance(found, bool):
-            if found:
-                self.plan["unclear in doubles"] += 1
-                self.fall_onto(a, peg.body, standing)
-        elif found[0] <= a.until:
-            self.queue.push_pairs(a, [(*found, peg.body)], ())
-            a.until = min(a.until, found[1])
+        touched = {i for link in standing if is_pair(link) and a.index in link for i in link}
+        for peg in self.pegs_of(a):
+            found = peg_in_doubles(a.f, peg, a.until, peg.body.index in touched)
+            if isinstance(found, bool):
+                if found:
+                    self.plan["unclear in doubles"] += 1
+                    self.fall_onto(a, peg.body, standing)
+            elif found[0] <= a.until:
+                self.queue.push_pairs(a, [(*found, peg.body)], ())
+                a.until = min(a.until, found[1])
 
     def fall_onto(self, a: Body[arb], peg: Body[arb], standing: Collection[Link]) -> None:
-        """As `onto_peg`, in balls."""
+        """Queues the next meeting of a circle that falls with one that stands, in balls."""
         raise NotImplementedError
 
     def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:

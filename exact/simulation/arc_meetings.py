@@ -239,25 +239,27 @@ def predict_falls(
     pegs, fixed = predictor.state.pegs, predictor.scene.pegs
     moved = [a for a in moved if a.index not in gone]
     walls([a for a in moved if a.index not in fixed], standing)
-    others = [b for b in predictor.state.bodies.values() if b.index not in gone]
+    there = [b for b in predictor.state.bodies.values() if b.index not in gone]
+    falling, others = [b for b in there if b.index not in pegs], [b for b in there if b.index in pegs]
+    carried = [b for b in others if not b.flight.rest]  # along a wall, at constant velocity
     predicted = 0
     for a in moved:
-        others.remove(a)
-        movers = [b for b in others if b.index not in pegs]
         if a.index in pegs:
-            for b in movers:
+            others.remove(a)
+            for b in falling:
                 predictor.land(b, Pair(*sorted((a.index, b.index))), standing)
-            predicted += len(movers)
-            carried = [b for b in others if b.index in pegs and not (a.flight.rest and b.flight.rest)]
-            predictor.pairs(a, carried, standing)  # along a wall, at constant velocity
+            predicted += len(falling)
+            if not a.flight.rest:
+                carried.remove(a)
+            predictor.pairs(a, carried if a.flight.rest else others, standing)
             continue
+        falling.remove(a)
         for b in others:
-            if b.index in pegs:
-                predictor.land(a, Pair(*sorted((a.index, b.index))), standing)
+            predictor.land(a, Pair(*sorted((a.index, b.index))), standing)
         for k in range(len(predictor.scene.pockets)):
             predictor.land(a, Entry(a.index, k), standing)
-        predictor.pairs(a, movers, standing)
-        predicted += len(others)
+        predictor.pairs(a, falling, standing)
+        predicted += len(falling) + len(others)
     if moved:
         predictor.plan["pairs predicted"] += predicted
 

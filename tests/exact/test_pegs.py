@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from counted import calls
 from flint import fmpq, fmpq_poly
 from mpmath import mpf, polyroots, workdps
 from peg_referee import NotForThis, PegReferee, TieMet
@@ -573,3 +574,12 @@ def test_bounces_that_shrink_on_a_peg_end_as_suspected_and_not_for_want_of_bits(
     times = [float(event.time) for event in run.events]
     assert 20 <= len(times) <= 23
     assert (times[1] - times[0]) / 2**18 > times[-1] - times[-2] > 0
+
+
+def test_a_board_of_more_pegs_costs_no_more_a_peg() -> None:
+    """The first prediction of a board, in counted calls: its pegs are not looked at in pairs."""
+    small, large = (catalogue.build(f"galton:rows={rows}") for rows in (10, 20))
+    for scene in (small, large):
+        ExactEngine().run(scene, events=1)  # what a scene keeps of itself
+    few, many = (calls(lambda scene=scene: ExactEngine().run(scene, events=1)) for scene in (small, large))
+    assert many / few < len(large.circles) / len(small.circles)
