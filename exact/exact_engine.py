@@ -442,6 +442,7 @@ class ExactEngine(Declared):
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))
+        settlings, unlisted = settlings_of(motion)
         return Trajectory(
             scene=outer,
             engine=self.name,
@@ -457,17 +458,20 @@ class ExactEngine(Declared):
             ),
             assumptions=tuple(history.assumptions),
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
-            notes=notes,
+            notes=(*notes, *unlisted),
             ending=ending_of(
                 log, None if history.last is None else history.last.step, loop.endings and loop.endings.found
             ),
-            settlings=settlings_of(motion),
+            settlings=settlings,
         )
 
 
-def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
-    """Where walls began to carry circles, told by the log; not where one was let fall and carried on at one instant."""
-    log, knots, ends = motion.log, motion.knots, motion.ends
+def settlings_of(motion: ExactMotion) -> tuple[tuple[Settling, ...], tuple[str, ...]]:
+    """Where walls began to carry circles, told by the log; not where one was let fall and carried on at one instant.
+
+    With it, of those that bounce until after the end, that not all of their bounces are listed.
+    """
+    log, knots, ends, unlisted = motion.log, motion.knots, motion.ends, list[str]()
     found: list[tuple[float, int, Settling]] = []
     for k, step in enumerate(log.steps if log.given.settle else (), start=1):
         if isinstance(step, Settle):
@@ -475,9 +479,12 @@ def settlings_of(motion: ExactMotion) -> tuple[Settling, ...]:
             at = bisect_left(row, k, key=itemgetter(5))
             if at == 0 or not log.carries(i, row[at - 1][5]):
                 since, time = ends.get((i, at)) or (None, motion.knot_time(i, at))
+                told = step.told(log.scene, time, since)
                 if motion.reaches(time):
-                    found.append((float(time), i, step.told(log.scene, time, since)))
-    return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1)))
+                    found.append((float(time), i, told))
+                elif (missing := told.unlisted(motion.end)) is not None:
+                    unlisted.append(missing)
+    return tuple(settling for *_, settling in sorted(found, key=itemgetter(0, 1))), tuple(unlisted)
 
 
 def _in_order(records: Sequence[Record[Known]]) -> None:

@@ -429,6 +429,8 @@ def run_plain(
             ends = (shown(known.until, None) for row in bounced.values() for known in row.values())
             end = max((end, *ends), key=float)
     decider.close()
+    settlings = [*_settlings(inner, history, bounced, shown)]
+    pending = [s for s in settlings if float(s.time) > float(end)]
     return Trajectory(
         scene=scene,
         engine=engine,
@@ -443,7 +445,8 @@ def run_plain(
         ),
         plan=dict(sorted(history.plan.items())),
         ending=ending,
-        settlings=tuple(s for s in _settlings(inner, history, bounced, shown) if float(s.time) <= float(end)),
+        notes=tuple(told for s in pending if (told := s.unlisted(end)) is not None),
+        settlings=tuple(s for s in settlings if s not in pending),
     )
 
 

@@ -157,6 +157,17 @@ class Settling:
             return f"on {self.wall}"
         return f"between {self.wall} and {self.other}" if self.other != self.wall else f"in a corner of {self.wall}"
 
+    def unlisted(self, end: Real) -> str | None:
+        """That a run which ends before the instant does not list all bounces of the circle by then; None: it does.
+
+        >>> Settling("a", "floor", 3.0, since=2.0).unlisted(2.5)
+        'a bounces infinitely often on floor until time 3; no bounce of it after time 2 is listed'
+        """
+        if self.since is None or not float(self.since) < float(end):
+            return None
+        told = f"{self.circle} bounces infinitely often {self.where} until time {float(self.time):.9g}"
+        return f"{told}; no bounce of it after time {float(self.since):.9g} is listed"
+
 
 # -- What a run gives back: events, the reason it stopped, and the motion between them.
 

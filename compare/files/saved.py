@@ -332,7 +332,7 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         plan=data["plan"],
         notes=tuple(data["notes"]),
         ending=ending_of(log, last, ending),
-        settlings=settlings_of(motion),
+        settlings=settlings_of(motion)[0],
     )
 
 

@@ -112,3 +112,20 @@ def test_rests_that_are_not_told_apart_are_told() -> None:
     assert float(one.time) == float(other.time) == float(run.final_time)
     with pytest.raises(ValueError, match="is not known"):
         run.motion._after(one.time, other.time)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("engine", [ExactEngine(), DoubleEngine()], ids=["exact", "double"])
+def test_a_run_that_ends_amid_bounces_says_which_are_not_listed(engine: Engine) -> None:
+    """A disc bounces on a floor until 3, at 3 - 2 / 2**k; another comes to a wall after the bounce of k = 21."""
+    discs = [Circle(0, 6, id="a"), Circle("20 - 2.9999995", 100, vx=1, id="b")]
+    walls = [Wall(0, 0, 1, 0, id="floor"), Wall(21, 1, 21, 0, id="side")]
+    scene = Scene(discs, walls, gravity=(0, -10), restitution="1/2", settle=True)
+    run = engine.run(scene, events=22)
+    assert float(run.final_time) == pytest.approx(2.9999995, abs=1e-12)
+    assert not run.settlings
+    last = max(float(event.time) for event in run.events if "floor" in event.impulses[0])
+    assert f"a bounces infinitely often on floor until time 3; no bounce of it after time {last:.9g}" in run.notes[0]
+    whole = engine.run(scene, until="2.99999951")
+    assert len(whole.events) == 23
+    assert not whole.notes
+    assert engine.run(scene, until=4).notes == ()
