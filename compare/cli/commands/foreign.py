@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ....scenarios.errors import SceneError
-from ....scenarios.trajectory import StopReason
 from .. import completion
 from ..options import SCENE, SCENE_HELP, ReferenceOptions, Whole, a_file, examples, exit_zero, reference_options
 from ..progress import DONE, of_comparison
@@ -81,6 +80,7 @@ def judge(
     settled", and the report says how far to record. With several logs, it says from each to the next whether the
     verdict changed, or whether the law is kept.
     """
+    from ....scenarios.trajectory import StopReason
     from ...comparison import compare
     from ...report.documents import comparison_json
     from ...report.listing import print_json
