@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import copysign, frexp, inf, isfinite, ldexp, sqrt
 from typing import NamedTuple, TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
 
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
 from ...scenarios.things import Circle, Wall
 from ..laws.formulas import arc_range, pair_approach, pair_gap
 from ..numbers.ball import FieldNumber, LeavesField, bits_in_use, field_sign, sharpened, sign_of, use_bits
@@ -445,6 +446,19 @@ def begins_at(face: Wall, end: Circle) -> bool:
     nx, ny = face.normal
     across = ((end.x - x) * ny - (end.y - y) * nx for x, y in ((face.x0, face.y0), (face.x1, face.y1)))
     return any(value.sign() == 0 for value in across)
+
+
+def joints_at(scene: Scene, end: int) -> list[tuple[int, int]]:
+    """The pairs of faces on one line of which one ends, and the other begins, at an end that stands."""
+    there, walls = scene.circles[end], scene.walls
+    near = [] if scene.moving_ends else [k for k in scene.faces if begins_at(walls[k], there)]
+    found: list[tuple[int, int]] = []
+    for one, other in combinations(near, 2):
+        (nx, ny), (mx, my) = walls[one].normal, walls[other].normal
+        along = (nx * my - ny * mx).sign() == 0 < (nx * mx + ny * my).sign()
+        starts = [((there.x - walls[k].x0) * ny - (there.y - walls[k].y0) * nx).sign() == 0 for k in (one, other)]
+        found += [(one, other)] * (along and starts[0] is not starts[1])
+    return found
 
 
 def face_gone_onto(state: Flights[FieldNumber], link: Round) -> int | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
-from typing import Generic, Protocol
+from typing import Generic, NamedTuple, Protocol
 
 from flint import arb
 
@@ -29,9 +29,9 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from ..numbers.system import M, Undecided
-from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Onward, Question, Within
-from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round, Sides, is_flat
-from ..replay.landings import arc_chord
+from ..question import Approach, Arrives, Beside, Discriminant, Gap, Moment, Onward, Question, Slide, Within
+from ..replay.contact import AtArc, AtWall, Body, Entry, Gravity, Link, Pair, Round, Sides, Touch, is_flat, is_pair
+from ..replay.landings import arc_chord, joints_at
 from ..replay.state import Kick, ReplayState, Settle, Step
 from ..replay.wall_flights import Rows, SeenWall, along_of, fall_of
 
@@ -555,3 +555,61 @@ class Incline:
         tx, ty = self._down
         sign = ((mine.vx - theirs.vx) * tx + (mine.vy - theirs.vy) * ty).sign()
         return sign == 0 or (sign > 0) is bool(apart > 0)
+
+
+# -- Joints: where one face goes on as another.
+
+
+class Joint(NamedTuple):
+    """Where one face goes on as another, with a circle straight above.
+
+    Attributes:
+        face: the circle, and the first of the two.
+        other: the second.
+        end: what stands between them.
+        pull: whether gravity pulls the circle towards them, below 0, along or away.
+    """
+
+    face: AtWall
+    other: int
+    end: int
+    pull: int
+
+
+class Joints:
+    """Knows the joints of faces on one line: faces are open, so that the end there is met, which pushes as they do.
+
+    Args:
+        scene: what runs.
+        ask, ask_cheaply: decide the sign of a question on the state as it is; the other may leave it open.
+    """
+
+    def __init__(
+        self, scene: Scene, ask: Callable[[Question], int], ask_cheaply: Callable[[Question], int | None]
+    ) -> None:
+        self._sides, self._ask, self._ask_cheaply = Sides(scene), ask, ask_cheaply
+        self._known: dict[int, list[tuple[int, int]]] = {}
+
+    def at(self, link: Touch, *, surely: bool = True) -> Joint | None:
+        """The joint at which a contact is; None elsewhere.
+
+        Args:
+            surely: whether it has to be proved; else one is told where nothing at hand speaks against it.
+        """
+        scene = self._sides.scene
+        end = next((i for i in link.circles if i in scene.ends), None)
+        if end is None or not is_pair(link):
+            return None
+        i, pairs = link.a if link.b == end else link.b, self._known.get(end)
+        if pairs is None:
+            pairs = self._known[end] = joints_at(scene, end)
+        for one, other in pairs:
+            gaps = [Gap(AtWall(i, k)) for k in (one, other)]
+            if not any(map(self._ask_cheaply, gaps)) and (not surely or not any(map(self._ask, gaps))):
+                return Joint(AtWall(i, one), other, end, self._sides.pull(i, one))
+        return None
+
+    def stays(self, link: Touch) -> bool:
+        """Whether a circle that bounces on a level joint surely stays above it."""
+        joint = self.at(link)
+        return joint is not None and self._sides.level(joint.face.wall) and self._ask(Slide(joint.face)) == 0

@@ -292,13 +292,13 @@ class Endings:
         Args:
             standing: contacts at gap zero, with the sign of their closing speed.
             carrier: knows the circles that walls carry: these stand, as fixed ones do.
-            pressed: contacts with something round on which one presses, and whether it slides along it.
+            pressed: contacts with what is round on which one presses, and whether it slides along it; faces at joints.
         """
         stands = self.scene.pegs.union(() if carrier is None else carrier.begun)
         slides = SLIDES + (UNPROVED if self.scene.settle else "")
         walls: dict[int, list[int]] = {}
-        for link, sign in standing.items():
-            if sign == 0 and is_flat(link) and link.circle not in stands:
+        for link in (*(link for link, sign in standing.items() if sign == 0), *(pressed or ())):
+            if is_flat(link) and link.circle not in stands:
                 walls.setdefault(link.circle, []).append(link.wall)
         names = [name_of(self.scene, link) + ENDS for link in (() if carrier is None else carrier.leaving)]
         names += [
@@ -307,7 +307,9 @@ class Endings:
             for on, goes in (borne(self._sides, i, row),)
             for wall in on
         ]
-        names += [name_of(self.scene, link) + ROUND * slides for link, slides in (pressed or {}).items()]
+        names += [
+            name_of(self.scene, link) + ROUND * slides for link, slides in (pressed or {}).items() if not is_flat(link)
+        ]
         return " as well as ".join(sorted(names)) or None
 
     def bounced(self, impulses: Iterable[Touch]) -> list[tuple[AtWall, int]]:
@@ -487,7 +489,16 @@ class Endings:
         end = start + (nx * -mx - ny * my)
         return bool(start < place < end) or bool(end < place < start)
 
-    def ends(self, link: AtWall, other: int, now: arb, wait: arb, rows: Rows, lasting: Collection[Touch] = ()) -> bool:
+    def ends(
+        self,
+        link: AtWall,
+        other: int,
+        now: arb,
+        wait: arb,
+        rows: Rows,
+        lasting: Collection[Touch] = (),
+        joint: tuple[int, int] | None = None,
+    ) -> bool:
         """Whether the bounces of a circle surely end, so long after an instant, as it meets nothing else until then.
 
         Args:
@@ -496,11 +507,13 @@ class Endings:
             now, wait: the instant, and how long after it they end.
             rows: where all circles are.
             lasting: contacts that last: along a wall at right angles to the other a circle goes on.
+            joint: the other face and the end of a joint above which the circle stays.
         """
         beside = {k.wall for k in lasting if is_flat(k) and k.circle == link.circle}
         square = {k for k in beside if other < 0 and are_square(self.scene, k, link.wall)}
         with ball.precision(PROOF_BITS):
-            return self._meets_nothing(link, now, wait, rows, square | {other})
+            face, end = joint or (-1, -1)
+            return self._meets_nothing(link, now, wait, rows, square | {other, face}, end)
 
     def collapses(self, collapse: Collapse, wait: arb, rows: Rows) -> bool:
         """Whether three bodies on a line, right after a hit, surely hit each other for so long, and nothing else.
@@ -568,7 +581,7 @@ class Endings:
                     f"of as many before, up to time {time:.9g}; end the run before, or raise the restitution"
                 )
 
-    def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows, beside: Collection[int]) -> bool:
+    def _meets_nothing(self, link: AtWall, now: arb, wait: arb, rows: Rows, beside: Collection[int], end: int) -> bool:
         circles, moving = self.scene.circles, self.scene.moving_walls
         if moving and sum(not circle.fixed for circle in circles) > 1:
             return False
@@ -589,7 +602,7 @@ class Endings:
         way = ((vx * vx + vy * vy).abs_upper().sqrt() + pull * wait + drift) * wait
         for j, (px, py, _, _) in enumerate(rows):
             room = radii[i] + radii[j] + way + ways[j]
-            if j != i and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:
+            if j not in (i, end) and not (px - x) * (px - x) + (py - y) * (py - y) > room * room:
                 return False
         for side in self.scene.arc_sides:
             dx, dy, r = x - ball.constant(side.x), y - ball.constant(side.y), ball.constant(side.r)

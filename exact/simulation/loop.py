@@ -36,6 +36,7 @@ from ..replay.contact import (
 )
 from ..replay.landings import begins_at
 from ..replay.state import Constant, Kick, Leave
+from .arc_meetings import Joints
 from .decider import Decider, History, K, Limits, Ordinary
 from .endings import Carrier, Endings
 from .instant import Gatherer, Instant, Resolved, Resolver
@@ -224,6 +225,8 @@ class Loop(Generic[N, K]):
         self._still = frozenset(i for i, c in enumerate(scene.circles) if c.fixed and decider.proves)
         self._ended: Stop | None = None
         self._pressed: dict[Link, bool] = {}
+        falls = scene.gravity is not None
+        self._joints = Joints(scene, decider.ask, decider.ask_cheaply) if falls and scene.ends else None
         self._instants = 0
         self._split = False
         self._next_report = clock.monotonic() + PROGRESS_EVERY
@@ -384,7 +387,7 @@ class Loop(Generic[N, K]):
             self.resolver.admit(link, sign)
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
         standing = {**signs, **done.standing}
-        self._pressed = part_from_round(self.scene, decider, self.resolver.carrier, done, standing, 0)
+        self._pressed = part_from_round(self.scene, decider, self.resolver.carrier, done, standing, 0, self._joints)
         self._note(instant, done)
         self._look_for_endings(instant, done, standing)
         return {*links, *rims, *self._standing(done)}
@@ -424,7 +427,9 @@ class Loop(Generic[N, K]):
         reverse_in = None if due is None or self.history.reversal is not None else due - records
         begun = len(self.history.steps)
         done = self.resolver.resolve(instant, left, reverse_in)
-        self._pressed = part_from_round(self.scene, decider, self.resolver.carrier, done, done.standing, begun)
+        self._pressed = part_from_round(
+            self.scene, decider, self.resolver.carrier, done, done.standing, begun, self._joints
+        )
         self._note(instant, done)
         self._look_for_endings(instant, done, done.standing)
         return done
@@ -467,14 +472,19 @@ class Loop(Generic[N, K]):
             self._ended = Stop(StopReason.REST, f"{StopReason.REST.value}: {resting}")
             return
         for _, _, impulses, _, _ in done.events:
-            for link, other in endings.bounced(impulses):
+            joints = self._joints
+            at = {joint.face: (k, joint) for k in impulses if joints and (joint := joints.at(k, surely=False))}
+            ends_hit = {k: joint.face for k, joint in at.values()}
+            for link, other in endings.bounced([ends_hit.get(k, k) for k in impulses]):
+                if joints and link in at and not joints.stays(at[link][0]):
+                    continue
                 time, rows = self.decider.reading.fallen(link.circle)
                 wait = self.decider.reading.bounces(Accumulating(link))
                 lasting = self.resolver.touching.all()
-                ends = endings.ends(link, other, time, wait, rows, lasting)
+                ends = endings.ends(link, other, time, wait, rows, lasting, at[link][1][1:3] if link in at else None)
                 if ends and outlasts(self.decider, Accumulating(link), self.limits.until):
                     continue
-                if ends and not self._calmed(link, other, instant, done):
+                if ends and (link in at or not self._calmed(link, other, instant, done)):
                     endings.found, both = Accumulating(link), [link.wall, *([other] if other >= 0 else [])]
                     names = " as well as ".join(name_of(self.scene, AtWall(link.circle, wall)) for wall in both)
                     told = f"{StopReason.ACCUMULATION.value}: {names} by {float(time + wait):.12g}"
@@ -537,6 +547,7 @@ def part_from_round(
     done: Resolved[K],
     standing: Mapping[Link, int],
     begun: int,
+    joints: Joints | None,
 ) -> dict[Link, bool]:
     """Notes what touches something round that stands as its flight begins, and parts from it.
 
@@ -548,9 +559,11 @@ def part_from_round(
         done: what the instant did.
         standing: contacts at gap zero at its end, with the sign of their closing speed.
         begun: how many steps there were before it.
+        joints: knows where faces go on; None where none can.
 
     Returns:
-        the contacts at which one presses on the other instead, and whether it slides along it.
+        the contacts at which one presses on the other instead, and whether it slides along something round; at a joint
+        that with the first of its faces.
 
     Raises:
         Undecided: where that is not told.
@@ -571,8 +584,14 @@ def part_from_round(
         if sign or not (new or faller is None):
             continue
         fold, bend = 0, 0
+        joint = None if faller is None or joints is None else joints.at(link)
+        if joint is not None and joint.pull < 0:
+            pressed[joint.face] = False
+            continue
         alone = [other for other in standing if standing[other] == 0 and faller in other.circles] == [link]
-        if faller is not None and not _leads_on(decider, scene, link, faller):
+        if faller is not None and (
+            (joint is not None and joint.pull > 0) or not _leads_on(decider, scene, link, faller)
+        ):
             fold, bend = next(((k, sign) for k in (2, 3, 4) if (sign := decider.ask(Bend(link, k)))), (0, 0))
         if bend > 0:
             decider.do(Leave(link, fold))

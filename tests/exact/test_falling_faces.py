@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections import Counter
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -298,3 +299,57 @@ def test_two_bits_may_leave_it_open_and_are_never_wrong() -> None:
 def test_no_run_is_turned_back_where_something_has_ends() -> None:
     with pytest.raises(SceneError, match="segment 'bar' is there, and no run is turned back there; leave reverse_at"):
         Scene([Circle(0, 6)], segments=[BAR], gravity=(0, -10), reverse_at=3)
+
+
+def above_a_joint(e: str, turned: bool, mirrored: bool, high: Fraction, fast: str = "0", **changes: Any) -> Scene:
+    """A disc straight above where one segment goes on as another, across gravity, which is 10."""
+    c, s = (Fraction(3, 5), Fraction(4, 5)) if turned else (Fraction(1), Fraction(0))
+
+    def at(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
+        x = -x if mirrored else x
+        return c * x - s * y, s * x + c * y
+
+    zero, long = Fraction(0), Fraction(4)
+    (vx, vy), g = at(Fraction(fast), zero), (10 * s, -10 * c)
+    bars = [
+        Segment(*at(-long, zero), *at(zero, zero), id="left"),
+        Segment(*at(long, zero), *at(zero, zero), id="right"),
+    ]
+    disc = Circle(*at(zero, 1 + high), vx=vx, vy=vy, id="disc")
+    return Scene([disc], segments=bars, gravity=g, restitution=e, until=30, **changes)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_two_faces_on_one_line_are_one_at_their_joint(turned: bool, mirrored: bool) -> None:
+    five = Fraction(5)
+    for e, end in (("1/2", 3), ("1/5", Fraction(3, 2))):
+        run = ExactEngine().run(above_a_joint(e, turned, mirrored, five))
+        assert run.stop.reason is StopReason.ACCUMULATION
+        assert run.ending is not None
+        assert run.ending.text() == str(end)
+        times = [Fraction(event.time.text()) for event in run.events]
+        assert times == [end - 2 * Fraction(e) ** (k + 1) / (1 - Fraction(e)) for k in range(len(times))]
+    for scene, many in (
+        (above_a_joint("0", turned, mirrored, five), 1),
+        (above_a_joint("0", turned, mirrored, five, "1/3"), 1),
+        (above_a_joint("0", turned, mirrored, Fraction(0), settle=True), 0),
+    ):
+        run = ExactEngine().run(scene)
+        assert run.stop.reason is StopReason.REST
+        assert len(run.events) == many
+    assert len(ExactEngine().run(above_a_joint("1", turned, mirrored, five)).events) == 15
+
+
+def test_where_two_faces_are_not_on_one_line_nothing_rests_on_both() -> None:
+    scene = above_a_joint("0", False, False, Fraction(5))
+    for low in ("-1/10**9", "-1"):
+        bars = [scene.segments[0], Segment(0, 0, 4, low, id="right")]
+        assert ExactEngine().run(scene.with_changes(segments=bars)).stop.reason is StopReason.UNDECIDED
+
+
+def test_bounces_on_a_joint_end_by_proof_alone() -> None:
+    scene = above_a_joint("1/2", False, False, Fraction(5))
+    near = Circle("2", "1 + 1/10**8", fixed=True, id="near")
+    run = ExactEngine().run(scene.with_changes(circles=[*scene.circles, near]))
+    assert run.stop.reason is not StopReason.ACCUMULATION
