@@ -246,9 +246,9 @@ class InFractions:
             return None
         sooner = isinstance(question, Sooner)
         moments = (question.first, question.second) if sooner else (question.moment,)
-        if any(moment.graze or not self._is_exact(moment.link) for moment in moments):
+        if not all(self._is_exact(moment.link) for moment in moments):
             return None
-        found = [known for moment in moments if (known := exact_moment(field, moment.link)) is not None]
+        found = [known for moment in moments if (known := exact_moment(field, moment.link, moment.graze)) is not None]
         if not sooner and question.time is not None and (time := question.time.rational) is not None:
             found.append(ExactMoment(fmpq_poly([-time, 1]), time - 1, time + 1))
         if len(found) < 2:

@@ -31,6 +31,7 @@ from .round_falls import (
     falling_zero,
     falling_zero_exactly,
     falling_zero_in_balls,
+    first_zero_exactly,
     halved,
     horner,
     horner_slope,
@@ -486,14 +487,22 @@ def face_gone_onto(state: Flights[FieldNumber], link: Round) -> int | None:
     return None
 
 
-def exact_moment(state: Flights[FieldNumber], link: Link) -> ExactMoment | None:
+def exact_moment(state: Flights[FieldNumber], link: Link, graze: bool = False) -> ExactMoment | None:
     """When a contact that is certain to come does, as a zero of a polynomial of fractions; None where it is none.
 
-    Of part of an arc, where that need not be the first zero, nothing is said.
+    Of part of an arc, where that need not be the first zero, nothing is said; nor of a graze that is not the only one.
     """
     if not is_flat(link) and is_arc(link) and not state.scene.arc_sides[link.arc].full:
         return None
     known = gap_in_fractions(state, link)
+    if known is not None and graze:
+        (clock, c), back = known, fmpq_poly([-known[0], 1])
+        if len(double_zeros_exactly(c)) != 1:
+            return None
+        factors = fmpq_poly(c).numer().factor()[1]
+        twice = next(f for f, n in ((fmpq_poly(f), n) for f, n in factors) if n % 2 == 0 and first_zero_exactly(f))
+        low, high = first_zero_exactly(twice) or (clock, clock)
+        return ExactMoment(twice(back), low + clock, high + clock)
     found = False if known is None else falling_zero_exactly(known[1])
     if known is None or isinstance(found, bool):
         return None

@@ -353,3 +353,22 @@ def test_bounces_on_a_joint_end_by_proof_alone() -> None:
     near = Circle("2", "1 + 1/10**8", fixed=True, id="near")
     run = ExactEngine().run(scene.with_changes(circles=[*scene.circles, near]))
     assert run.stop.reason is not StopReason.ACCUMULATION
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("beside", ["peg", "end"])
+@pytest.mark.parametrize(("e", "second"), [("0", None), ("1/2", 2), ("9/10", Fraction(14, 5)), ("1", 3)])
+def test_what_lands_as_it_grazes_what_is_beside_it_goes_on_as_if_alone(
+    e: str, second: Fraction | None, beside: str, mirrored: bool
+) -> None:
+    side = -1 if mirrored else 1
+    floor, disc = Wall(0, 0, 1, 0, id="floor"), Circle(0, 6, id="disc")
+    peg = Circle(2 * side, 1, fixed=True, id="peg")
+    bars = [Segment(side, 1, 5 * side, 1, id="bar")]
+    scene = Scene(
+        [disc, peg] if beside == "peg" else [disc], [floor], gravity=(0, -10), restitution=e, events=2, until=9
+    )
+    run = ExactEngine().run(scene if beside == "peg" else scene.with_changes(segments=bars))
+    assert [event.time.text() for event in run.events] == (["1"] if second is None else ["1", str(second)])
+    assert {tuple(pair) for event in run.events for pair in event.impulses} == {("disc", "floor")}
+    assert run.stop.reason is (StopReason.REST if second is None else StopReason.EVENTS)
