@@ -452,7 +452,8 @@ def begins_at(face: Wall, end: Circle) -> bool:
 def joints_at(scene: Scene, end: int) -> list[tuple[int, int]]:
     """The pairs of faces on one line of which one ends, and the other begins, at an end that stands."""
     there, walls = scene.circles[end], scene.walls
-    near = [] if scene.moving_ends else [k for k in scene.faces if begins_at(walls[k], there)]
+    faces: range = scene.faces
+    near = [k for k in faces if not scene.moving_ends and begins_at(walls[k], there)]
     found: list[tuple[int, int]] = []
     for one, other in combinations(near, 2):
         (nx, ny), (mx, my) = walls[one].normal, walls[other].normal
