@@ -34,7 +34,7 @@ from .laboratory import decisions
 if TYPE_CHECKING:
     from ...scenarios.arcs import ArcSide
     from ...scenarios.engine import Engine
-    from ...scenarios.things import Arc, Circle, Pocket, Wall
+    from ...scenarios.things import Wall
     from ...scenarios.trajectory import OnProgress, Trajectory
     from ..alignment.align import Alignment
     from ..candidate import Candidate
