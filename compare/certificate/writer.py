@@ -282,7 +282,7 @@ def plain_certificate(trajectory: Trajectory) -> dict[str, Any] | None:
     """
     _check_certifiable(trajectory)
     others = trajectory.pocketings or trajectory.settlings or trajectory.reversal
-    if others or len(trajectory.events) > PLAIN or trajectory.plan.get("precision raised"):
+    if others or len(trajectory.events) > PLAIN or int(trajectory.plan["bits"]) > FIRST_BITS:
         return None
     if any(len(event.contacts) > 1 for event in trajectory.events):
         return None

@@ -41,10 +41,6 @@ from .filtered import FilteredPredictor
 FIRST_BITS = 256
 """Precision of the state at first: four words, twice the quick one, so the first rise comes late."""
 
-TWICE = range(150, 401)
-"""Events of runs that begin with twice these bits: of `FIRST_BITS` they need a little more, and would be carried out
-twice. Gases of 200 to 400 events take 1.2 to 1.35 times as long without; of 1,000, which rise anyway, .9 times."""
-
 SAFE_BITS = 96
 """When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
 results should round to doubles without another look."""
@@ -337,7 +333,11 @@ class CertifiedMeetings:
             if not self._misses(link):
                 self._overlap(link)
             return
-        self._push(link, None if None in feet else 1)
+        ball.use_bits(self._state.bits)
+        if None in feet:
+            doubtful(link)
+        else:
+            self.predictor.push(self._meeting(link, 1), link)
 
     def _lets_by(self, link: Link, gap: int) -> bool:
         """Whether a wall is of a kind that does not meet what is at it, or behind it."""
@@ -377,7 +377,8 @@ class CertifiedMeetings:
         if is_flat(link) and self._pull(link) < 0:
             if self._sign(Gap(link)) == -1:
                 self._overlap(link)
-            return self._push(link, 1)
+            self.predictor.push(self._meeting(link, 1), link)
+            return
         if is_flat(link) and link.wall in self.predictor.faces:
             return self._unsure_face(link)
         if is_arc(link):
@@ -565,8 +566,7 @@ class CertifiedDecider:
 
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
         self.scene = scene
-        first = 2 * FIRST_BITS if limits.events in TWICE and max_bits >= 2 * FIRST_BITS else FIRST_BITS
-        self.state = RefinableState(scene, first)
+        self.state = RefinableState(scene, FIRST_BITS)
         self.history: History[Known] = History(PackedRecords(), steps=self.state.steps, row=PackedKnots)
         self.bodies = self.state.bodies
         self.queue = ArrivalQueue(self.bodies)

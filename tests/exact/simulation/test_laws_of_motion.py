@@ -20,7 +20,7 @@ from truebreak.exact.certified import certified_decider as decider
 from truebreak.exact.certified import filtered as filtered_prediction
 from truebreak.exact.replay import refinable as live
 from truebreak.floating import DoubleEngine, IntervalEngine
-from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
 F = Fraction
 ONE = F(1)
@@ -254,15 +254,6 @@ def test_the_precision_that_a_run_starts_with_does_not_matter(seed, monkeypatch)
             monkeypatch.setattr(module, "QUICK_BITS", quick)
         seen.append(fingerprint(ExactEngine().run(scene, events=150)))
     assert all(one == other for one, other in pairwise(seen))
-
-
-@pytest.mark.parametrize("name", ["gas", "gas-under-gravity", "falling-line"])
-def test_a_run_of_some_hundred_events_is_not_carried_out_twice(name):
-    scene = catalogue.build(name)
-    for events, bits in ((200, 512), (100, 256)):
-        plan = ExactEngine().run(scene, events=events).plan
-        assert (plan["bits"], plan.get("precision raised", 0)) == (bits, 0)
-    assert ExactEngine(max_bits=300).run(scene, events=200).plan["bits"] == 256
 
 
 @pytest.mark.parametrize("seed", range(6))
