@@ -520,9 +520,14 @@ def _coarse(found: Found, first: tuple[Difference, ...], coarse: LogDigits) -> A
             "that is logged, and was the same to all digits before"
         )  # fmt: skip
     log = "the logs have" if coarse.side is None else f"{(found.a, found.b)[coarse.side].name} has"
-    return Finding.OPEN, onset, (
-        f"{log} {coarse.words}, so that nothing is seen of a difference before it is {last:.0e}: log 17 digits"
-    )  # fmt: skip
+    short = coarse.digits is not None or coarse.decimals is not None
+    what = (
+        "log 17 digits"
+        if short
+        else "log all bits, if its engine has more; if not, the two compute in different numbers"
+    )
+    told = f"{log} {coarse.words}, so that nothing is seen of a difference before it is {last:.0e}: {what}"
+    return Finding.OPEN, onset, told
 
 
 COARSE = 2.0**12

@@ -508,3 +508,17 @@ def test_one_state_that_differs_and_nothing_after_it_is_no_other_start(compared:
     first[0] += 1e-3
     found = compared(log_of(run), lines)
     assert found.verdict.name is Finding.OPEN and "from the next record on" in found.line, found.line
+
+
+def test_a_log_of_an_engine_in_single_is_not_told_to_log_more_digits(compared: Any) -> None:
+    """Its numbers are not those of the other, rounded."""
+    told = drift()
+
+    def single(value: float) -> float:
+        return struct.unpack("f", struct.pack("f", value * (1 + 2.0**-19)))[0]
+
+    other = [{**line, "states": {i: [*map(single, v)] for i, v in line["states"].items()}} for line in told]
+    why = compared(told, other).verdict.why
+    assert "numbers of 24 bits" in why
+    assert "17 digits" not in why
+    assert "the two compute in different numbers" in why
