@@ -243,8 +243,9 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
         digits: decimals after the point of the times and of the final state.
 
     Raises:
-        CertificateError: for a run of another engine, one that rests on an assumption or in which a circle slides down
-            a slope, a scene whose numbers need too many roots, or a zero for which no witness is found.
+        CertificateError: for a run of another engine, one that rests on an assumption, in which a circle slides down
+            a slope or that ends amid infinitely many bounces, a scene whose numbers need too many roots, or a zero for
+            which no witness is found.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -329,11 +330,15 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         )
     if ENDS in trajectory.stop.message:
         raise CertificateError("a circle slides along a face, to its end: certificates do not tell that yet")
-    for rest in trajectory.settlings:
-        if rest.since is not None and rest.time.ball(ORDER) > trajectory.final_time.ball(ORDER):
+    motion = motion_of(trajectory)
+    for since, time in motion.ends.values() if motion else ():
+        if since.instant != _last(trajectory) and not motion.reaches(time):
+            step = motion.log.steps[time.upto - 1]
+            assert isinstance(step, Settle)
+            rest = step.told(motion.log.scene, time, since)
             raise CertificateError(
-                f"{rest.circle} bounces on {rest.wall} infinitely often until {float(rest.time):.9g}, and the run ends "
-                "amid that: certificates do not tell where it is then"
+                f"{rest.circle} bounces infinitely often {rest.where} until {float(time):.9g}, and the run ends amid "
+                "that: certificates do not tell where it is then"
             )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
@@ -608,6 +613,8 @@ def instants(
         for step in settled:
             walls = (step.wall, step.other) if step.other >= 0 else (step.wall,)
             on = [[step.body, number_of[places_of(scene, AtWall(step.body, wall))[1]]] for wall in sorted(walls)]
+            if step.bounces and (number, step.body) not in stilled:  # with this bounce the run ends
+                continue
             if step.bounces:
                 bounces += on
                 calm.append((stilled[number, step.body], on))
@@ -630,6 +637,11 @@ def instants(
         if not (met[k] or found[k]["enter"]):
             found[k]["settle"] += on
     return found, met, when
+
+
+def _last(trajectory: Trajectory) -> int | None:
+    """The number of the instant at which a run ends; None for an end that is no instant."""
+    return trajectory.final_time.instant if isinstance(trajectory.final_time, ExactValue) else None
 
 
 def _instant(time: Real) -> tuple[ExactValue, int]:

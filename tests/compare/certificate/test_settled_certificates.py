@@ -16,7 +16,7 @@ from certificate.forging import Told, refused_by_both, told
 from certificate.settle_forgeries import SETTLE_WAYS, by_hand, settled_runs, settled_samples
 from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import altered, refused
-from truebreak.compare.certificate import certificate_of
+from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.compare.report.schema import schema
 from truebreak.exact import ExactEngine
@@ -237,3 +237,17 @@ def test_a_run_that_ends_undecided_has_a_certificate_of_few_bits(tmp_path: Path)
     told = certificate_of(run)
     assert told["bits"] < 2**12
     both_verify([("few", told)], tmp_path)
+
+
+def test_a_run_that_ends_amid_infinitely_many_bounces_has_none(tmp_path: Path) -> None:
+    """One that ends with the first of them has one, as has one that ends after them."""
+    discs = [Circle(0, 6, id="a"), Circle("20 - 29999995/10000000", 100, vx=1, id="b")]
+    scene = Scene(discs, [FLOOR], segments=[Segment(21, 0, 21, 200, "side")], restitution="1/2", **LAW)
+    runs = {events: ExactEngine().run(scene, until=20, events=events) for events in (20, 21, 22, 23)}
+    first = runs[23].settlings[0].since
+    assert first is not None and runs[21].final_time.text() == first.text()
+    with pytest.raises(
+        CertificateError, match="a bounces infinitely often on floor until 3, and the run ends amid that"
+    ):
+        certificate_of(runs.pop(22))
+    both_verify([(str(events), certificate_of(run)) for events, run in runs.items()], tmp_path)
