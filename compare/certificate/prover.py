@@ -326,7 +326,8 @@ class Prover(Checker):
 
     def _left(self, c: Contact) -> bool:
         """Whether a contact was at gap zero on these flights, and does not come to it again."""
-        return c in self.parted and not self.again(c)
+        slides = self.pull and c[1] in self.faces and not self.slope(c)  # past an end, perhaps, and then it comes back
+        return c in self.parted and not (self.again(c) or slides)
 
     def _hits(self, c: Contact) -> bool:
         """Whether the gap of two falls through zero on their flights; few bits mostly tell."""

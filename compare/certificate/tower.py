@@ -344,16 +344,32 @@ def _depth(x: Lazy) -> int:
 
 
 def _compute(value: Lazy, done: list[Lazy]) -> None:
-    """Computes a number; what was computed on the way is listed."""
-    todo = [value]
+    """Computes a number; what was computed on the way is listed.
+
+    Raises:
+        Unsettled: where that takes what is no number here, or too much; but a product of zero takes no other factor.
+    """
+    todo, lost = [value], set[int]()
+    doubt: Unsettled | None = None
     while todo:
         now = todo[-1]
         if now.value is None:
-            parts = sorted(now.by[1:], key=_depth) if now.by[0] is mul else now.by[1:]
-            zero = now.by[0] is mul and _is_known_zero(parts[0])
-            if missing := [] if zero else [part for part in parts if part.value is None]:
-                todo += missing[:1] if now.by[0] is mul else missing
+            product = now.by[0] is mul
+            parts = sorted(now.by[1:], key=_depth) if product else now.by[1:]
+            zero = next((part for part in parts if product and _is_known_zero(part)), None)
+            missing = [] if zero else [part for part in parts if part.value is None]
+            left = [part for part in missing if id(part) not in lost]
+            if left and (product or len(left) == len(missing)):
+                todo.append(left[0 if product else -1])
                 continue
-            now.value = parts[0].value if zero else now.by[0](*(part.value for part in now.by[1:]))
-            done.append(now)
+            try:
+                if missing and doubt:
+                    raise doubt
+                now.value = zero.value if zero else now.by[0](*(part.value for part in now.by[1:]))
+                done.append(now)
+            except Unsettled as reason:
+                doubt = reason
+                lost.add(id(now))
         todo.pop()
+    if doubt and value.value is None:
+        raise doubt

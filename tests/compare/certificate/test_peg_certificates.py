@@ -28,7 +28,7 @@ from certificate.test_tampering import WAYS, altered, refused
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Arc, Circle, Scene, Segment, StopReason, Wall
+from truebreak.scenarios import Arc, Circle, Pocket, Scene, Segment, StopReason, Wall
 
 FLOOR, LOW = (Wall(-9, y, 9, y, id="floor") for y in (-8, -7))
 
@@ -285,3 +285,44 @@ def test_what_is_grazed_on_the_way_is_an_instant(how: str, tmp_path: Path) -> No
         path = tmp_path / "without.json"
         path.write_text(certificate_json(without), encoding="utf-8")
         assert by_python(path)[0] != 0
+
+
+FACE, DISC = Segment(0, -4, 0, 0, id="face"), Circle(1, "-1/2", vy=5, id="disc")
+HOLE = Pocket(1, -2, "1/2", id="hole")
+PAST = {  # what slides along an upright face, past its end, and is beside it again where something happens to it, and how often
+    "from beside it, thrice": (Scene([DISC], [Wall(0, -2, 1, -2)], segments=[FACE], gravity=(0, -10)), 3),
+    "from beyond it, twice": (
+        Scene([Circle(1, "1/2", id="disc")], [Wall(0, -2, 1, -2)], segments=[FACE], gravity=(0, -2)),
+        2,
+    ),
+    "struck by another": (Scene([DISC, Circle(6, "-1/2", vx=-3, vy=5)], segments=[FACE], gravity=(0, -10)), 1),
+    "taken at no exact time": (Scene([DISC], segments=[FACE], gravity=(0, -10), pockets=[HOLE], capture=True), 1),
+    "after a blow along it": (
+        Scene([DISC, Circle(1, 5)], segments=[FACE], gravity=(0, -2), pockets=[HOLE], capture=True),
+        1,
+    ),
+}
+
+
+@needs_node
+@pytest.mark.parametrize("how", PAST)
+def test_what_slides_past_an_end_and_back_touches_the_face(how: str, tmp_path: Path) -> None:
+    scene, times = PAST[how]
+    told = certificate_of(ExactEngine().run(scene, until=4))
+    face = len(scene.circles) + 2 + len(scene.walls)
+    listed = [entry for entry in told["instants"][1:] if any(j == face + 1 for _, j in entry.get("met", ()))]
+    assert len(listed) == times
+    both_verify([("past", told)], tmp_path)
+    for entry in listed:
+        entry["met"] = [c for c in entry["met"] if c[1] != face + 1]
+        path = tmp_path / "without.json"
+        path.write_text(certificate_json(told), encoding="utf-8")
+        assert by_python(path)[0] != 0
+
+
+@needs_node
+def test_what_flies_along_a_face_after_a_blow_is_apart_from_it(tmp_path: Path) -> None:
+    """Its speed across the face is zero, which is not told: it is apart from the face before and after, and so between."""
+    discs = [Circle(1, 4, vy=3), Circle(4, 3, vx=-3, vy=4)]
+    scene = Scene(discs, [Wall(0, -8, 1, -8)], segments=[Segment(0, -3, 0, 0)], gravity=(0, -10))
+    both_verify([("apart", certificate_of(ExactEngine().run(scene, until=12, events=3)))], tmp_path)
