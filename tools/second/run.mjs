@@ -237,7 +237,7 @@ export class Run {
     if (disc < 0 && !again) return;
     if (hollow) { // the gap is concave: it falls after now, or fell before the start
       if (gapNow > 0 || closingNow > 0 || (gap < 0 && closing <= 0)) return;
-    } else if (gap < 0 || closing > 0 || (gapNow > 0 && closingNow < 0)) return; // convex
+    } else if (gap < 0 || closing > 0 || (gapNow > 0 && (closingNow < 0 || (slope === 0 && gap > 0)))) return; // convex, or straight
     else if (closing === 0 && (gap > 0 || slope !== 0)) return;
     const zero = again ? closing > 0 : disc > 0; // it falls once; where is that?
     const reads = zero ? [0, 1].slice(c.face ? 0 : 1).map(k => this.sign((A, w) => this.falling(c, A, w, again, k))) : [undefined];
