@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from fractions import Fraction
 from itertools import pairwise
 from math import frexp, inf, isfinite, ldexp
 from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias
@@ -435,6 +434,8 @@ def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
 
 def fraction_at_which_it_falls(c: Sequence[Any]) -> tuple[fmpq, int, fmpq] | None:
     """As `falling_in_square_roots`, of a polynomial of any numbers, positive at 0: where it is a fraction."""
+    from fractions import Fraction  # here, as a short run needs none
+
     with precision(SQUARE_BITS):
         balls = [known_ball(value, SQUARE_BITS) for value in c]
         zero = falling_zero_in_balls(balls)

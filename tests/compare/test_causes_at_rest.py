@@ -49,7 +49,7 @@ def test_input_rounding_is_named_by_a_run() -> None:
     found = parted(47, "rounded:bits=12")
     assert names(found) == ["input rounding"]
     assert found.diagnosis is not None
-    assert "the exact law on the scene in numbers of 12 bits decides as rounded does" in found.diagnosis.finding
+    assert "the exact law on the scene in numbers of 12 bits decides as rounded:bits=12 does" in found.diagnosis.finding
     assert not refute(settled(47), engine("rounded:bits=12"), found)
 
 
