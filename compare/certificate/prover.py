@@ -13,12 +13,14 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from typing import Any, NamedTuple, NoReturn, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 from flint import fmpq, fmpq_poly
 
 from ...exact.exact_motion import ExactValue
 from ...exact.replay.landings import double_zeros_exactly
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
 from ...tools.verify import (
     FEW,
     Arching,
@@ -38,7 +40,7 @@ from ...tools.verify import (
     value,
 )
 from .isometries import Contact, Isometries
-from .tower import ONE, Exact, Lazy, computed, is_zero, lazy_text, text_of
+from .tower import ONE, Exact, Lazy, computed, exact_number, is_zero, lazy_text, text_of
 
 T = TypeVar("T")
 
@@ -107,18 +109,18 @@ class Remembering(Space):
 
 
 class Recorded(Remembering):
-    """A world of such numbers that keeps the impulses of its rounds, by instants."""
+    """A world of such numbers that keeps the impulses of its rounds, by instants; `near`: as the prover's times."""
 
-    def __init__(self, *args: Any) -> None:
+    def __init__(self, near: Mapping[int, ExactValue], *args: Any) -> None:
         super().__init__(*args)
+        self.near = near
         self.struck: dict[int, list[list[Lazy]]] = {}
 
     def drop(self, c: Contact, again: Any, near: str) -> Lazy:
-        """No exact number, as a zero of a quartic is none, but of what falls straight onto the middle of a circle."""
+        """A zero of a quartic: of what falls straight onto the middle of a circle, or one that the run has closed."""
         m: Any = self.meeting(c, start := self.start(c))
-        if type(m) is not Dropping:
-            return Lazy(None, _unknown)
-        return cast(Lazy, self.times[start]) + Lazy(None, _axial, *m.d, *m.v, *m.bend, m.reach)
+        parts = self.times[start], *m.d, *m.v, *m.bend, m.reach, *m.row
+        return Lazy(None, partial(_fallen, self.near.get(len(self.times)), type(m) is Dropping), *parts)
 
     def blow(self, age: int, push: Any, coming: Any, s: Any) -> Any:
         """As in any world."""
@@ -171,7 +173,7 @@ class Prover(Checker):
         self.likely = Isometries(self.things_exact, self.n, self.faces, self.arcs, drift, down)
         told = self.form
         of = (told.sides, told.limits, self.laws)
-        self.form = Recorded(self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
+        self.form = Recorded(times, self.n, self.things, *of, lambda form: Lazy(Exact.of(form)))
         balls = Remembering(self.n, self.things, *of, enclosed)
         self.few = few = copy(balls)  # reads the same with few bits
         few.bits, few.met = min(FEW, int(self.told["bits"])), {}
@@ -318,8 +320,8 @@ class Prover(Checker):
                     todo += sorted(more)
         if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
             self._try_all(entry)
-        pushed = {(push[0], push[1]) for pushes in entry["rounds"] for push in pushes}
-        if missing := pushed - self.met.keys() - self.lasting.keys():
+        needed = {(push[0], push[1]) for pushes in (*entry["rounds"], entry["enter"]) for push in pushes}
+        if missing := needed - self.met.keys() - self.lasting.keys():
             raise Unsettled(f"whether {min(missing)} meet at it")
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
@@ -523,22 +525,27 @@ def decimal_text(part: int, bits: int, digits: int) -> str:
     return f"{'-' if nearest < 0 else ''}{whole}.{rest:0{digits}d}"
 
 
-def _axial(dx: Exact, dy: Exact, vx: Exact, vy: Exact, hx: Exact, hy: Exact, reach: Exact) -> Exact:
-    """How long what falls straight onto the middle of a circle takes: |d + v s + h s^2| = R, of second degree there."""
-    if dx * hy - dy * hx or vx * hy - vy * hx or not (along := dx * hx + dy * hy):
-        _unknown()
-    square, speed = hx * hx + hy * hy, vx * hx + vy * hy
-    gap, approach, half = along - reach * square.sqrt(), speed, square
-    if along.sign() < 0:
-        gap, approach, half = -along - reach * square.sqrt(), -speed, -square
-    root = (approach * approach - TWO * TWO * half * gap).sqrt()
-    if half.sign() > 0 <= approach.sign():
-        _unknown()
-    return (-approach - root) / (half + half)
-
-
-def _unknown() -> NoReturn:
-    raise Unsettled("a zero of a quartic is no exact number here")
+def _fallen(said: ExactValue | None, straight: bool, start: Exact, *numbers: Exact) -> Exact:
+    """When what falls meets what stands: |d + v s + h s^2| = R, of second degree along a line; or as the run says."""
+    dx, dy, vx, vy, hx, hy, reach, *row = numbers
+    along = dx * hx + dy * hy
+    if straight and along and not (dx * hy - dy * hx or vx * hy - vy * hx):
+        square, speed = hx * hx + hy * hy, vx * hx + vy * hy
+        gap, approach, half = along - reach * square.sqrt(), speed, square
+        if along.sign() < 0:
+            gap, approach, half = -along - reach * square.sqrt(), -speed, -square
+        if half.sign() < 0 or approach.sign() < 0:
+            root = (approach * approach - TWO * TWO * half * gap).sqrt()
+            return start + (-approach - root) / (half + half)
+    if said is None or (closed := said.exact()) is None:
+        raise Unsettled("a zero of a quartic is no exact number here")
+    try:
+        time = exact_number(Quantity.of(closed.text()))
+    except SceneError as fault:
+        raise Unsettled(str(fault)) from None
+    if value(row, time - start):
+        raise Unsettled("another zero")
+    return time
 
 
 def _beside(prover: Prover, c: Contact) -> bool:

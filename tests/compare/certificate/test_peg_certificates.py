@@ -25,9 +25,10 @@ from certificate.peg_samples import (
 )
 from certificate.test_conditions import completed, lax, lax_second
 from certificate.test_tampering import WAYS, altered, refused
-from truebreak.compare.certificate import certificate_json, certificate_of
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
+from truebreak.exact.exact_motion import ExactValue
 from truebreak.scenarios import Arc, Circle, Pocket, Scene, Segment, StopReason, Wall
 
 FLOOR, LOW = (Wall(-9, y, 9, y, id="floor") for y in (-8, -7))
@@ -326,3 +327,37 @@ def test_what_flies_along_a_face_after_a_blow_is_apart_from_it(tmp_path: Path) -
     discs = [Circle(1, 4, vy=3), Circle(4, 3, vx=-3, vy=4)]
     scene = Scene(discs, [Wall(0, -8, 1, -8)], segments=[Segment(0, -3, 0, 0)], gravity=(0, -10))
     both_verify([("apart", certificate_of(ExactEngine().run(scene, until=12, events=3)))], tmp_path)
+
+
+FIRST, SECOND = Pocket(0, 2, 2, id="first"), Pocket("12/13", "5/13", 1, id="second")
+ENTERS = Circle(-2, -22, vx=1, vy=21)
+THIRD = Pocket("3/5", "4/5", 1, id="third")
+RIMS = {  # of what a centre enters two rims at once or three, when, how many
+    "captured": (Scene([ENTERS], pockets=[FIRST, SECOND], capture=True, gravity=(0, -10)), "2", 2),
+    "passing through": (Scene([ENTERS], pockets=[FIRST, SECOND], gravity=(0, -10)), "2", 2),
+    "three": (Scene([ENTERS], pockets=[FIRST, THIRD, SECOND], capture=True, gravity=(0, -10)), "2", 3),
+    "at a root": (
+        Scene([Circle(0, 10)], pockets=[Pocket("3/5", "-4/5", 1), Pocket("4/5", "-3/5", 1)], gravity=(0, -10)),
+        "1*r1",
+        2,
+    ),
+}
+
+
+@needs_node
+@pytest.mark.parametrize("how", RIMS)
+def test_a_centre_enters_several_rims_at_once(how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run knows when that is; where it does not, that is said."""
+    scene, time, rims = RIMS[how]
+    run = ExactEngine().run(scene, until=4)
+    told = certificate_of(run)
+    entered = next(entry for entry in told["instants"] if len(entry.get("enter", ())) > 1)
+    assert (entered["exact"], len(entered["enter"])) == (time, rims)
+    both_verify([("rims", told)], tmp_path)
+    entered["enter"].pop()
+    path = tmp_path / "without.json"
+    path.write_text(certificate_json(told), encoding="utf-8")
+    assert by_python(path)[0] == 1
+    monkeypatch.setattr(ExactValue, "exact", lambda _: None)
+    with pytest.raises(CertificateError, match="meet at it"):
+        certificate_of(run)
