@@ -434,7 +434,7 @@ def halved(poly: fmpq_poly, low: fmpq, high: fmpq) -> tuple[fmpq, fmpq]:
 
 def fraction_at_which_it_falls(c: Sequence[Any]) -> tuple[fmpq, int, fmpq] | None:
     """As `falling_in_square_roots`, of a polynomial of any numbers, positive at 0: where it is a fraction."""
-    from fractions import Fraction  # here, as a short run needs none
+    from fractions import Fraction
 
     with precision(SQUARE_BITS):
         balls = [known_ball(value, SQUARE_BITS) for value in c]
