@@ -437,15 +437,14 @@ def fraction_at_which_it_falls(c: Sequence[Any]) -> tuple[fmpq, int, fmpq] | Non
     from fractions import Fraction
 
     with precision(SQUARE_BITS):
-        balls = [known_ball(value, SQUARE_BITS) for value in c]
-        zero = falling_zero_in_balls(balls)
+        zero = falling_zero_in_balls(balls := [known_ball(value, SQUARE_BITS) for value in c])
         if not isinstance(zero, Isolated):
             return None
         low, high = (fmpq(*end.as_integer_ratio()) if isinstance(end, float) else end for end in zero)
         near = sharpened(arb(low), arb(high), lambda t: horner(balls, t), lambda t: horner_slope(balls, t))
     mantissa, power = (0, 0) if near is None else map(int, near.mid().man_exp())
-    told = (Fraction(mantissa) * Fraction(2) ** power).limit_denominator(2 ** (SQUARE_BITS // 4))
-    at = fmpq(told.numerator, told.denominator)
+    told = (Fraction(mantissa) * Fraction(2) ** power).limit_denominator(2 ** (SQUARE_BITS // 4)).as_integer_ratio()
+    at = fmpq(*told)
     return (at, 0, fmpq(0)) if low < at < high and field_sign(horner(list(c), at)) == 0 else None
 
 
