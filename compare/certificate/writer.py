@@ -332,7 +332,7 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         raise CertificateError("a circle slides along a face, to its end: certificates do not tell that yet")
     motion = motion_of(trajectory)
     for since, time in motion.ends.values() if motion else ():
-        if since.instant != _last(trajectory) and not motion.reaches(time):
+        if motion and since.instant != _last(trajectory) and not motion.reaches(time):
             step = motion.log.steps[time.upto - 1]
             assert isinstance(step, Settle)
             rest = step.told(motion.log.scene, time, since)
