@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict, T
 from flint import arb
 
 from ...exact.certified.certified_decider import FIRST_BITS
-from ...exact.exact_motion import ExactValue, motion_of
+from ...exact.exact_motion import ExactMotion, ExactValue, motion_of
 from ...exact.replay.contact import AtWall, places_of
 from ...exact.replay.state import Kick, Leave, Lift, Settle, Step
 from ...exact.simulation.endings import ENDS
@@ -330,9 +330,17 @@ def _check_certifiable(trajectory: Trajectory) -> None:
         )
     if ENDS in trajectory.stop.message:
         raise CertificateError("a circle slides along a face, to its end: certificates do not tell that yet")
-    motion = motion_of(trajectory)
-    for since, time in motion.ends.values() if motion else ():
-        if motion and since.instant != _last(trajectory) and not motion.reaches(time):
+    if motion := motion_of(trajectory):
+        _check_end(motion)
+    if not trajectory.certified:
+        raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
+
+
+def _check_end(motion: ExactMotion) -> None:
+    """Refuses a run that ends amid infinitely many bounces, but with the first of them: that is one like any other."""
+    last = motion.end.instant if isinstance(motion.end, ExactValue) else None
+    for since, time in motion.ends.values():
+        if since.instant != last and not motion.reaches(time):
             step = motion.log.steps[time.upto - 1]
             assert isinstance(step, Settle)
             rest = step.told(motion.log.scene, time, since)
@@ -340,8 +348,6 @@ def _check_certifiable(trajectory: Trajectory) -> None:
                 f"{rest.circle} bounces infinitely often {rest.where} until {float(time):.9g}, and the run ends amid "
                 "that: certificates do not tell where it is then"
             )
-    if not trajectory.certified:
-        raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
 
 
 @contextmanager
@@ -637,11 +643,6 @@ def instants(
         if not (met[k] or found[k]["enter"]):
             found[k]["settle"] += on
     return found, met, when
-
-
-def _last(trajectory: Trajectory) -> int | None:
-    """The number of the instant at which a run ends; None for an end that is no instant."""
-    return trajectory.final_time.instant if isinstance(trajectory.final_time, ExactValue) else None
 
 
 def _instant(time: Real) -> tuple[ExactValue, int]:

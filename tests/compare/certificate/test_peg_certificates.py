@@ -289,7 +289,7 @@ def test_what_is_grazed_on_the_way_is_an_instant(how: str, tmp_path: Path) -> No
 
 
 FACE, DISC = Segment(0, -4, 0, 0, id="face"), Circle(1, "-1/2", vy=5, id="disc")
-HOLE = Pocket(1, -2, "1/2", id="hole")
+HOLE = Pocket("7/6", -2, "1/2", id="hole")
 PAST = {  # what slides along an upright face, past its end, and is beside it again where something happens to it, and how often
     "from beside it, thrice": (Scene([DISC], [Wall(0, -2, 1, -2)], segments=[FACE], gravity=(0, -10)), 3),
     "from beyond it, twice": (
