@@ -25,6 +25,7 @@ from ..replay.contact import (
     Body,
     Link,
     Pair,
+    Sides,
     Touch,
     can_push,
     contact_of,
@@ -607,15 +608,21 @@ def part_from_round(
 
 
 def _leads_on(decider: Decider[N, K], scene: Scene, link: Touch, faller: int) -> bool:
-    """Whether a circle at an end may go onto a face, or a side of an arc, that begins there, or has no normal."""
+    """Whether a circle at an end may go onto a face, or a side of an arc, that begins there, or has no normal.
+
+    Beside an end the face has the same normal, across which the circle does not move: where gravity pulls it away from
+    the face that gap grows by the pull alone.
+    """
     end = next((i for i in link.circles if i in scene.ends), None)
     if end is None:
         return False
     if (scene.circles[faller].r + scene.circles[end].r).sign() == 0:
         return True  # two points: there is no normal
-    faces = (AtWall(faller, k) for k in scene.faces if begins_at(scene.walls[k], scene.circles[end]))
-    sides = (AtArc(faller, k) for k in range(len(scene.arc_sides)))
-    return any(decider.ask(Gap(other)) == 0 for other in (*faces, *sides))
+    sides = Sides(scene)
+    found = (AtWall(faller, k) for k in scene.faces if begins_at(scene.walls[k], scene.circles[end]))
+    faces = (face for face in found if sides.pull(*face[:2]) <= 0)
+    arcs = (AtArc(faller, k) for k in range(len(scene.arc_sides)))
+    return any(decider.ask(Gap(other)) == 0 for other in (*faces, *arcs))
 
 
 def between_ends(scene: Scene, decider: Decider[N, K], lasting: Iterable[Touch], moment: Moment | None) -> list[Touch]:

@@ -487,3 +487,24 @@ def test_what_lies_beside_something_round_touches_it_on_while_others_bounce() ->
     assert hit.time.text() == "4"
     assert {frozenset(pair) for pair in hit.contacts} >= {frozenset(("lies", "blow")), frozenset(("lies", "peg"))}
     assert len(run.events) > 5
+
+
+@pytest.mark.parametrize("v", [-1, 0, 1])
+@pytest.mark.parametrize("corner", [False, True])
+@pytest.mark.parametrize(
+    ("u", "n"), [((1, 0), (0, -1)), (("3/5", "4/5"), ("4/5", "-3/5")), (("-4/5", "3/5"), ("-3/5", "-4/5"))]
+)
+def test_what_hangs_below_an_end_falls_off_it(u: tuple[Any, Any], n: tuple[Any, Any], corner: bool, v: int) -> None:
+    """It touches the end, from which a face begins, and gravity pulls it away from both: all of it ended undecided."""
+    (ux, uy), (nx, ny) = ([Quantity.of(part) for part in each] for each in (u, n))
+    ball = Circle(nx, ny, 1, vx=ux * v, vy=uy * v, id="ball")
+    far = [(ux * 2, uy * 2), (ux * 2 - nx, uy * 2 - ny), (-nx, -ny)]
+    bar = {"polygons": [Polygon([(0, 0), *far])]} if corner else {"segments": [Segment(0, 0, ux * 2, uy * 2)]}
+    floor = Wall(-9, -8, 9, -8, id="floor")
+    run, alone = (ExactEngine().run(Scene([ball], [floor], gravity=(0, -2), **things), until=4) for things in (bar, {}))
+    assert run.stop.reason is StopReason.HORIZON
+    assert [event.time.text() for event in run.events[:1]] == [event.time.text() for event in alone.events[:1]]
+    assert len(run.events) > 0
+    held = ExactEngine().run(Scene([ball], gravity=(0, 2), **bar), until=1)  # it is pressed onto the face
+    along = ExactEngine().run(Scene([ball], gravity=(ux * 2, uy * 2), **bar), until=1)  # it may go along the face
+    assert held.stop.reason is along.stop.reason is StopReason.UNDECIDED
