@@ -344,7 +344,8 @@ class Resolver(Generic[N, K]):
         if self.scene.gravity is not None:  # a parabola may leave, and enter again: it is looked at anew from here
             for link in found:
                 if link.circle not in done.moved and done.number > 0:
-                    self.decider.do(Go(link, (link.circle,)))
+                    if link.circle not in done.advanced:
+                        self.decider.do(Go(link, (link.circle,)))
                     done.moved.add(link.circle)
                     done.standing[link] = -1
         if self.scene.capture:
@@ -363,7 +364,7 @@ class Resolver(Generic[N, K]):
 
     def _capture(self, link: Entry, done: Resolved[K]) -> None:
         i = link.circle
-        if i not in done.moved and done.number > 0:
+        if i not in done.moved | done.advanced and done.number > 0:
             self.decider.do(Go(link, (i,)))
         self.decider.do(Take(i))
         self.leave(i, done)

@@ -20,7 +20,7 @@ from truebreak.exact.literal import symbolic_contacts, symbolic_engine
 from truebreak.exact.literal.symbolic_engine import SymbolicEngine
 from truebreak.exact.replay import landings, round_falls, state
 from truebreak.floating import DoubleEngine, PymunkEngine, QuadEngine, RoundedEngine, SingleEngine
-from truebreak.scenarios import Arc, Circle, Quantity, Scene, SceneError, Segment, Trajectory, Wall, catalogue
+from truebreak.scenarios import Arc, Circle, Pocket, Quantity, Scene, SceneError, Segment, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import NoClosedForm
 from truebreak.scenarios.trajectory import StopReason, TieProof
 
@@ -591,3 +591,15 @@ def test_a_board_of_more_pegs_costs_no_more_a_peg() -> None:
         ExactEngine().run(scene, events=1)  # what a scene keeps of itself
     few, many = (calls(lambda scene=scene: ExactEngine().run(scene, events=1)) for scene in (small, large))
     assert many / few < len(large.circles) / len(small.circles)
+
+
+@pytest.mark.parametrize("capture", [False, True])
+def test_what_enters_a_pocket_as_another_touches_it_is_at_the_instant_already(capture: bool) -> None:
+    """The other has come to a wall by then and is sent back: it pushes nothing. That ended as an internal error."""
+    discs = [Circle(1, -1, 1, id="ball"), Circle("13/4", -2, "1/4", vx=-1, vy=1, id="other")]
+    walls = [Wall(0, -3, 1, -3, id="floor"), Wall(2, 0, 2, 1, id="side")]
+    scene = Scene(discs, walls, pockets=[Pocket(1, "-5/2", 1, id="hole")], gravity=(0, -1), capture=capture)
+    run = ExactEngine().run(scene, until=2)
+    assert [(entry.circle, float(entry.time)) for entry in run.pocketings] == [("ball", 1.0)]
+    assert [tuple(pair) for pair in run.events[0].impulses] == [("other", "side")]
+    assert run.stop.reason is (StopReason.HORIZON if capture else StopReason.UNDECIDED)
