@@ -292,8 +292,8 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
         return Audit(False, "", measures.impacts, measures.flights, begun.missed, {}, unit, bounces=bounced)
     law = any(fit.kind in ("restitution", "mass", "friction") for fit in fits)
     if law:  # unless more iterations of its solver leave at most half of what its impulses miss
-        half, asked = defects(engine, measures).get("impulse", 0.0) / 2, {(): sum(map(len, measures.met.values()))}
-        law = _iterated(engine, run, unit, float(run.final_time), asked, "impulse", half) > half
+        half = defects(engine, measures).get("impulse", 0.0) / 2
+        law = _iterated(engine, run, unit, float(run.final_time), "impulse", half) > half
     unseen = transcript.fall is not None and not transcript.fall.step and 2 * transcript.fall.size * step
     if law and unseen and all(s.defect * s.speed <= unseen for s in measures.samples):
         told = f"its states do not say how it falls within a step, and 2 g dt, {unseen:.3g}, may be all that they miss"
@@ -326,14 +326,12 @@ def _described_steps(laws: Laws, measures: Measures, kinds: set[str]) -> list[Fi
     return descriptions(laws, samples, measures.drifts if "correction" in kinds else (), laws.scene.ids)
 
 
-def _iterated(
-    engine: Engine, run: Trajectory, unit: float, until: float, asked: Asked, kind: str, most: float
-) -> float:
-    """What is left of a kind of defect with up to 16 times the iterations; infinite without a run as far as `asked`."""
+def _iterated(engine: Engine, run: Trajectory, unit: float, until: float, kind: str, most: float) -> float:
+    """What is left of a kind of defect with up to 16 times the iterations; infinite without a run as far as that."""
     left, firmer, more = math.inf, firmer_of(engine), 4
     while more and left > most and firmer is not None and firmer.step is not None:
-        found = _defects_of(firmer, run, unit, until, asked, until * sum(WAITS))
-        left = found[0].get(kind, 0.0) if found is not None and found[1] else math.inf
+        found = _defects_of(firmer, run, unit, until, {}, until)
+        left = math.inf if found is None else found[0].get(kind, 0.0)
         firmer, more = firmer_of(firmer), more - 1
     return left
 
@@ -635,7 +633,7 @@ def series(engine: Engine, run: Trajectory, unit: float, measures: Measures) -> 
     judged = [_judged(kind, size, step, at, kind in known, kind in without) for kind, size in found.items()]
     for place, defect in enumerate(judged):
         asks, half = defect.kind in ("several", "impulse") and not defect.of_step, defect.size / 2
-        if asks and (left := _iterated(engine, run, unit, until, asked, defect.kind, half)) <= half:
+        if asks and (left := _iterated(engine, run, unit, until, defect.kind, half)) <= half:
             judged[place] = replace(defect, kind="iterations", finest=left, of_step=True)
     return [*integrator, *judged, *seen]
 
