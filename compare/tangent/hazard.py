@@ -464,6 +464,8 @@ def model_of(engine: Engine) -> tuple[ErrorModel, float] | None:
         return ErrorModel.STEPPED, log2(engine.step)
     if engine.bits is None:
         return None
+    if engine.rounds_input:  # which none of truebreak's own intervals does
+        return ErrorModel.ROUNDING, -float(engine.bits)
     from ...floating.interval import IntervalEngine  # here, since most have none
 
     return (ErrorModel.ENCLOSED if isinstance(engine, IntervalEngine) else ErrorModel.ROUNDING), -float(engine.bits)

@@ -142,8 +142,20 @@ def sources() -> dict[str, bytes]:
     return found
 
 
+def _without_type(line: ast.stmt) -> ast.stmt:
+    """A statement of a function without the type of what is set, which is never asked for."""
+    if not isinstance(line, ast.AnnAssign) or line.value is None:
+        return line
+    return ast.Assign([line.target], line.value, lineno=line.lineno)
+
+
+def _is_for_types(line: ast.stmt) -> bool:
+    """Whether a statement is only for what checks types: never true as a module runs."""
+    return isinstance(line, ast.If) and ast.unparse(line.test) == "TYPE_CHECKING" and not line.orelse
+
+
 def bare(source: str) -> bytes:
-    """A module without comments, docstrings and types of functions, of which nothing is asked there: half of its bytes.
+    """A module without comments, docstrings, types of functions and what is imported for types: half of its bytes.
 
     >>> bare('def f():\\n    "What it does."\\n    return 1  # one').decode()
     'def f():\\n    return 1'
@@ -159,7 +171,15 @@ def bare(source: str) -> bytes:
             body, list
         ):
             kept = [line for line in body if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))]
+            kept = [line for line in kept if not _is_for_types(line)]
             node.body = kept or [ast.Pass()]
+    for node in (
+        node for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)
+    ):
+        for name in () if isinstance(node, ast.ClassDef) else ("body", "orelse"):
+            body = getattr(node, name, None)
+            if isinstance(body, list):
+                setattr(node, name, [_without_type(line) for line in body])
     return ast.unparse(tree).encode()
 
 
