@@ -453,8 +453,7 @@ class ErrorModel(Enum):
 def model_of(engine: Engine) -> tuple[ErrorModel, float] | None:
     """The model of an engine, and log2 of its unit of error; None for one that has none: its numbers are exact.
 
-    By what it declares: a time step, or bits. Of enclosures are those of truebreak's own intervals alone: an engine
-    of floats that does not round its input rounds what it computes.
+    Floats that do not round their input round what they compute; only truebreak's own intervals enclose.
 
     >>> from truebreak.floating import DoubleEngine
     >>> model_of(DoubleEngine())

@@ -323,20 +323,6 @@ def test_a_run_that_ends_before_the_impact_is_evidence_of_nothing(patience: floa
     assert "iterations" not in {defect.kind for defect in found.defects}
 
 
-@pytest.mark.parametrize(("events", "until"), [(2, None), (None, 30)])
-def test_an_impact_that_comes_a_hair_later_is_looked_for_there(events: int | None, until: float | None) -> None:
-    """Of a run that ends with the impact, one with more iterations may not have it by then."""
-
-    class Later(PlantedSteps):
-        def firmer(self) -> PlantedSteps:
-            return Later(self.step * 63 / 64, strong=self.strong)
-
-    scene = Scene([Circle(-2, 0, vx=1, id="a"), Circle(2, "3/4", id="b")], [Wall(0, 6, 1, 6, id="top")])
-    chosen = Later(strong=("top", 1.1))
-    found = audit_run(chosen.run(scene, events=events, until=until), chosen)
-    assert found.kept is False, found.sentence
-
-
 def test_cells_find_the_passages_that_pairs_find() -> None:
     """Sixty circles, none of which collides in the run that is audited: every pair that passes is deep."""
     draw = random.Random(5)
