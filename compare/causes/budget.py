@@ -93,7 +93,7 @@ differences by 2**-60 are no derivatives."""
 CLOSED = 2.0**-40
 """Share of a displacement up to which an account is closed: what is left is of the enclosures."""
 
-LOST = "neither with that alone nor without it do the contacts that lead to the decision exist"
+LOST = "neither with only that nor without it do the contacts that lead to the decision exist"
 """Why it is not determined what steps that miss a law come to."""
 
 Group = tuple[CauseName, tuple[str, ...]]
@@ -368,7 +368,7 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     """A row where steps that miss a law lead to the divergence, and whether what they miss changes it.
 
     A step leads there through the circles that it moves and the contacts that these have from then on. Whether it
-    changes the decision is told by a continuation, in which these steps alone err; where the contacts that lead to the
+    changes the decision is told by a continuation, in which only these steps err; where the contacts that lead to the
     decision do not exist then, by one in which all others do.
     """
     laws = lab.candidate.laws
